@@ -1,0 +1,36 @@
+//! Distance from the camera: estimated from colour (Eq. 3), or given.
+//!
+//! Water takes red away first, so red against the stronger of green and blue tells how much water a
+//! pixel was seen through. [`Eq3`] is the paper's estimator; [`estimate`] runs it with our
+//! coefficients. [`DepthMap`] also holds depth from elsewhere, in metres.
+
+mod eq3;
+mod map;
+mod median;
+
+pub use eq3::Eq3;
+pub(crate) use map::LEVELS;
+pub use map::{DepthError, DepthKind, DepthMap};
+
+use crate::image::{Image, Sample};
+
+/// Estimates relative depth from colour: Eq. 3 with our coefficients, then the 7x7 median.
+///
+/// The result has 256 levels in `[0, 1]`, larger is farther. See [`Eq3`] for the equation, and for
+/// what to expect where red is dead: everything looks far.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{depth, image::Image};
+///
+/// // Left half red and near, right half blue and far.
+/// let row: Vec<u8> = (0..16).flat_map(|x| if x < 8 { [200, 40, 40] } else { [10, 90, 160] }).collect();
+/// let image = Image::<u8>::from_raw(16, 1, row)?;
+/// let z = depth::estimate(&image);
+/// assert!(z.at(2, 0) < 0.1 && z.at(13, 0) > 0.6);
+/// # Ok::<(), aquafuse::image::SizeError>(())
+/// ```
+pub fn estimate<T: Sample>(image: &Image<T>) -> DepthMap {
+    Eq3::default().estimate(image)
+}

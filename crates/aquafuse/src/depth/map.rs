@@ -1,0 +1,250 @@
+//! A depth map and what its numbers mean.
+
+use crate::image::{SizeError, check_size};
+
+/// Distance from the camera along the line of sight, `z`, one value a pixel.
+///
+/// **0 is at the camera, larger is farther.** Inverse depth and disparity run the other way: turn them
+/// round before they come here. Depth estimated from colour has 256 levels in `[0, 1]` and is kept as
+/// bytes; given depth is kept as floats in its own unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthMap {
+    width: usize,
+    height: usize,
+    kind: DepthKind,
+    values: Values,
+}
+
+/// What the numbers of a [`DepthMap`] are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+#[non_exhaustive]
+pub enum DepthKind {
+    /// In `[0, 1]`, without a unit and on its own scale in each picture.
+    Relative,
+    /// Metres.
+    Metres,
+}
+
+/// A depth map cannot be made from these values.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DepthError {
+    /// The buffer and the size disagree.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// A distance is negative, infinite or not a number.
+    #[error("depth at column {x}, row {y} is {value}; distances are finite and not negative")]
+    Value {
+        /// Column.
+        x: usize,
+        /// Row.
+        y: usize,
+        /// What stands there.
+        value: f32,
+    },
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Values {
+    /// z = level / 255.
+    Levels(Vec<u8>),
+    Floats(Vec<f32>),
+}
+
+/// Levels of depth estimated from colour; level 255 is z = 1.
+pub(crate) const LEVELS: usize = 256;
+
+/// z of a level.
+pub(crate) fn level_to_z(level: u8) -> f32 {
+    f32::from(level) / 255.0
+}
+
+impl DepthMap {
+    /// Relative depth from bytes: `z = level / 255`.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when a side is zero or the buffer has another length.
+    pub fn from_levels(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, SizeError> {
+        check_size(width, height, 1, levels.len())?;
+        Ok(Self { width, height, kind: DepthKind::Relative, values: Values::Levels(levels) })
+    }
+
+    /// Depth from distances in the unit that `kind` names.
+    ///
+    /// # Errors
+    ///
+    /// [`DepthError`] when the buffer has another length, or a value is negative or not finite.
+    pub fn from_distances(
+        width: usize,
+        height: usize,
+        kind: DepthKind,
+        distances: Vec<f32>,
+    ) -> Result<Self, DepthError> {
+        check_size(width, height, 1, distances.len())?;
+        if let Some(i) = distances.iter().position(|z| !(z.is_finite() && *z >= 0.0)) {
+            return Err(DepthError::Value { x: i % width, y: i / width, value: distances[i] });
+        }
+        Ok(Self { width, height, kind, values: Values::Floats(distances) })
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// What the numbers are.
+    pub fn kind(&self) -> DepthKind {
+        self.kind
+    }
+
+    /// The distance at column `x`, row `y`.
+    ///
+    /// # Panics
+    ///
+    /// When the place lies outside the map.
+    pub fn at(&self, x: usize, y: usize) -> f32 {
+        assert!(x < self.width && y < self.height, "({x}, {y}) lies outside {:?}", self.size());
+        let i = y * self.width + x;
+        match &self.values {
+            Values::Levels(levels) => level_to_z(levels[i]),
+            Values::Floats(distances) => distances[i],
+        }
+    }
+
+    /// The bytes of depth that has 256 levels; none for depth kept as floats.
+    pub fn levels(&self) -> Option<&[u8]> {
+        match &self.values {
+            Values::Levels(levels) => Some(levels),
+            Values::Floats(_) => None,
+        }
+    }
+
+    /// All distances, row by row from the top.
+    pub fn distances(&self) -> Vec<f32> {
+        match &self.values {
+            Values::Levels(levels) => levels.iter().map(|&level| level_to_z(level)).collect(),
+            Values::Floats(distances) => distances.clone(),
+        }
+    }
+
+    /// Checks that a picture of `size` can be seen through this map.
+    pub(crate) fn check_fits(&self, size: (usize, usize)) -> Result<(), SizeError> {
+        if size == self.size() { Ok(()) } else { Err(SizeError::Mismatch { left: size, right: self.size() }) }
+    }
+
+    /// Changes each pixel by what `law` says of its depth: the law is evaluated once a level where depth
+    /// has levels, once a pixel otherwise.
+    pub(crate) fn for_each_pixel<P, V: Copy>(
+        &self,
+        pixels: &mut [P],
+        law: impl Fn(f32) -> V,
+        mut change: impl FnMut(&mut P, V),
+    ) {
+        match &self.values {
+            Values::Levels(levels) => {
+                let table: [V; LEVELS] = std::array::from_fn(|level| law(level_to_z(level as u8)));
+                for (pixel, &level) in pixels.iter_mut().zip(levels) {
+                    change(pixel, table[usize::from(level)]);
+                }
+            }
+            Values::Floats(distances) => {
+                for (pixel, &z) in pixels.iter_mut().zip(distances) {
+                    change(pixel, law(z));
+                }
+            }
+        }
+    }
+
+    /// This map in 256 even steps, for estimators that count: the steps and z of one step.
+    pub(crate) fn quantised(&self) -> (std::borrow::Cow<'_, [u8]>, f32) {
+        match &self.values {
+            Values::Levels(levels) => (levels.into(), level_to_z(1)),
+            Values::Floats(distances) => {
+                let far = distances.iter().copied().fold(0.0, f32::max);
+                // A map of zeros has nothing to divide by; any step will do.
+                let step = if far > 0.0 { far / 255.0 } else { 1.0 };
+                (distances.iter().map(|z| (z / step + 0.5) as u8).collect(), step)
+            }
+        }
+    }
+
+    /// The distance that `share` of the pixels do not exceed.
+    ///
+    /// For depth kept as floats the answer is exact to 1/255 of the farthest distance.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::depth::DepthMap;
+    ///
+    /// let z = DepthMap::from_levels(4, 1, vec![0, 51, 102, 255])?;
+    /// assert_eq!(z.percentile(0.5), 51.0 / 255.0);
+    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// ```
+    pub fn percentile(&self, share: f32) -> f32 {
+        let (levels, step) = self.quantised();
+        let mut counts = [0_u64; LEVELS];
+        for &level in levels.iter() {
+            counts[usize::from(level)] += 1;
+        }
+        let wanted = (f64::from(share) * levels.len() as f64).ceil() as u64;
+        let mut seen = 0;
+        let level = counts.iter().position(|count| {
+            seen += count;
+            seen >= wanted
+        });
+        level.unwrap_or(LEVELS - 1) as f32 * step
+    }
+
+    /// The mean distance.
+    pub fn mean(&self) -> f32 {
+        let sum: f64 = match &self.values {
+            Values::Levels(levels) => levels.iter().map(|&l| u64::from(l)).sum::<u64>() as f64 / 255.0,
+            Values::Floats(distances) => distances.iter().copied().map(f64::from).sum(),
+        };
+        (sum / (self.width * self.height) as f64) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_distance_that_is_no_number_is_named_with_its_place() {
+        let error =
+            DepthMap::from_distances(2, 2, DepthKind::Metres, vec![0.0, 1.0, f32::NAN, 1.0]).unwrap_err();
+        assert!(error.to_string().starts_with("depth at column 0, row 1 is NaN"), "{error}");
+    }
+
+    #[test]
+    fn negative_distances_are_refused() {
+        assert!(DepthMap::from_distances(1, 1, DepthKind::Metres, vec![-0.5]).is_err());
+    }
+
+    #[test]
+    fn quantising_keeps_the_farthest_and_the_nearest() {
+        let z = DepthMap::from_distances(3, 1, DepthKind::Metres, vec![0.0, 5.0, 10.0]).unwrap();
+        let (levels, step) = z.quantised();
+        assert_eq!((levels[0], levels[2]), (0, 255));
+        assert!((step * 255.0 - 10.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_map_of_zeros_has_percentile_zero() {
+        let z = DepthMap::from_distances(2, 1, DepthKind::Metres, vec![0.0, 0.0]).unwrap();
+        assert_eq!(z.percentile(0.95), 0.0);
+    }
+}

@@ -1,0 +1,146 @@
+//! The 7x7 median of bytes as a network of minima and maxima, the same for every pixel.
+//!
+//! No branch depends on the data, so one run of the network filters [`LANES`] neighbouring pixels at once
+//! and the compiler turns each comparator into two vector instructions. Three steps:
+//!
+//! 1. sort each column of seven, once for all windows that share it;
+//! 2. in each window, sort the seven k-th values of its columns, for each k: now the 49 values ascend
+//!    along rows and columns, and all but 29 of them are too early or too late to be the median;
+//! 3. select the median of those by [`SELECT`].
+//!
+//! After M. D. Adams, "Fast median filters using separable sorting networks" (2021), whose first step this
+//! shares. Borders repeat the outermost pixel, as OpenCV's `medianBlur` does.
+
+/// Side of the window; the paper's choice. Smaller leaves specks in the depth, larger rounds off objects.
+const SIDE: usize = 7;
+const REACH: usize = SIDE / 2;
+
+/// Pixels filtered at once: two SSE2 or NEON registers, one of AVX2. The 49 live values of a window stay
+/// within a few kilobytes.
+const LANES: usize = 32;
+type Lanes = [u8; LANES];
+
+/// The best network known for seven values (16 comparators).
+const SORT_7: [(usize, usize); 16] = [
+    (0, 6),
+    (2, 3),
+    (4, 5),
+    (0, 2),
+    (1, 4),
+    (3, 6),
+    (0, 1),
+    (2, 5),
+    (3, 4),
+    (1, 2),
+    (4, 6),
+    (2, 3),
+    (4, 5),
+    (1, 2),
+    (3, 4),
+    (5, 6),
+];
+
+/// Brings the median of a window whose values ascend along rows and columns to [`MEDIAN`]; value k of
+/// column j stands at 7k + j. Found by pruning Batcher's merge sort of the 29 candidates in many orders:
+/// a comparator goes when none of the 3,432 ascending 0-1 windows needs it. The tests replay them all.
+#[rustfmt::skip]
+const SELECT: [(usize, usize); 74] = [
+    (10, 4), (16, 22), (28, 11), (42, 29), (17, 23), (18, 43), (25, 44), (10, 16), (4, 22), (42, 6),
+    (29, 13), (4, 16), (11, 30), (29, 6), (43, 25), (10, 28), (35, 5), (36, 12), (37, 19), (38, 20),
+    (42, 17), (29, 23), (6, 24), (13, 31), (16, 28), (22, 11), (37, 5), (38, 12), (6, 17), (13, 23),
+    (25, 26), (22, 28), (36, 37), (38, 5), (12, 19), (29, 6), (13, 17), (23, 24), (32, 20), (28, 35),
+    (11, 36), (30, 37), (32, 38), (17, 18), (23, 43), (24, 25), (30, 35), (32, 36), (37, 5), (38, 12),
+    (6, 17), (13, 23), (24, 18), (32, 35), (36, 37), (38, 5), (12, 19), (29, 6), (13, 17), (23, 24),
+    (35, 42), (36, 29), (37, 6), (38, 13), (5, 17), (12, 23), (19, 24), (32, 38), (5, 42), (12, 29),
+    (19, 6), (38, 12), (19, 42), (12, 19),
+];
+const MEDIAN: usize = 19;
+
+/// Median of the 7x7 neighbourhood of each of `width * height` bytes.
+pub(super) fn median_7x7(width: usize, height: usize, bytes: &[u8]) -> Vec<u8> {
+    let mut filtered = Vec::with_capacity(bytes.len());
+    let mut columns = SortedColumns::new(width);
+    for y in 0..height {
+        columns.sort_around(y, height, bytes);
+        for x in (0..width).step_by(LANES) {
+            let medians = columns.medians(x);
+            filtered.extend_from_slice(&medians[..LANES.min(width - x)]);
+        }
+    }
+    filtered
+}
+
+/// The columns of seven around one row, sorted: plane k holds every column's k-th smallest value.
+struct SortedColumns {
+    width: usize,
+    /// Each plane begins [`REACH`] places before column 0 and is long enough for whole lanes.
+    planes: [Vec<u8>; SIDE],
+}
+
+impl SortedColumns {
+    fn new(width: usize) -> Self {
+        let length = width.next_multiple_of(LANES) + 2 * REACH;
+        Self { width, planes: std::array::from_fn(|_| vec![0; length]) }
+    }
+
+    fn sort_around(&mut self, y: usize, height: usize, bytes: &[u8]) {
+        let width = self.width;
+        let rows: [&[u8]; SIDE] = std::array::from_fn(|k| {
+            let row = (y + k).saturating_sub(REACH).min(height - 1);
+            &bytes[row * width..][..width]
+        });
+        for x in (0..width).step_by(LANES) {
+            let mut values: [Lanes; SIDE] = std::array::from_fn(|k| load(rows[k], x));
+            for (low, high) in SORT_7 {
+                compare(&mut values, low, high);
+            }
+            for (plane, sorted) in self.planes.iter_mut().zip(&values) {
+                plane[REACH + x..][..LANES].copy_from_slice(sorted);
+            }
+        }
+        for plane in &mut self.planes {
+            let (first, last) = (plane[REACH], plane[REACH + width - 1]);
+            plane[..REACH].fill(first);
+            plane[REACH + width..].fill(last);
+        }
+    }
+
+    /// Medians of the windows centred at `x` and the lanes after it.
+    fn medians(&self, x: usize) -> Lanes {
+        let mut window = [[0; LANES]; SIDE * SIDE];
+        for (k, plane) in self.planes.iter().enumerate() {
+            let mut row: [Lanes; SIDE] = std::array::from_fn(|j| load(plane, x + j));
+            for (low, high) in SORT_7 {
+                compare(&mut row, low, high);
+            }
+            window[SIDE * k..][..SIDE].copy_from_slice(&row);
+        }
+        for (low, high) in SELECT {
+            compare(&mut window, low, high);
+        }
+        window[MEDIAN]
+    }
+}
+
+/// The lanes from `x` on; past the end of `values` they hold nothing that is kept.
+#[inline(always)]
+fn load(values: &[u8], x: usize) -> Lanes {
+    let mut lanes = [0; LANES];
+    let rest = &values[x..];
+    match rest.first_chunk() {
+        Some(whole) => lanes = *whole,
+        None => lanes[..rest.len()].copy_from_slice(rest),
+    }
+    lanes
+}
+
+/// Puts the smaller of two values at `low` and the larger at `high`, lane by lane.
+#[inline(always)]
+fn compare<const N: usize>(values: &mut [Lanes; N], low: usize, high: usize) {
+    let (a, b) = (values[low], values[high]);
+    values[low] = std::array::from_fn(|i| a[i].min(b[i]));
+    values[high] = std::array::from_fn(|i| a[i].max(b[i]));
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,115 @@
+//! The image formation model, forwards and back (Eq. 1 and 2).
+
+use crate::depth::DepthMap;
+use crate::image::{Encoding, Image, Sample, SizeError};
+use crate::waterbody::Waterbody;
+
+/// Puts a scene into water: what a camera sees of a clear image through `water`.
+///
+/// Evaluates Eq. 1, `U = I e^(-τ(z)) + B∞ (1 - e^(-β_B z))`, at every pixel. Picture and depth map share
+/// one size; the coefficients are per unit of the map's z. At z = 0 nothing changes; far away only the
+/// veiling light is left. The result is not clipped.
+///
+/// # Errors
+///
+/// [`SizeError`] when picture and depth map differ in size.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{depth::{DepthKind, DepthMap}, formation::form, image::Image};
+/// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
+///
+/// let clear: Image<f32> = Image::from_raw(2, 1, vec![0.8; 6])?;
+/// let z = DepthMap::from_distances(2, 1, DepthKind::Metres, vec![0.0, 10.0])?;
+/// let water = Waterbody {
+///     veiling_light: VeilingLight::new([0.1, 0.4, 0.5]),
+///     backscatter_coefficient: [0.2; 3],
+///     attenuation: [Attenuation::constant(0.2)?; 3],
+/// };
+/// let seen = form(&clear, &z, &water)?;
+/// assert_eq!(seen.pixels()[0], [0.8; 3]);
+/// let left = (-2.0_f32).exp();
+/// assert!((seen.pixels()[1][0] - (0.8 * left + 0.1 * (1.0 - left))).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn form<T: Sample, E: Encoding>(
+    clear: &Image<T, E>,
+    depth: &DepthMap,
+    water: &Waterbody<E>,
+) -> Result<Image<f32, E>, SizeError> {
+    depth.check_fits(clear.size())?;
+    let mut seen = clear.to_unit();
+    depth.for_each_pixel(
+        seen.pixels_mut(),
+        |z| (water.illumination(z), water.backscatter(z)),
+        |pixel, (illumination, backscatter)| {
+            for c in 0..3 {
+                pixel[c] = pixel[c] * illumination[c] + backscatter[c];
+            }
+        },
+    );
+    Ok(seen)
+}
+
+/// How far [`restore`] may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestoreOptions {
+    /// Bound on the gain e^τ, >= 1. Where light is all but gone, what is left is noise: 8 turns one byte's
+    /// step into three percent of the range, which still looks like grain and not like confetti.
+    pub max_gain: f32,
+}
+
+impl Default for RestoreOptions {
+    fn default() -> Self {
+        Self { max_gain: 8.0 }
+    }
+}
+
+/// Removes the water from a picture, giving the scene as if seen through air.
+///
+/// Evaluates Eq. 2, `I = (U - B) e^(τ(z))`, at every pixel, with the gain e^τ bounded. It undoes
+/// [`form`] wherever the bound does not act. The result is not clipped.
+///
+/// # Errors
+///
+/// [`SizeError`] when picture and depth map differ in size.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{depth::{DepthKind, DepthMap}, formation::{form, restore}, image::Image};
+/// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
+///
+/// let clear: Image<f32> = Image::from_raw(1, 1, vec![0.8, 0.5, 0.2])?;
+/// let z = DepthMap::from_distances(1, 1, DepthKind::Metres, vec![4.0])?;
+/// let water = Waterbody {
+///     veiling_light: VeilingLight::new([0.1, 0.4, 0.5]),
+///     backscatter_coefficient: [0.2; 3],
+///     attenuation: [Attenuation::constant(0.3)?; 3],
+/// };
+/// let restored = restore(&form(&clear, &z, &water)?, &z, &water, &Default::default())?;
+/// assert!((restored.pixels()[0][0] - 0.8).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn restore<T: Sample, E: Encoding>(
+    image: &Image<T, E>,
+    depth: &DepthMap,
+    water: &Waterbody<E>,
+    options: &RestoreOptions,
+) -> Result<Image<f32, E>, SizeError> {
+    depth.check_fits(image.size())?;
+    // A bound below 1 would darken; `max` also takes a NaN to the safe side.
+    let max_gain = options.max_gain.max(1.0);
+    let mut clear = image.to_unit();
+    depth.for_each_pixel(
+        clear.pixels_mut(),
+        |z| (water.illumination(z).map(|left| left.recip().min(max_gain)), water.backscatter(z)),
+        |pixel, (gain, backscatter)| {
+            for c in 0..3 {
+                pixel[c] = (pixel[c] - backscatter[c]) * gain[c];
+            }
+        },
+    );
+    Ok(clear)
+}

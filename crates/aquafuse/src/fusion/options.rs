@@ -1,0 +1,161 @@
+//! The choices fusion leaves to its user.
+
+/// Which part of the backscatter is exchanged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+#[non_exhaustive]
+pub enum Model {
+    /// The paper's: a veil over the middle distance, nothing at the camera nor in open water.
+    #[default]
+    Aquafuse,
+    /// The whole backscatter: open water takes the reference's colour.
+    Physical,
+}
+
+impl Model {
+    /// All models, in the order of the documentation.
+    pub const ALL: [Self; 2] = [Self::Aquafuse, Self::Physical];
+
+    /// The name used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aquafuse => "aquafuse",
+            Self::Physical => "physical",
+        }
+    }
+
+    /// Share of the veil difference that is added at depth factor `f` in `[0, 1]`.
+    pub(super) fn weight(self, f: f32) -> f32 {
+        match self {
+            Self::Aquafuse => f * (1.0 - f),
+            Self::Physical => 1.0 - f,
+        }
+    }
+}
+
+/// How to fuse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Which part of the backscatter is exchanged.
+    pub model: Model,
+    /// Incidence θ: 0° fuses most, 90° not at all.
+    pub incidence: Incidence,
+    /// Gain α on the reference's veiling light.
+    pub gain: Gain,
+}
+
+impl Options {
+    /// The defaults of a model: α = 1, and θ = 45° for [`Model::Aquafuse`] (the middle of the 30-60° the
+    /// paper finds natural), 0° for [`Model::Physical`] (the whole exchange).
+    pub fn for_model(model: Model) -> Self {
+        let degrees = match model {
+            Model::Aquafuse => 45.0,
+            Model::Physical => 0.0,
+        };
+        Self { model, incidence: Incidence { degrees }, gain: Gain::default() }
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self::for_model(Model::default())
+    }
+}
+
+/// A number that is no incidence, or no gain.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OptionError {
+    /// θ outside `[0, 90]`.
+    #[error("incidence θ is {degrees}°; it lies between 0° (most fusion) and 90° (none)")]
+    Incidence {
+        /// Degrees found.
+        degrees: f32,
+    },
+    /// α negative or not finite.
+    #[error("gain α is {gain}; it is a finite number, 0 or more")]
+    Gain {
+        /// Gain found.
+        gain: f32,
+    },
+}
+
+/// Angle θ of the light to the surface normal, in `[0°, 90°]`; its cosine scales the fusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incidence {
+    degrees: f32,
+}
+
+impl Incidence {
+    /// An angle in degrees.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionError::Incidence`] outside `[0, 90]`.
+    pub fn from_degrees(degrees: f32) -> Result<Self, OptionError> {
+        if (0.0..=90.0).contains(&degrees) {
+            Ok(Self { degrees })
+        } else {
+            Err(OptionError::Incidence { degrees })
+        }
+    }
+
+    /// The angle in degrees.
+    pub fn degrees(self) -> f32 {
+        self.degrees
+    }
+
+    /// cos θ, exactly 1 at 0° and exactly 0 at 90°.
+    pub fn cosine(self) -> f32 {
+        // The sine of the complement: the cosine of a rounded right angle would not be 0.
+        (90.0 - f64::from(self.degrees)).to_radians().sin() as f32
+    }
+}
+
+/// Gain α on the reference's veiling light, >= 0. The paper gives no value; 1 takes it as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain(f32);
+
+impl Gain {
+    /// A gain.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionError::Gain`] when it is negative or not finite.
+    pub fn new(gain: f32) -> Result<Self, OptionError> {
+        if gain.is_finite() && gain >= 0.0 { Ok(Self(gain)) } else { Err(OptionError::Gain { gain }) }
+    }
+
+    /// The number.
+    pub fn get(self) -> f32 {
+        self.0
+    }
+}
+
+impl Default for Gain {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cosine_is_exact_at_both_ends() {
+        let cosine = |degrees| Incidence::from_degrees(degrees).unwrap().cosine();
+        assert_eq!((cosine(0.0), cosine(90.0)), (1.0, 0.0));
+        assert!((cosine(60.0) - 0.5).abs() < 1e-7);
+    }
+
+    #[test]
+    fn angles_and_gains_outside_their_range_are_refused() {
+        for degrees in [-1.0, 90.1, f32::NAN] {
+            assert!(Incidence::from_degrees(degrees).is_err());
+        }
+        for gain in [-0.1, f32::INFINITY, f32::NAN] {
+            assert!(Gain::new(gain).is_err());
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Pictures in memory: rows of RGB samples whose encoding is part of their type.
+//!
+//! The paper works on the encoded (sRGB) values a camera writes, so [`Encoded`] is the default
+//! everywhere. Linear light is a named choice and another type: [`Image::to_linear`] is the only way
+//! there, and a picture of one encoding cannot meet the water of the other.
+
+mod encoding;
+mod sample;
+
+use std::marker::PhantomData;
+
+pub use encoding::{Encoded, Encoding, Linear};
+pub use sample::Sample;
+
+/// An RGB picture, rows from the top, three interleaved samples a pixel.
+///
+/// `T` is the stored sample ([`u8`], [`u16`] or [`f32`]) and `E` its encoding. Whatever `T` is, the
+/// physics reads colours in `[0, 1]`; see [`Sample`].
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::image::Image;
+///
+/// let image: Image<u8> = Image::from_raw(2, 1, vec![255, 0, 0, 0, 0, 255])?;
+/// assert_eq!(image.pixels()[1], [0, 0, 255]);
+/// # Ok::<(), aquafuse::image::SizeError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image<T, E: Encoding = Encoded> {
+    width: usize,
+    height: usize,
+    samples: Vec<T>,
+    encoding: PhantomData<E>,
+}
+
+/// The sizes of two things that belong together do not match.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SizeError {
+    /// A buffer does not hold exactly the values its width and height ask for.
+    #[error("{width}x{height} needs {expected} values, but the buffer holds {found}")]
+    Buffer {
+        /// Columns asked for.
+        width: usize,
+        /// Rows asked for.
+        height: usize,
+        /// Values that size needs.
+        expected: usize,
+        /// Values found.
+        found: usize,
+    },
+    /// A picture has no pixels at all.
+    #[error("a picture of {width}x{height} has no pixels")]
+    Empty {
+        /// Columns found.
+        width: usize,
+        /// Rows found.
+        height: usize,
+    },
+    /// Two inputs of one operation differ in size.
+    #[error("the sizes differ: {}x{} and {}x{}", .left.0, .left.1, .right.0, .right.1)]
+    Mismatch {
+        /// Width and height of the first.
+        left: (usize, usize),
+        /// Width and height of the second.
+        right: (usize, usize),
+    },
+}
+
+/// Checks that `values` fill `width` x `height` places of `per_place` values, and that there is a place.
+pub(crate) fn check_size(
+    width: usize,
+    height: usize,
+    per_place: usize,
+    found: usize,
+) -> Result<(), SizeError> {
+    if width == 0 || height == 0 {
+        return Err(SizeError::Empty { width, height });
+    }
+    let expected = width.checked_mul(height).and_then(|n| n.checked_mul(per_place)).unwrap_or(usize::MAX);
+    if expected == found { Ok(()) } else { Err(SizeError::Buffer { width, height, expected, found }) }
+}
+
+impl<T: Sample, E: Encoding> Image<T, E> {
+    /// Takes a buffer of `width * height * 3` samples as a picture.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when a side is zero or the buffer has another length.
+    pub fn from_raw(width: usize, height: usize, samples: Vec<T>) -> Result<Self, SizeError> {
+        check_size(width, height, 3, samples.len())?;
+        Ok(Self { width, height, samples, encoding: PhantomData })
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// All pixels, row by row from the top.
+    pub fn pixels(&self) -> &[[T; 3]] {
+        self.samples.as_chunks().0
+    }
+
+    /// All pixels for writing, row by row from the top.
+    pub fn pixels_mut(&mut self) -> &mut [[T; 3]] {
+        self.samples.as_chunks_mut().0
+    }
+
+    /// The rows, from the top.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[[T; 3]]> {
+        self.pixels().chunks_exact(self.width)
+    }
+
+    /// All samples, interleaved.
+    pub fn as_raw(&self) -> &[T] {
+        &self.samples
+    }
+
+    /// Gives the samples back.
+    pub fn into_raw(self) -> Vec<T> {
+        self.samples
+    }
+
+    /// The same picture in floats, as they are: values outside `[0, 1]` stay outside.
+    pub fn to_unit(&self) -> Image<f32, E> {
+        self.map(T::to_unit)
+    }
+
+    /// The same picture with another sample type, each value clipped to `[0, 1]` and rounded to the
+    /// nearest that type can hold.
+    pub fn to_samples<U: Sample>(&self) -> Image<U, E> {
+        self.map(|sample| U::from_unit(sample.to_unit()))
+    }
+
+    fn map<U, F: Encoding>(&self, change: impl Fn(T) -> U) -> Image<U, F> {
+        Image {
+            width: self.width,
+            height: self.height,
+            samples: self.samples.iter().map(|&sample| change(sample)).collect(),
+            encoding: PhantomData,
+        }
+    }
+}
+
+impl<T: Sample> Image<T, Encoded> {
+    /// Decodes to linear light by the sRGB transfer function (IEC 61966-2-1).
+    pub fn to_linear(&self) -> Image<f32, Linear> {
+        self.map(|sample| Linear::from_encoded(sample.to_unit()))
+    }
+}
+
+impl Image<f32, Linear> {
+    /// Encodes linear light by the sRGB transfer function; undoes [`Image::to_linear`].
+    pub fn to_encoded(&self) -> Image<f32, Encoded> {
+        self.map(Linear::to_encoded)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_buffer_of_the_wrong_length_is_refused() {
+        let error = Image::<u8>::from_raw(2, 2, vec![0; 11]).unwrap_err();
+        assert_eq!(error, SizeError::Buffer { width: 2, height: 2, expected: 12, found: 11 });
+    }
+
+    #[test]
+    fn a_picture_without_pixels_is_refused() {
+        assert!(matches!(Image::<u8>::from_raw(0, 5, vec![]), Err(SizeError::Empty { .. })));
+    }
+
+    #[test]
+    fn a_size_that_overflows_is_refused() {
+        assert!(Image::<u8>::from_raw(usize::MAX, 2, vec![0; 6]).is_err());
+    }
+
+    #[test]
+    fn every_byte_survives_the_way_to_linear_light_and_back() {
+        let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, v, v]).collect();
+        let image = Image::<u8>::from_raw(256, 1, bytes).unwrap();
+        assert_eq!(image.to_linear().to_encoded().to_samples::<u8>(), image);
+    }
+
+    #[test]
+    fn sixteen_bits_hold_every_byte() {
+        let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, 255 - v, v]).collect();
+        let image = Image::<u8>::from_raw(256, 1, bytes).unwrap();
+        assert_eq!(image.to_samples::<u16>().to_samples::<u8>(), image);
+    }
+}

@@ -1,0 +1,127 @@
+//! One stored colour value and how it stands for a number in `[0, 1]`.
+
+use std::fmt::Debug;
+
+/// A colour value as stored: bytes and 16-bit words span `[0, 1]` evenly, floats are that number.
+///
+/// Sealed: [`u8`], [`u16`] and [`f32`] are all there is.
+pub trait Sample: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + Sync + 'static {
+    /// The value in `[0, 1]`.
+    fn to_unit(self) -> f32;
+    /// The nearest storable value; clips to the range, and a NaN becomes 0.
+    fn from_unit(value: f32) -> Self;
+    /// The nearest byte.
+    fn to_byte(self) -> u8;
+    /// This value plus `shift`, rounded to the nearest storable value and clipped to `[0, 1]`,
+    /// and whether clipping changed it.
+    fn shifted(self, shift: Self::Shift) -> (Self, bool);
+    /// A difference of two values in steps of the stored type, so that adding it is exact.
+    type Shift: Copy + Default + Send + Sync;
+    /// Rounds a difference in units of `[0, 1]` to steps: halves go up, towards positive infinity.
+    fn shift_from_unit(shift: f32) -> Self::Shift;
+}
+
+/// `round(255 (v + s)) = 255 v + round(255 s)`: for whole steps the rounding can be done on the shift
+/// alone, once a table instead of once a pixel.
+macro_rules! integer_sample {
+    ($stored:ty, $step:ty, $to_byte:expr) => {
+        impl Sample for $stored {
+            type Shift = $step;
+
+            fn to_unit(self) -> f32 {
+                f32::from(self) / f32::from(Self::MAX)
+            }
+
+            fn from_unit(value: f32) -> Self {
+                (value.clamp(0.0, 1.0) * f32::from(Self::MAX) + 0.5) as Self
+            }
+
+            #[inline]
+            fn to_byte(self) -> u8 {
+                $to_byte(self)
+            }
+
+            #[inline]
+            fn shifted(self, shift: $step) -> (Self, bool) {
+                let moved = <$step>::from(self) + shift;
+                let clipped = moved.clamp(0, <$step>::from(Self::MAX));
+                (clipped as Self, moved != clipped)
+            }
+
+            fn shift_from_unit(shift: f32) -> $step {
+                let steps = f64::from(shift) * f64::from(Self::MAX) + 0.5;
+                // A full range either way clips every value; beyond it the sum could overflow.
+                let limit = f64::from(Self::MAX);
+                steps.floor().clamp(-limit, limit) as $step
+            }
+        }
+    };
+}
+
+integer_sample!(u8, i16, |byte| byte);
+integer_sample!(u16, i32, |word: u16| ((u32::from(word) + 128) / 257) as u8);
+
+impl Sample for f32 {
+    type Shift = f32;
+
+    fn to_unit(self) -> f32 {
+        self
+    }
+
+    fn from_unit(value: f32) -> Self {
+        // Not `clamp` alone: that would hand a NaN on.
+        value.max(0.0).clamp(0.0, 1.0)
+    }
+
+    fn to_byte(self) -> u8 {
+        u8::from_unit(self)
+    }
+
+    fn shifted(self, shift: f32) -> (Self, bool) {
+        let moved = self + shift;
+        let clipped = Self::from_unit(moved);
+        (clipped, moved != clipped)
+    }
+
+    fn shift_from_unit(shift: f32) -> f32 {
+        shift
+    }
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for u8 {}
+    impl Sealed for u16 {}
+    impl Sealed for f32 {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rounded_shift_equals_rounding_the_sum() {
+        for stored in 0..=255_u8 {
+            for step in -600..=600_i32 {
+                let shift = step as f32 / 512.0;
+                let exact = (f64::from(stored) + 255.0 * f64::from(shift) + 0.5).floor().clamp(0.0, 255.0);
+                assert_eq!(f64::from(stored.shifted(u8::shift_from_unit(shift)).0), exact);
+            }
+        }
+    }
+
+    #[test]
+    fn clipping_is_reported_only_when_it_changes_the_value() {
+        assert_eq!(250_u8.shifted(5), (255, false));
+        assert_eq!(250_u8.shifted(6), (255, true));
+        assert_eq!(3_u8.shifted(-3), (0, false));
+        assert_eq!(3_u8.shifted(-4), (0, true));
+    }
+
+    #[test]
+    fn values_that_are_no_number_become_black() {
+        assert_eq!(u8::from_unit(f32::NAN), 0);
+        assert_eq!(f32::from_unit(f32::NAN), 0.0);
+        assert_eq!(f32::from_unit(f32::INFINITY), 1.0);
+    }
+}

@@ -1,0 +1,55 @@
+//! AquaFuse moves the *waterbody* of one underwater picture into another and leaves the objects where
+//! they are: physics in closed form, on a CPU, after the paper
+//! [AquaFuse](https://arxiv.org/abs/2411.01119) (IEEE RA-L, 2025).
+//!
+//! # Where do I start?
+//!
+//! ```
+//! use aquafuse::{depth, fusion, truth, waterbody};
+//!
+//! // Two pictures of made-up places in made-up waters; yours come from a camera.
+//! let size = truth::Size { width: 96, height: 64 };
+//! let content = truth::Scene::new(1, size).seen_through(&truth::waters()[0].water).to_samples::<u8>();
+//! let reference = truth::Scene::new(2, size).seen_through(&truth::waters()[1].water).to_samples::<u8>();
+//!
+//! let z1 = depth::estimate(&content);
+//! let z2 = depth::estimate(&reference);
+//! let scene = waterbody::estimate(&content, &z1, Default::default())?.water;
+//! let water = waterbody::estimate(&reference, &z2, Default::default())?.water;
+//! let fused = fusion::fuse(&content, &z1, &scene, &water, &fusion::Options::default())?;
+//! assert_eq!(fused.image.size(), (96, 64));
+//! # Ok::<(), aquafuse::image::SizeError>(())
+//! ```
+//!
+//! # Concepts
+//!
+//! The modules, read in this order, are the pipeline of the paper:
+//!
+//! | module | does | equations |
+//! |---|---|---|
+//! | [`image`] | pixels and what their values mean | |
+//! | [`depth`] | picture → [`DepthMap`](depth::DepthMap), 0 near, larger farther | Eq. 3 |
+//! | [`waterbody`] | picture + depth → [`Waterbody`](waterbody::Waterbody) {B∞, β_B, β_D} | Eq. 5-8 |
+//! | [`formation`] | the image formation model, forwards and back | Eq. 1-2 |
+//! | [`fusion`] | scene + reference water → fused picture | Eq. 9-11 |
+//! | [`truth`] | a ray-marched scene whose clear image, depth and water are known | |
+//!
+//! Colours are RGB in `[0, 1]`, whatever the sample type. Encoded (sRGB) values are the default, as in the
+//! paper; linear light is another type. Coefficients are per unit of the depth map's z, whatever that is.
+//!
+//! # Features
+//!
+//! - `threads` (default): several cores for ray marching. Off, no thread is started; no bit changes.
+//! - `serde`: waterbodies as data.
+//!
+//! # Out of scope
+//!
+//! Files, folders and the command line (see the crate `aquafuse-data` and the `aquafuse` command); neural
+//! networks; forward scattering (blur); several light sources.
+
+pub mod depth;
+pub mod formation;
+pub mod fusion;
+pub mod image;
+pub mod truth;
+pub mod waterbody;

@@ -1,0 +1,104 @@
+//! A made-up place on the sea floor of which everything is known: the ground truth of every estimator.
+//!
+//! From a seed, [`Scene::new`] lays out sand, rocks, corals, plants and fish, and ray-marches them as seen
+//! through air. That gives the clear image I and the depth z exactly; [`Scene::seen_through`] puts any
+//! water in between by the formation model. Nothing here is a photograph, so all of it may be shipped.
+
+mod floor;
+mod geometry;
+mod layout;
+mod noise;
+mod render;
+mod thing;
+mod waters;
+
+pub use waters::{NamedWater, waters};
+
+use crate::depth::{DepthKind, DepthMap};
+use crate::formation::form;
+use crate::image::Image;
+use crate::waterbody::Waterbody;
+
+/// Width and height of a picture to make, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Columns, > 0.
+    pub width: usize,
+    /// Rows, > 0.
+    pub height: usize,
+}
+
+/// The distance in metres at which open water is placed: nothing is seen through that much of it.
+pub const OPEN_WATER: f32 = render::FAR;
+
+/// A place with its clear image and its depth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// I, the place as seen through air, encoded.
+    pub clear: Image<f32>,
+    /// z, the distance along each line of sight in metres; [`OPEN_WATER`] where there is nothing to see.
+    pub depth: DepthMap,
+}
+
+impl Scene {
+    /// The place of this seed. The same seed gives the same pixels at any number of threads.
+    ///
+    /// # Panics
+    ///
+    /// When `size` has no pixels.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::truth::{Scene, Size};
+    ///
+    /// let scene = Scene::new(7, Size { width: 48, height: 32 });
+    /// // The floor at the bottom is near, the top is open water.
+    /// assert!(scene.depth.at(24, 31) < 5.0);
+    /// assert!(scene.depth.at(24, 0) > 20.0);
+    /// ```
+    pub fn new(seed: u64, size: Size) -> Self {
+        assert!(size.width > 0 && size.height > 0, "a scene needs pixels, not {size:?}");
+        let place = layout::Place::new(seed);
+        let seen: Vec<render::Seen> = render::render(&place, size);
+        let samples = seen.iter().flat_map(|seen| seen.colour).collect();
+        let distances = seen.iter().map(|seen| seen.distance).collect();
+        let clear = Image::from_raw(size.width, size.height, samples).expect("one colour a pixel");
+        let depth = DepthMap::from_distances(size.width, size.height, DepthKind::Metres, distances)
+            .expect("one finite distance a pixel");
+        Self { clear, depth }
+    }
+
+    /// The picture a camera takes of this place through `water` (coefficients per metre).
+    pub fn seen_through(&self, water: &Waterbody) -> Image<f32> {
+        form(&self.clear, &self.depth, water).expect("clear image and depth were made in one size")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALL: Size = Size { width: 60, height: 40 };
+
+    #[test]
+    fn a_seed_gives_the_same_place_again_and_another_seed_another() {
+        let scene = Scene::new(3, SMALL);
+        assert_eq!(scene, Scene::new(3, SMALL));
+        assert_ne!(scene, Scene::new(4, SMALL));
+    }
+
+    #[test]
+    fn every_place_has_near_things_open_water_and_colours_in_range() {
+        for seed in 0..12 {
+            let scene = Scene::new(seed, SMALL);
+            assert!(scene.clear.as_raw().iter().all(|v| (0.0..=1.0).contains(v)));
+            let distances = scene.depth.distances();
+            let share = |keep: &dyn Fn(f32) -> bool| {
+                distances.iter().filter(|&&z| keep(z)).count() as f32 / distances.len() as f32
+            };
+            assert!(share(&|z| z < 4.0) > 0.1, "seed {seed} has nothing near");
+            assert!(share(&|z| z == OPEN_WATER) > 0.05, "seed {seed} has no open water");
+        }
+    }
+}

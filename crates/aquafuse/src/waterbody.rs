@@ -1,0 +1,121 @@
+//! What one picture tells about its water: a dozen numbers, and how they are estimated.
+//!
+//! The steps are the paper's, in its order: veiling light from the farthest pixels, backscatter from the
+//! darkest (Eq. 5), attenuation from what is left (Eq. 6-8). Each step is a module; [`estimate`] runs all.
+
+mod attenuation;
+mod backscatter;
+mod statistics;
+mod veiling_light;
+
+pub use attenuation::{Attenuation, AttenuationError};
+pub use veiling_light::{TopEdge, VeilingLight, VeilingLightSource};
+
+use crate::depth::DepthMap;
+use crate::image::{Encoded, Encoding, Image, SizeError};
+use statistics::Statistics;
+
+/// The water of one picture, per channel red, green, blue.
+///
+/// It belongs to one encoding: water estimated from encoded values cannot meet linear light.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
+///
+/// let water: Waterbody = Waterbody {
+///     veiling_light: VeilingLight::new([0.05, 0.30, 0.45]),
+///     backscatter_coefficient: [0.30, 0.20, 0.15],
+///     attenuation: [Attenuation::constant(0.5)?, Attenuation::constant(0.2)?, Attenuation::constant(0.15)?],
+/// };
+/// // Backscatter grows from nothing at the camera to the veiling light far away.
+/// assert_eq!(water.backscatter(0.0), [0.0, 0.0, 0.0]);
+/// assert!((water.backscatter(1e3)[2] - 0.45).abs() < 1e-6);
+/// # Ok::<(), aquafuse::waterbody::AttenuationError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct Waterbody<E: Encoding = Encoded> {
+    /// B∞, the colour of the water at infinity, in `[0, 1]`.
+    pub veiling_light: VeilingLight<E>,
+    /// β_B, how fast backscatter grows, per unit of z, >= 0.
+    pub backscatter_coefficient: [f32; 3],
+    /// β_D(z), how fast the direct signal fades, per unit of z, >= 0.
+    pub attenuation: [Attenuation; 3],
+}
+
+impl<E: Encoding> Waterbody<E> {
+    /// Backscatter `B = B∞ (1 - e^(-β_B z))` at one distance.
+    pub fn backscatter(&self, z: f32) -> [f32; 3] {
+        let factor = self.depth_factor(z);
+        std::array::from_fn(|c| self.veiling_light.rgb()[c] * (1.0 - factor[c]))
+    }
+
+    /// Depth factor `F = e^(-β_B z)` at one distance.
+    pub fn depth_factor(&self, z: f32) -> [f32; 3] {
+        self.backscatter_coefficient.map(|coefficient| (-coefficient * z).exp())
+    }
+
+    /// Illumination map `E = e^(-β_D(z) z)` at one distance: what is left of the direct signal.
+    pub fn illumination(&self, z: f32) -> [f32; 3] {
+        self.attenuation.each_ref().map(|curve| (-curve.optical_depth(z)).exp())
+    }
+}
+
+/// An estimated waterbody and how it was come by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate<E: Encoding = Encoded> {
+    /// The water.
+    pub water: Waterbody<E>,
+    /// Where the veiling light was read; anything but the farthest pixels is a fallback.
+    pub veiling_light_source: VeilingLightSource,
+    /// Share of the picture's pixels the veiling light is the median of.
+    ///
+    /// Whole depth levels are taken, so a saturated level may bring far more than the 5 % asked for.
+    pub veiling_light_share: f32,
+}
+
+/// Estimates the water of a picture from its 8-bit colours and its depth.
+///
+/// `top` is the stored edge that is up as seen (see [`TopEdge`]): the fallbacks look there for open
+/// water. The result is per unit of the depth map's z; change the unit and the betas change against it.
+/// Medians and quantiles are read from the encoded bytes and then taken to encoding `E`, in which the
+/// curves are fitted.
+///
+/// # Errors
+///
+/// [`SizeError`] when picture and depth map differ in size.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{depth, image::{Encoded, Image}, waterbody};
+///
+/// let row: Vec<u8> = (0..64).flat_map(|x| [180 - 2 * x, 60 + x, 70 + 2 * x]).collect();
+/// let image = Image::<u8>::from_raw(64, 1, row)?;
+/// let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), Default::default())?;
+/// let [r, g, b] = found.water.veiling_light.rgb();
+/// assert!(r < g && g < b);
+/// # Ok::<(), aquafuse::image::SizeError>(())
+/// ```
+pub fn estimate<E: Encoding>(
+    image: &Image<u8>,
+    depth: &DepthMap,
+    top: TopEdge,
+) -> Result<Estimate<E>, SizeError> {
+    depth.check_fits(image.size())?;
+    let (levels, step) = depth.quantised();
+    let light = veiling_light::estimate::<E>(image, &levels, top);
+    let statistics = Statistics::<E>::gather(image, &levels, step);
+    let veil = light.veiling_light;
+    let backscatter_coefficient = std::array::from_fn(|c| backscatter::fit(&statistics, c, veil.rgb()[c]));
+    let attenuation =
+        std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], backscatter_coefficient[c]));
+    Ok(Estimate {
+        water: Waterbody { veiling_light: veil, backscatter_coefficient, attenuation },
+        veiling_light_source: light.source,
+        veiling_light_share: light.share,
+    })
+}

@@ -1,0 +1,221 @@
+//! The laws of the method: what must hold for every picture, water and setting, before clipping.
+//!
+//! Each test is one sentence of the design. Shifts are compared in floating point, because a law about
+//! sums would otherwise be blurred by the rounding of pixels.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
+use aquafuse::depth::{DepthKind, DepthMap};
+use aquafuse::formation::{RestoreOptions, form, restore};
+use aquafuse::fusion::{Gain, Incidence, Model, Options, Shift, fuse};
+use aquafuse::image::Image;
+use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
+use proptest::prelude::*;
+
+/// A few roundings of numbers of size 1.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
+fn colour() -> impl Strategy<Value = [f32; 3]> {
+    prop::array::uniform3(0.0..=1.0_f32)
+}
+
+fn waterbody() -> impl Strategy<Value = Waterbody> {
+    let coefficients = || prop::array::uniform3(0.01..3.0_f32);
+    (colour(), coefficients(), coefficients()).prop_map(|(veil, backscatter_coefficient, attenuation)| {
+        Waterbody {
+            veiling_light: VeilingLight::new(veil),
+            backscatter_coefficient,
+            attenuation: attenuation.map(|coefficient| Attenuation::constant(coefficient).unwrap()),
+        }
+    })
+}
+
+fn model() -> impl Strategy<Value = Model> {
+    prop::sample::select(&Model::ALL[..])
+}
+
+fn degrees() -> impl Strategy<Value = f32> {
+    0.0..=90.0_f32
+}
+
+fn options(model: Model, degrees: f32, gain: f32) -> Options {
+    Options { model, incidence: Incidence::from_degrees(degrees).unwrap(), gain: Gain::new(gain).unwrap() }
+}
+
+fn with_veil(water: &Waterbody, veil: [f32; 3]) -> Waterbody {
+    Waterbody { veiling_light: VeilingLight::new(veil), ..*water }
+}
+
+proptest! {
+    #[test]
+    fn at_ninety_degrees_nothing_is_fused(
+        scene in waterbody(), other in waterbody(), model in model(), gain in 0.0..4.0_f32, z in 0.0..10.0_f32,
+    ) {
+        prop_assert_eq!(Shift::new(&scene, &other, &options(model, 90.0, gain)).at(z), [0.0; 3]);
+    }
+
+    #[test]
+    fn ones_own_water_changes_nothing(
+        scene in waterbody(), model in model(), degrees in degrees(), z in 0.0..10.0_f32,
+    ) {
+        prop_assert_eq!(Shift::new(&scene, &scene, &options(model, degrees, 1.0)).at(z), [0.0; 3]);
+    }
+
+    #[test]
+    fn at_the_camera_nothing_changes(
+        scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(), gain in 0.0..4.0_f32,
+    ) {
+        prop_assert_eq!(Shift::new(&scene, &other, &options(model, degrees, gain)).at(0.0), [0.0; 3]);
+    }
+
+    #[test]
+    fn the_shift_is_affine_in_the_gain(
+        scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(),
+        gain in 0.0..4.0_f32, z in 0.0..10.0_f32,
+    ) {
+        let at = |gain: f32| Shift::new(&scene, &other, &options(model, degrees, gain)).at(z);
+        let (none, one, found) = (at(0.0), at(1.0), at(gain));
+        for c in 0..3 {
+            prop_assert!((none[c] + gain * (one[c] - none[c]) - found[c]).abs() < 4.0 * ROUNDING);
+        }
+    }
+
+    #[test]
+    fn the_shift_falls_with_the_angle(
+        scene in waterbody(), other in waterbody(), model in model(), a in degrees(), b in degrees(),
+        z in 0.0..10.0_f32,
+    ) {
+        let at = |degrees| Shift::new(&scene, &other, &options(model, degrees, 1.0)).at(z);
+        let (more, less) = (at(a.min(b)), at(a.max(b)));
+        for c in 0..3 {
+            prop_assert!(less[c].abs() <= more[c].abs());
+        }
+    }
+
+    #[test]
+    fn the_unit_of_depth_cancels(
+        scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(),
+        unit in 0.01..100.0_f32, z in 0.0..10.0_f32,
+    ) {
+        let scaled = Waterbody { backscatter_coefficient: scene.backscatter_coefficient.map(|b| b / unit), ..scene };
+        let options = options(model, degrees, 1.0);
+        let (one, other) = (Shift::new(&scene, &other, &options).at(z), Shift::new(&scaled, &other, &options).at(z * unit));
+        for c in 0..3 {
+            prop_assert!((one[c] - other[c]).abs() < 16.0 * ROUNDING);
+        }
+    }
+
+    #[test]
+    fn attenuation_has_no_effect(
+        scene in waterbody(), other in waterbody(), third in waterbody(), model in model(), z in 0.0..10.0_f32,
+    ) {
+        let changed = |water: &Waterbody| Waterbody { attenuation: third.attenuation, ..*water };
+        let options = Options::for_model(model);
+        let (before, after) =
+            (Shift::new(&scene, &other, &options), Shift::new(&changed(&scene), &changed(&other), &options));
+        prop_assert_eq!(before.at(z), after.at(z));
+    }
+
+    #[test]
+    fn the_shift_is_bounded(
+        scene in waterbody(), other in waterbody(), degrees in degrees(), gain in 0.0..4.0_f32, z in 0.0..10.0_f32,
+    ) {
+        for (model, most) in [(Model::Aquafuse, 0.25), (Model::Physical, 1.0)] {
+            let options = options(model, degrees, gain);
+            let shift = Shift::new(&scene, &other, &options).at(z);
+            for c in 0..3 {
+                let difference = gain * other.veiling_light.rgb()[c] - scene.veiling_light.rgb()[c];
+                let bound = most * options.incidence.cosine() * difference.abs();
+                prop_assert!(shift[c].abs() <= bound + ROUNDING);
+            }
+        }
+    }
+
+    #[test]
+    fn the_fused_veil_peaks_at_an_optical_depth_of_ln_2(scene in waterbody(), other in waterbody(), z in 0.0..10.0_f32) {
+        let shift = Shift::new(&scene, &other, &Options::default());
+        for c in 0..3 {
+            let peak = shift.at(2.0_f32.ln() / scene.backscatter_coefficient[c])[c];
+            prop_assert!(shift.at(z)[c].abs() <= peak.abs() + ROUNDING);
+        }
+    }
+
+    #[test]
+    fn without_gain_the_content_loses_its_own_backscatter(
+        scene in waterbody(), other in waterbody(), degrees in degrees(), z in 0.0..10.0_f32,
+    ) {
+        let (backscatter, factor) = (scene.backscatter(z), scene.depth_factor(z));
+        for model in Model::ALL {
+            let options = options(model, degrees, 0.0);
+            let shift = Shift::new(&scene, &other, &options).at(z);
+            for c in 0..3 {
+                let lost = options.incidence.cosine() * backscatter[c];
+                let lost = if model == Model::Aquafuse { lost * factor[c] } else { lost };
+                prop_assert!((shift[c] + lost).abs() < ROUNDING);
+            }
+        }
+    }
+
+    #[test]
+    fn fusing_back_inverts(
+        scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(), z in 0.0..10.0_f32,
+    ) {
+        // The content's depth and coefficients are held, the veils exchanged.
+        let options = options(model, degrees, 1.0);
+        let fused = with_veil(&scene, other.veiling_light.rgb());
+        let (there, back) = (Shift::new(&scene, &other, &options).at(z), Shift::new(&fused, &scene, &options).at(z));
+        for c in 0..3 {
+            prop_assert_eq!(there[c] + back[c], 0.0);
+        }
+    }
+
+    #[test]
+    fn equal_depth_gets_an_equal_shift(
+        scene in waterbody(), other in waterbody(), model in model(), level: u8, a: [u8; 3], b: [u8; 3],
+    ) {
+        let content = Image::<f32>::from_raw(2, 1, [a, b].concat().iter().map(|&v| 0.4 + f32::from(v) / 1275.0).collect()).unwrap();
+        let depth = DepthMap::from_levels(2, 1, vec![level; 2]).unwrap();
+        // A quarter of the way, so that nothing clips.
+        let other = with_veil(&other, std::array::from_fn(|c| {
+            0.75 * scene.veiling_light.rgb()[c] + 0.25 * other.veiling_light.rgb()[c]
+        }));
+        let fused = fuse(&content, &depth, &scene, &other, &Options::for_model(model)).unwrap();
+        prop_assert_eq!(fused.clipping.values, [0; 3]);
+        let moved = |pixel: usize, c: usize| fused.image.pixels()[pixel][c] - content.pixels()[pixel][c];
+        for c in 0..3 {
+            prop_assert!((moved(0, c) - moved(1, c)).abs() < ROUNDING);
+        }
+    }
+
+    #[test]
+    fn water_of_no_thickness_is_not_seen(clear in colour(), water in waterbody()) {
+        let image = Image::<f32>::from_raw(1, 1, clear.to_vec()).unwrap();
+        let depth = DepthMap::from_distances(1, 1, DepthKind::Metres, vec![0.0]).unwrap();
+        prop_assert_eq!(form(&image, &depth, &water).unwrap(), image);
+    }
+
+    #[test]
+    fn far_away_only_the_veiling_light_is_left(clear in colour(), water in waterbody()) {
+        let image = Image::<f32>::from_raw(1, 1, clear.to_vec()).unwrap();
+        let depth = DepthMap::from_distances(1, 1, DepthKind::Metres, vec![1e5]).unwrap();
+        prop_assert_eq!(form(&image, &depth, &water).unwrap().pixels()[0], water.veiling_light.rgb());
+    }
+
+    #[test]
+    fn restoring_undoes_forming_within_the_bound(clear in colour(), water in waterbody(), z in 0.0..10.0_f32) {
+        let image = Image::<f32>::from_raw(1, 1, clear.to_vec()).unwrap();
+        let depth = DepthMap::from_distances(1, 1, DepthKind::Metres, vec![z]).unwrap();
+        let options = RestoreOptions::default();
+        let restored = restore(&form(&image, &depth, &water).unwrap(), &depth, &water, &options).unwrap();
+        for c in 0..3 {
+            let gain = water.attenuation[c].optical_depth(z).exp();
+            let found = restored.pixels()[0][c];
+            if gain <= options.max_gain {
+                prop_assert!((found - clear[c]).abs() < gain * 4.0 * ROUNDING, "{found} for {} at gain {gain}", clear[c]);
+            } else {
+                // The bound leaves the scene darker, never brighter.
+                prop_assert!(found <= clear[c] + 4.0 * ROUNDING * options.max_gain);
+            }
+        }
+    }
+}

@@ -1,1 +1,80 @@
-fn main() {}
+//! The `aquafuse` command: moves the waterbody of one underwater picture into another.
+
+mod demo;
+mod depth;
+mod failure;
+mod fuse;
+mod inspect;
+mod output;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use failure::Failure;
+
+/// Moves the waterbody of one underwater picture into another, by physics in closed form.
+///
+/// The objects stay where they are: only the veil of water between them and the camera is exchanged.
+#[derive(Parser)]
+#[command(name = "aquafuse", version, max_term_width = 100, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Work on this many threads [default: one a core]. No output depends on it.
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
+    /// Say nothing but errors and what was asked for.
+    #[arg(long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Demo(demo::Demo),
+    Fuse(fuse::Fuse),
+    Inspect(inspect::Inspect),
+    Depth(depth::Depth),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  aquafuse demo                                      see what it does, on pictures it makes itself
+  aquafuse fuse reef.jpg green.jpg -o fused.jpg      reef.jpg in green.jpg's water
+  aquafuse fuse photos/ green.jpg -o fused/ --model physical
+  aquafuse inspect reef.jpg                          what the picture tells about its water
+
+Exit codes: 0 all done, 1 some items failed, 2 wrong usage.";
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("aquafuse: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<(), Failure> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global().map_err(Failure::work)?;
+    }
+    match &cli.command {
+        Command::Demo(demo) => demo.run(cli.quiet),
+        Command::Fuse(fuse) => fuse.run(cli.quiet),
+        Command::Inspect(inspect) => inspect.run(),
+        Command::Depth(depth) => depth.run(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,1 +1,49 @@
-//! x
+//! Pictures on disk around the [`aquafuse`] crate: files in, files out, folders of them.
+//!
+//! # Where do I start?
+//!
+//! ```
+//! use aquafuse::fusion::Options;
+//! use aquafuse_data::{analysis::analyse, job, picture::{Picture, WriteOptions}};
+//! # use aquafuse::truth::{Scene, Size, waters};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = |name: &str| folder.path().join(name);
+//! # for (name, water) in ["content.png", "reference.png"].into_iter().zip(waters()) {
+//! #     let scene = Scene::new(1, Size { width: 64, height: 48 });
+//! #     let image = scene.seen_through(&water.water).to_samples();
+//! #     Picture::new(image).write(&path(name), &WriteOptions::default())?;
+//! # }
+//!
+//! let reference = Picture::read(&path("reference.png"))?;
+//! let job = job::Fuse {
+//!     items: vec![job::Item { input: path("content.png"), output: path("fused.png") }],
+//!     water: analyse(&reference).estimate.water,
+//!     options: Options::default(),
+//!     writing: WriteOptions::default(),
+//! };
+//! let summary = job.run(&|message| println!("{message:?}"));
+//! assert_eq!((summary.done, summary.failed), (1, 0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Concepts
+//!
+//! | module | does |
+//! |---|---|
+//! | [`picture`] | PNG and JPEG files, 8 bit, with their colour profile and EXIF; written all or nothing |
+//! | [`depth_file`] | depth maps as 16-bit PNG |
+//! | [`analysis`] | what a picture tells about its depth and water: the one estimator of every command |
+//! | [`folder`] | which pictures a folder holds |
+//! | [`job`] | a long run as a stream of messages |
+//! | [`sheet`] | pictures side by side with captions |
+//!
+//! # Out of scope
+//!
+//! The command line and the network. Every error names its file, its cause and what to do.
+
+pub mod analysis;
+pub mod depth_file;
+pub mod folder;
+pub mod job;
+pub mod picture;
+pub mod sheet;

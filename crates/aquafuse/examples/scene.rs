@@ -1,4 +1,4 @@
-//! Writes a truth scene as PPM pictures: clear, and through each of the four waters.
+//! Writes a truth scene as PPM pictures: clear, and through each of the made-up waters.
 //!
 //! cargo run --release -p aquafuse --example scene -- SEED WIDTH HEIGHT DIR
 

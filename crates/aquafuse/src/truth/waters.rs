@@ -11,11 +11,11 @@ pub struct NamedWater {
     pub water: Waterbody,
 }
 
-/// Four made-up waters that span what divers see: blue, green, turbid and clear.
+/// Five made-up waters that span what divers see: blue, green, turbid, clear and deep.
 ///
 /// The numbers are chosen by eye to be plausible, not measured: red fades first, green water takes blue as
 /// well. All are thick enough to hide what lies at [`OPEN_WATER`](super::OPEN_WATER).
-pub fn waters() -> [NamedWater; 4] {
+pub fn waters() -> [NamedWater; 5] {
     let water = |name, veil, backscatter_coefficient, attenuation: [f32; 3]| NamedWater {
         name,
         water: Waterbody {
@@ -30,5 +30,6 @@ pub fn waters() -> [NamedWater; 4] {
         water("green", [0.10, 0.50, 0.33], [0.24, 0.18, 0.22], [0.42, 0.14, 0.24]),
         water("turbid", [0.42, 0.47, 0.30], [0.34, 0.32, 0.40], [0.40, 0.32, 0.50]),
         water("clear", [0.30, 0.62, 0.74], [0.15, 0.13, 0.12], [0.17, 0.10, 0.09]),
+        water("deep", [0.02, 0.16, 0.34], [0.22, 0.18, 0.16], [0.40, 0.20, 0.16]),
     ]
 }

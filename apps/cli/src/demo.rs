@@ -1,0 +1,131 @@
+//! `aquafuse demo`: the main job on pictures it makes itself.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Context;
+use aquafuse::fusion::{Model, Options, fuse};
+use aquafuse::truth::{NamedWater, Scene, Size, waters};
+use aquafuse::waterbody::Waterbody;
+use aquafuse_data::analysis::analyse;
+use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::sheet::{Cell, lay_out};
+use clap::Args;
+
+use crate::failure::Failure;
+use crate::output;
+
+/// See what it does, on underwater pictures it makes itself.
+///
+/// Ray-marches places on a sea floor, sees them through different waters, and fuses each with each: the
+/// estimators are given nothing but the pictures.
+#[derive(Args)]
+pub(crate) struct Demo {
+    /// Where to write.
+    #[arg(short, long, value_name = "DIR", default_value = "aquafuse-demo")]
+    output: PathBuf,
+    /// Which places to make.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+const CONTENT: Size = Size { width: 480, height: 320 };
+/// References are only looked at for their water.
+const REFERENCE: Size = Size { width: 240, height: 160 };
+
+impl Demo {
+    pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
+        let say = |text: &str| if quiet { Ok(()) } else { output::print(text) };
+        std::fs::create_dir_all(&self.output)
+            .with_context(|| format!("cannot make the folder {}", self.output.display()))
+            .map_err(Failure::work)?;
+        let began = Instant::now();
+        let [blue, green, turbid, clear, deep] = waters();
+        say(&format!("Making pictures and fusing them, into {}:\n", self.output.display()))?;
+
+        let mut references = Vec::new();
+        for (i, water) in [green, clear, deep].into_iter().enumerate() {
+            let scene = Scene::new(self.seed + 10 + i as u64, REFERENCE);
+            let made = Made::new(&scene, water);
+            let path = self.write(&format!("reference_{}.png", water.name), &made.picture)?;
+            say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
+            references.push(made);
+        }
+        let mut rows = vec![heading(&references)];
+        for (i, water) in [blue, turbid].into_iter().enumerate() {
+            let content = Made::new(&Scene::new(self.seed + i as u64, CONTENT), water);
+            let name = format!("content_{}", water.name);
+            let path = self.write(&format!("{name}.png"), &content.picture)?;
+            say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
+            say(&content.veils())?;
+            for model in [Model::Physical, Model::Aquafuse] {
+                let mut row = vec![cell(&format!("content, {} water", water.name), &content.picture)];
+                for reference in &references {
+                    let fused = content.fused(&reference.estimated, model);
+                    let file = format!("{name}__{}__{}.png", reference.water.name, model.name());
+                    self.write(&file, &fused)?;
+                    row.push(cell(&format!("in {} water, {}", reference.water.name, model.name()), &fused));
+                }
+                rows.push(row);
+            }
+        }
+        let sheet = Picture::new(lay_out(&rows, 320, 214));
+        let path = self.write("sheet.jpg", &sheet)?;
+        say(&format!(
+            "  {}   all of them side by side, after {:.1} s\n\n\
+             Look at that sheet first. Then try your own pictures:\n  \
+             aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
+            path.display(),
+            began.elapsed().as_secs_f32(),
+            self.output.join("reference_green.png").display()
+        ))
+    }
+
+    fn write(&self, name: &str, picture: &Picture) -> Result<PathBuf, Failure> {
+        let path = self.output.join(name);
+        // The folder is the demo's own: running it again makes the same files again.
+        picture.write(&path, &WriteOptions { overwrite: true, quality: 90 })?;
+        Ok(path)
+    }
+}
+
+/// A made picture, the water it was made with, and the water that was estimated from it.
+struct Made {
+    picture: Picture,
+    water: NamedWater,
+    estimated: Waterbody,
+}
+
+impl Made {
+    fn new(scene: &Scene, water: NamedWater) -> Self {
+        let picture = Picture::new(scene.seen_through(&water.water).to_samples());
+        let estimated = analyse(&picture).estimate.water;
+        Self { picture, water, estimated }
+    }
+
+    fn fused(&self, reference: &Waterbody, model: Model) -> Picture {
+        let found = analyse(&self.picture);
+        let options = Options::for_model(model);
+        let fused = fuse(&self.picture.image, &found.depth, &self.estimated, reference, &options);
+        Picture::new(fused.expect("the depth map was made from this picture").image)
+    }
+
+    fn veils(&self) -> String {
+        let [r, g, b] = self.estimated.veiling_light.rgb();
+        let [true_r, true_g, true_b] = self.water.water.veiling_light.rgb();
+        format!(
+            "    its water: veiling light {r:.2} {g:.2} {b:.2} estimated, {true_r:.2} {true_g:.2} {true_b:.2} true\n"
+        )
+    }
+}
+
+fn heading(references: &[Made]) -> Vec<Cell> {
+    let title = Cell { caption: "the waters to fuse with:".into(), image: None };
+    let named =
+        references.iter().map(|made| cell(&format!("reference, {} water", made.water.name), &made.picture));
+    std::iter::once(title).chain(named).collect()
+}
+
+fn cell(caption: &str, picture: &Picture) -> Cell {
+    Cell { caption: caption.into(), image: Some(picture.image.clone()) }
+}

@@ -1,0 +1,35 @@
+//! `aquafuse depth`: a picture's depth as a file.
+
+use std::path::PathBuf;
+
+use aquafuse_data::analysis::analyse;
+use aquafuse_data::depth_file;
+use aquafuse_data::picture::{Picture, WriteOptions};
+use clap::Args;
+
+use crate::failure::Failure;
+
+/// Estimate depth from colour and write it as a picture.
+///
+/// Eq. 3 of the paper and a 7x7 median: relative depth, 0 near, larger farther. It fails where red is
+/// dead: everything then looks far.
+#[derive(Args)]
+pub(crate) struct Depth {
+    /// PNG or JPEG, 8 bit.
+    image: PathBuf,
+    /// Where to write: .png, 16-bit grey, 65535 = farthest possible.
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Replace OUT if it exists.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl Depth {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let picture = Picture::read(&self.image)?;
+        let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+        depth_file::write(&self.output, &analyse(&picture).depth, &options)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,49 @@
+//! Why the command ends without success, and with which exit code.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// What went wrong: told once, in `main`.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The arguments cannot be carried out as they are; nothing was done.
+    Usage(anyhow::Error),
+    /// The work, or a part of it, failed.
+    Work(anyhow::Error),
+}
+
+impl Failure {
+    pub(crate) fn usage(cause: impl Into<anyhow::Error>) -> Self {
+        Self::Usage(cause.into())
+    }
+
+    pub(crate) fn work(cause: impl Into<anyhow::Error>) -> Self {
+        Self::Work(cause.into())
+    }
+
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Work(_) => ExitCode::from(1),
+            Self::Usage(_) => ExitCode::from(2),
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Self::Usage(cause) | Self::Work(cause)) = self;
+        // The whole chain on one line: the cause behind the context.
+        write!(f, "{cause:#}")
+    }
+}
+
+impl From<aquafuse_data::picture::FileError> for Failure {
+    /// A name that cannot be written to is wrong usage; anything else happened to the work.
+    fn from(error: aquafuse_data::picture::FileError) -> Self {
+        use aquafuse_data::picture::FileError::{Exists, UnknownExtension};
+        match error {
+            Exists { .. } | UnknownExtension { .. } => Self::usage(error),
+            _ => Self::work(error),
+        }
+    }
+}

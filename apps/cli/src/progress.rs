@@ -1,0 +1,40 @@
+//! A bar for long work, on standard error, where it is a terminal.
+
+use aquafuse_data::job::Message;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Shows a job as it goes: how many, how fast, how long still; each failure on a line of its own.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    pub(crate) fn new(quiet: bool) -> Self {
+        // Indicatif itself stays silent where standard error is no terminal.
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let style =
+            ProgressStyle::with_template("{bar:32} {pos}/{len}  {per_sec}  {eta} left  {wide_msg:.dim}");
+        let bar = ProgressBar::with_draw_target(None, target);
+        Self { bar: bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())) }
+    }
+
+    pub(crate) fn show(&self, message: &Message<'_>) {
+        match message {
+            Message::Started { total } => self.bar.set_length(*total as u64),
+            Message::Done { item, .. } => {
+                self.bar.set_message(item.output.display().to_string());
+                self.bar.inc(1);
+            }
+            Message::Failed { error, .. } => {
+                // `println` of the bar would swallow the line where there is no terminal.
+                self.bar.suspend(|| eprintln!("aquafuse: {error}"));
+                self.bar.inc(1);
+            }
+            _ => {}
+        }
+    }
+
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,55 @@
+//! Fuses every content with every reference and lays all of it out on one sheet, as the paper's figure of
+//! six references and four contents does.
+//!
+//! cargo run --release -p aquafuse-data --example contact_sheet -- \
+//!     MODEL OUT.jpg CONTENT... -- REFERENCE...
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::fusion::{Model, Options, fuse};
+use aquafuse_data::analysis::analyse;
+use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::sheet::{Cell, lay_out};
+
+type Error = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Error> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let usage = "give MODEL OUT.jpg CONTENT... -- REFERENCE...";
+    let [model, output, pictures @ ..] = &arguments[..] else { return Err(usage.into()) };
+    let model = Model::ALL.into_iter().find(|known| known.name() == model).ok_or("no such model")?;
+    let dashes = pictures.iter().position(|word| word == "--").ok_or(usage)?;
+    let references = read_all(&pictures[dashes + 1..])?;
+
+    let blank = Cell { caption: format!("model {}", model.name()), image: None };
+    let heading = references.iter().map(|(name, picture)| cell(name, picture));
+    let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(blank).chain(heading).collect()];
+    for (name, content) in read_all(&pictures[..dashes])? {
+        let found = analyse(&content);
+        let mut row = vec![cell(&name, &content)];
+        for (reference_name, reference) in &references {
+            let water = analyse(reference).estimate.water;
+            let options = Options::for_model(model);
+            let fused = fuse(&content.image, &found.depth, &found.estimate.water, &water, &options)?;
+            let clipped = 100.0 * fused.clipping.share();
+            row.push(cell(&format!("{reference_name}, {clipped:.1} % clipped"), &Picture::new(fused.image)));
+        }
+        rows.push(row);
+    }
+    let sheet = Picture::new(lay_out(&rows, 300, 200));
+    sheet.write(Path::new(output), &WriteOptions { overwrite: true, quality: 92 })?;
+    Ok(())
+}
+
+fn read_all(paths: &[String]) -> Result<Vec<(String, Picture)>, Error> {
+    let read = |path: &String| {
+        let path = PathBuf::from(path);
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Ok((name, Picture::read(&path)?))
+    };
+    paths.iter().map(read).collect()
+}
+
+fn cell(caption: &str, picture: &Picture) -> Cell {
+    Cell { caption: caption.into(), image: Some(picture.image.clone()) }
+}

@@ -1,0 +1,54 @@
+//! Which pictures a folder holds.
+
+use std::path::{Path, PathBuf};
+
+use crate::picture::{FileError, Format};
+
+/// What stands in a folder, by name.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Listing {
+    /// Files whose extension names a picture format, sorted by name.
+    pub pictures: Vec<PathBuf>,
+    /// Files that were passed over because it does not; hidden ones not counted.
+    pub others: usize,
+}
+
+/// Lists the pictures that stand directly in `folder`; folders inside it are not entered.
+///
+/// # Errors
+///
+/// [`FileError::Read`] when the folder cannot be listed.
+pub fn list(folder: &Path) -> Result<Listing, FileError> {
+    let failed = |source| FileError::Read { path: folder.to_owned(), source };
+    let mut listing = Listing::default();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if hidden || path.is_dir() {
+            continue;
+        }
+        match Format::of(&path) {
+            Some(_) => listing.pictures.push(path),
+            None => listing.others += 1,
+        }
+    }
+    listing.pictures.sort();
+    Ok(listing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_listed_by_name_and_the_rest_is_counted() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["b.JPG", "a.png", "notes.txt", ".hidden.png", "c.jpeg"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        std::fs::create_dir(folder.path().join("inner.png")).unwrap();
+        let found = list(folder.path()).unwrap();
+        let names: Vec<_> = found.pictures.iter().map(|path| path.file_name().unwrap()).collect();
+        assert_eq!((names, found.others), (vec!["a.png".as_ref(), "b.JPG".as_ref(), "c.jpeg".as_ref()], 1));
+    }
+}

@@ -1,0 +1,174 @@
+//! Picture files: what is read, and what is written back with it.
+
+mod atomic;
+mod read;
+mod write;
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::image::Image;
+use aquafuse::waterbody::TopEdge;
+
+pub(crate) use atomic::write_atomically;
+pub(crate) use write::encode_grey16;
+
+/// A picture with what its file said about it.
+///
+/// Pixels stay in stored order: the EXIF orientation is kept as data, and written back, so that boxes and
+/// masks made for the file stay true.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// The pixels, encoded.
+    pub image: Image<u8>,
+    /// What travels with them.
+    pub metadata: Metadata,
+}
+
+/// What a file says about its pixels; carried over from content to output.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Metadata {
+    /// ICC colour profile.
+    pub icc_profile: Option<Vec<u8>>,
+    /// EXIF block.
+    pub exif: Option<Vec<u8>>,
+    /// EXIF orientation, 1 to 8; 1 when none is given.
+    pub orientation: u8,
+}
+
+/// The formats we read and write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// PNG, 8 bit.
+    Png,
+    /// JPEG; written without chroma subsampling.
+    Jpeg,
+}
+
+impl Format {
+    /// The format a file name asks for, by its extension.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "png" => Some(Self::Png),
+            "jpg" | "jpeg" => Some(Self::Jpeg),
+            _ => None,
+        }
+    }
+}
+
+/// How to write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Replace a file that is already there.
+    pub overwrite: bool,
+    /// JPEG quality, 1 to 100. The default, 95, keeps the error of writing below one of fusion's steps.
+    pub quality: u8,
+}
+
+impl Default for WriteOptions {
+    fn default() -> Self {
+        Self { overwrite: false, quality: 95 }
+    }
+}
+
+/// A file could not be read or written. Its message names the file, the cause and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// The file cannot be opened or read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The content is none of our formats.
+    #[error("cannot read {}: it is neither PNG nor JPEG. Convert it to one of the two first", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The pixels are of a kind we do not read yet.
+    #[error("cannot read {}: its pixels are {found}; 8-bit RGB or grey is read. {remedy}", path.display())]
+    UnsupportedPixels {
+        /// The file.
+        path: PathBuf,
+        /// What they are.
+        found: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The file is damaged.
+    #[error("cannot decode {}: {cause}. The file seems damaged; get a whole copy of it", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said.
+        cause: String,
+    },
+    /// The picture is larger than we take on.
+    #[error("cannot decode {}: {cause}. Scale the picture down or cut it into parts", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said.
+        cause: String,
+    },
+    /// The output's extension names no format we write.
+    #[error("cannot write {}: its name must end in {expected}", path.display())]
+    UnknownExtension {
+        /// The file.
+        path: PathBuf,
+        /// What is written.
+        expected: &'static str,
+    },
+    /// There is already a file of that name.
+    #[error("{} exists and was not touched; give another output, or --overwrite to replace it", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file cannot be written.
+    #[error("cannot write {}: {cause}. Nothing was left at that name", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system or the encoder said.
+        cause: String,
+    },
+}
+
+impl Picture {
+    /// A picture that did not come from a file.
+    pub fn new(image: Image<u8>) -> Self {
+        Self { image, metadata: Metadata { orientation: 1, ..Metadata::default() } }
+    }
+
+    /// Reads a PNG or JPEG file, told apart by its content. Grey becomes RGB.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when the file cannot be opened, is damaged, or holds another format or kind of pixels.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        read::read(path)
+    }
+
+    /// Writes the picture in the format its extension names, whole or not at all.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when the name has another extension, the file exists and may not be replaced, or the
+    /// system refuses; whatever stood at `path` is then still there.
+    pub fn write(&self, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
+        write::write(self, path, options)
+    }
+
+    /// The stored edge that is up as seen.
+    pub fn top_edge(&self) -> TopEdge {
+        TopEdge::from_exif(self.metadata.orientation)
+    }
+}
+
+#[cfg(test)]
+mod tests;

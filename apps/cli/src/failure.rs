@@ -38,11 +38,13 @@ impl fmt::Display for Failure {
 }
 
 impl From<aquafuse_data::picture::FileError> for Failure {
-    /// A name that cannot be written to is wrong usage; anything else happened to the work.
+    /// A name that cannot be written to, or that nothing bears, is wrong usage; anything else happened to
+    /// the work.
     fn from(error: aquafuse_data::picture::FileError) -> Self {
-        use aquafuse_data::picture::FileError::{Exists, UnknownExtension};
-        match error {
+        use aquafuse_data::picture::FileError::{Exists, Read, UnknownExtension};
+        match &error {
             Exists { .. } | UnknownExtension { .. } => Self::usage(error),
+            Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound => Self::usage(error),
             _ => Self::work(error),
         }
     }

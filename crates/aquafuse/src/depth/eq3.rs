@@ -9,8 +9,8 @@ use crate::image::{Image, Sample};
 /// result is clipped to `[0, 1]` and has 256 levels; 0 is near.
 ///
 /// The paper prints no μ. [`Eq3::default`] holds ours: d(R = 1, M = 0) = 0 and d(0, 1) = 1, nothing
-/// clips between, and depth falls with R and rises with M. It ranks depth well on measured pairs
-/// (Spearman .77 by place), and fails where red is dead, on red things far away, and in front of green plants.
+/// clips between, and depth falls with R and rises with M. It fails where red is dead (everything looks far),
+/// on red things far away, and on green or blue things near by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eq3 {
     /// μ0 to μ4, in the paper's order.

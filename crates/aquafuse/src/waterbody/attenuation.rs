@@ -168,7 +168,8 @@ fn fit_unit_curve(points: &[(f32, f32)]) -> Attenuation {
     let pairs = DECAYS.iter().flat_map(|&a| DECAYS.iter().filter(move |&&b| b > a).map(move |&b| (a, b)));
     let fitted = pairs.map(|(a, b)| {
         let ([p, q], cost) = non_negative_fit(points, |z| [z * (-a * z).exp(), z * (-b * z).exp()]);
-        (cost, [p, -a, q, -b])
+        // 0 - a, not -a: a decay of nothing is 0, not -0.
+        (cost, [p, 0.0 - a, q, 0.0 - b])
     });
     let best = fitted.min_by(|(left, _), (right, _)| left.total_cmp(right));
     Attenuation { mu: best.map_or([0.0; 4], |(_, mu)| mu), held_beyond: 1.0 }

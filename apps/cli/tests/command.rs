@@ -1,0 +1,212 @@
+//! The command as a user runs it.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
+mod run;
+
+use std::path::Path;
+
+use run::{Run, scene, scenes_folder};
+
+#[test]
+fn a_picture_is_fused_and_the_clipping_reported() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scene(&run.path("water.png"), 2, "green");
+    let done = run.ok(&["fuse", "content.png", "water.png", "-o", "out/fused.png", "--model", "physical"]);
+    assert!(done.stdout.contains("fused.png") && done.stdout.contains("clipped"), "{}", done.stdout);
+    let (before, after) = (pixels(&run.path("content.png")), pixels(&run.path("out/fused.png")));
+    let green = |pixels: &[u8]| pixels.chunks(3).take(96).map(|p| u32::from(p[1])).sum::<u32>();
+    assert!(green(&after) > green(&before), "the top row did not turn green");
+}
+
+#[test]
+fn at_ninety_degrees_the_content_comes_back() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scene(&run.path("water.png"), 2, "green");
+    for model in ["aquafuse", "physical"] {
+        run.ok(&[
+            "fuse",
+            "content.png",
+            "water.png",
+            "-o",
+            "same.png",
+            "--overwrite",
+            "--theta",
+            "90",
+            "--model",
+            model,
+        ]);
+        assert_eq!(pixels(&run.path("content.png")), pixels(&run.path("same.png")));
+    }
+}
+
+#[test]
+fn a_folder_is_fused_whatever_the_number_of_threads() {
+    let run = Run::new();
+    scenes_folder(&run.path("photos"));
+    scene(&run.path("water.jpg"), 9, "turbid");
+    run.ok(&["fuse", "photos", "water.jpg", "-o", "one", "--threads", "1"]);
+    let two = run.ok(&["fuse", "photos", "water.jpg", "-o", "two", "--threads", "2"]);
+    assert!(two.stdout.starts_with("two: 3 pictures"), "{}", two.stdout);
+    for name in ["a.png", "b.png", "c.jpg"] {
+        assert_eq!(run.bytes(&format!("one/{name}")), run.bytes(&format!("two/{name}")), "{name}");
+    }
+    assert!(!run.path("two/notes.txt").exists());
+}
+
+#[test]
+fn one_bad_picture_does_not_spoil_the_folder() {
+    let run = Run::new();
+    scenes_folder(&run.path("photos"));
+    std::fs::write(run.path("photos/bad.png"), "this is no picture").unwrap();
+    scene(&run.path("water.png"), 9, "turbid");
+    let ended = run.fails(1, &["fuse", "photos", "water.png", "-o", "fused"]);
+    assert!(
+        ended.stderr.contains("bad.png") && ended.stderr.contains("neither PNG nor JPEG"),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("1 of 4 pictures failed"), "{}", ended.stderr);
+    assert_eq!(std::fs::read_dir(run.path("fused")).unwrap().count(), 3);
+}
+
+#[test]
+fn what_exists_is_not_replaced_unasked() {
+    let run = Run::new();
+    scenes_folder(&run.path("photos"));
+    scene(&run.path("water.png"), 9, "turbid");
+    let fuse = ["fuse", "photos", "water.png", "-o", "fused"];
+    run.ok(&fuse);
+    std::fs::remove_file(run.path("fused/a.png")).unwrap();
+    let refused = run.fails(2, &fuse);
+    assert!(
+        refused.stderr.contains("1 more outputs exist") && refused.stderr.contains("--overwrite"),
+        "{}",
+        refused.stderr
+    );
+    assert!(!run.path("fused/a.png").exists(), "a refused run must do nothing");
+    run.ok(&[&fuse[..], &["--overwrite"]].concat());
+    assert!(run.path("fused/a.png").exists());
+}
+
+#[test]
+fn wrong_usage_ends_with_two_and_says_what_to_do() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scenes_folder(&run.path("photos"));
+    std::fs::create_dir(run.path("empty")).unwrap();
+    let cases: [(&[&str], &str); 10] = [
+        (&["fuse", "content.png", "content.png", "-o", "out.gif"], ".png, .jpg or .jpeg"),
+        (&["fuse", "missing.png", "content.png", "-o", "out.png"], "cannot read missing.png"),
+        (&["fuse", "content.png", "missing.png", "-o", "out.png"], "cannot read missing.png"),
+        (&["inspect", "missing.png"], "cannot read missing.png"),
+        (
+            &["fuse", "content.png", "content.png", "-o", "o.png", "--theta", "91"],
+            "between 0° (most fusion) and 90°",
+        ),
+        (&["fuse", "content.png", "content.png", "-o", "o.png", "--alpha", "-1"], "0 or more"),
+        (&["fuse", "photos", "content.png", "-o", "photos"], "both content and output"),
+        (&["fuse", "photos", "content.png", "-o", "content.png"], "output must be one"),
+        (&["fuse", "empty", "content.png", "-o", "out"], "holds no .png, .jpg or .jpeg"),
+        (&["depth", "content.png", "-o", "depth.jpg"], "must end in .png"),
+    ];
+    for (arguments, expected) in cases {
+        let refused = run.fails(2, arguments);
+        assert!(refused.stderr.contains(expected), "{arguments:?}: {}", refused.stderr);
+    }
+}
+
+#[test]
+fn a_picture_that_cannot_be_read_ends_with_one() {
+    let run = Run::new();
+    std::fs::write(run.path("bad.png"), "no picture").unwrap();
+    for arguments in [&["inspect", "bad.png"][..], &["depth", "bad.png", "-o", "z.png"]] {
+        let failed = run.fails(1, arguments);
+        assert!(failed.stderr.contains("bad.png: it is neither PNG nor JPEG"), "{}", failed.stderr);
+    }
+    assert!(!run.path("z.png").exists());
+}
+
+#[test]
+fn inspect_speaks_json_of_a_known_schema() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    let report: serde_json::Value =
+        serde_json::from_str(&run.ok(&["inspect", "content.png", "--json"]).stdout).unwrap();
+    assert_eq!(report["schema"], 1);
+    assert_eq!(report["image"], serde_json::json!({"width": 96, "height": 64}));
+    assert_eq!((&report["depth"]["source"], &report["depth"]["kind"]), (&"eq3".into(), &"relative".into()));
+    assert_eq!(report["veiling_light_source"], "farthest");
+    let water = &report["waterbody"];
+    let veil: Vec<f64> = (0..3).map(|c| water["veiling_light"][c].as_f64().unwrap()).collect();
+    assert!(veil[0] < veil[1] && veil[1] < veil[2], "blue water has the veil {veil:?}");
+    assert_eq!(water["attenuation"].as_array().unwrap().len(), 3);
+    assert_eq!(water["attenuation"][0].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn depth_is_a_sixteen_bit_picture_of_the_same_size() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    run.ok(&["depth", "content.png", "-o", "z.png"]);
+    let depth = image::open(run.path("z.png")).unwrap();
+    assert!(matches!(depth, image::DynamicImage::ImageLuma16(_)));
+    let depth = depth.into_luma16();
+    assert_eq!(depth.dimensions(), (96, 64));
+    assert!(depth.get_pixel(48, 2).0 > depth.get_pixel(48, 62).0, "open water is nearer than the sand");
+}
+
+#[test]
+fn demo_makes_what_fuse_makes_of_the_same_pictures() {
+    let run = Run::new();
+    let said = run.ok(&["demo", "-o", "demo"]).stdout;
+    assert!(said.contains("sheet.jpg") && said.contains("estimated"), "{said}");
+    assert_eq!(std::fs::read_dir(run.path("demo")).unwrap().count(), 3 + 2 + 2 * 3 * 2 + 1);
+    for model in ["physical", "aquafuse"] {
+        run.ok(&[
+            "fuse",
+            "demo/content_blue.png",
+            "demo/reference_green.png",
+            "-o",
+            "f.png",
+            "--overwrite",
+            "--model",
+            model,
+        ]);
+        assert_eq!(run.bytes("f.png"), run.bytes(&format!("demo/content_blue__green__{model}.png")));
+    }
+}
+
+#[test]
+fn quiet_says_nothing_and_a_closed_pipe_is_no_error() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    let quiet = run.ok(&["--quiet", "fuse", "content.png", "content.png", "-o", "a.png"]);
+    assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));
+    let mut child =
+        run.command(&["inspect", "content.png"]).stdout(std::process::Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+}
+
+#[test]
+fn every_real_scene_can_be_fused() {
+    let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA") else {
+        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real pictures");
+        return;
+    };
+    let scenes = Path::new(&data).join("scenes");
+    let count = std::fs::read_dir(&scenes).unwrap().count();
+    let run = Run::new();
+    let (scenes, water) = (scenes.to_str().unwrap(), scenes.join("greenish_07.jpg"));
+    for model in ["aquafuse", "physical"] {
+        run.ok(&["fuse", scenes, water.to_str().unwrap(), "-o", model, "--model", model]);
+        assert_eq!(std::fs::read_dir(run.path(model)).unwrap().count(), count);
+    }
+}
+
+fn pixels(path: &Path) -> Vec<u8> {
+    image::open(path).unwrap().into_rgb8().into_raw()
+}

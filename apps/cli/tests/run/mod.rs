@@ -1,0 +1,74 @@
+//! Runs the real binary in a folder of its own.
+
+#![allow(dead_code, reason = "each test file uses its own part of this")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use aquafuse::truth::{Scene, Size, waters};
+use aquafuse_data::picture::{Picture, WriteOptions};
+use tempfile::TempDir;
+
+pub(crate) struct Run {
+    folder: TempDir,
+}
+
+/// What a run said before it ended.
+pub(crate) struct Ended {
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Run {
+    pub(crate) fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap()
+    }
+
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_aquafuse"));
+        command.current_dir(self.folder.path()).args(arguments).stdin(Stdio::null());
+        command
+    }
+
+    /// Runs to the end and expects success.
+    pub(crate) fn ok(&self, arguments: &[&str]) -> Ended {
+        self.fails(0, arguments)
+    }
+
+    /// Runs to the end and expects this exit code.
+    pub(crate) fn fails(&self, code: i32, arguments: &[&str]) -> Ended {
+        let output = self.command(arguments).output().unwrap();
+        let ended = Ended {
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        };
+        assert_eq!(output.status.code(), Some(code), "{arguments:?} said: {}", ended.stderr);
+        ended
+    }
+}
+
+/// Writes the picture of a truth scene in a water known by its name.
+pub(crate) fn scene(path: &Path, seed: u64, water: &str) {
+    let water = waters().into_iter().find(|known| known.name == water).unwrap().water;
+    let image = Scene::new(seed, Size { width: 96, height: 64 }).seen_through(&water).to_samples();
+    Picture::new(image).write(path, &WriteOptions::default()).unwrap();
+}
+
+/// A folder of three pictures and a file that is none.
+pub(crate) fn scenes_folder(folder: &Path) {
+    std::fs::create_dir(folder).unwrap();
+    for (seed, (name, water)) in
+        [("a.png", "blue"), ("b.png", "green"), ("c.jpg", "clear")].iter().enumerate()
+    {
+        scene(&folder.join(name), seed as u64, water);
+    }
+    std::fs::write(folder.join("notes.txt"), "not a picture").unwrap();
+}

@@ -27,8 +27,10 @@ BYTES = np.arange(256) / 255.0
 FRACTION = 16
 OF_RED = np.rint((MU[0] + MU[1] * np.exp(MU[2] * BYTES)) * 255.0 * (1 << FRACTION)).astype(np.int32)
 OF_MAX = np.rint(MU[3] * np.exp(MU[4] * BYTES) * 255.0 * (1 << FRACTION)).astype(np.int32)
-OF_RED_F32 = (OF_RED / (1 << FRACTION)).astype(np.float32)
-OF_MAX_F32 = (OF_MAX / (1 << FRACTION)).astype(np.float32)
+# The fast path: 16-bit tables halve the memory that OpenCV moves. Level 143 keeps the second one positive.
+LIFT, SIXTEEN = 143, 64
+OF_RED_U16 = np.rint(OF_RED / (1 << FRACTION) * SIXTEEN).astype(np.uint16)
+OF_MAX_U16 = np.rint((OF_MAX / (1 << FRACTION) + LIFT) * SIXTEEN).astype(np.uint16)
 
 FARTHEST_SHARE, FEW_PIXELS, CORNER_SHARE = 0.05, 100, 0.20
 BINS, SPAN, LEAST_SHARE, LEAST_PIXELS = 11, (0.02, 0.98), 0.002, 50
@@ -37,14 +39,14 @@ RANGE, STEPS = (0.05, 8.0), 96
 
 
 def depth_before_median(bgr, exact):
-    """Eq. 3 by tables. `exact` is integer arithmetic as in Rust; otherwise OpenCV's fastest, in floats."""
+    """Eq. 3 by tables. `exact` is integer arithmetic as in Rust; otherwise the fastest way of OpenCV."""
     blue, green, red = cv2.split(bgr)
     largest = cv2.max(green, blue)
     if exact:
         total = OF_RED[red] + OF_MAX[largest] + (1 << (FRACTION - 1))
         return np.clip(total >> FRACTION, 0, 255).astype(np.uint8)
-    total = cv2.add(cv2.LUT(red, OF_RED_F32), cv2.LUT(largest, OF_MAX_F32))
-    return cv2.convertScaleAbs(cv2.max(total, 0.0))
+    total = cv2.add(cv2.LUT(red, OF_RED_U16), cv2.LUT(largest, OF_MAX_U16))
+    return cv2.convertScaleAbs(total, alpha=1.0 / SIXTEEN, beta=-LIFT)
 
 
 def depth(bgr, exact=False):

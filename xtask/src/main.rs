@@ -1,1 +1,46 @@
-fn main() {}
+//! The project's habits, one command each: `cargo xtask check | test | bench`.
+
+mod bench;
+mod checks;
+mod setup;
+mod shell;
+mod tests;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask COMMAND
+
+  check   format, spelling, lints, documentation, licences: what a reviewer would say first
+  test    sets up what is missing, then `check` and every test: what CI runs
+  bench   a whole frame against the same algorithm in OpenCV, into docs/results.md
+
+Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
+Tools are kept in AQUAFUSE_CACHE (default ~/.cache/aquafuse), Python packages under target/.
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words[..] {
+        ["check"] => setup::set_up().and_then(|tools| checks::run(&tools)),
+        ["test"] => tests::run(),
+        ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
+        ["help" | "--help" | "-h"] => {
+            print!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        _ => {
+            eprint!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            let cannot_set_up = error.downcast_ref::<setup::Missing>().is_some();
+            ExitCode::from(if cannot_set_up { 2 } else { 1 })
+        }
+    }
+}

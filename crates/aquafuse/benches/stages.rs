@@ -1,1 +1,74 @@
-fn main() {}
+//! Each stage of a frame, and the whole frame, at the paper's smallest and largest size.
+//!
+//! cargo bench -p aquafuse
+
+use aquafuse::depth::{self, DepthMap, Eq3};
+use aquafuse::fusion::{Options, fuse_mut};
+use aquafuse::image::{Encoded, Image};
+use aquafuse::truth::{Scene, Size, waters};
+use aquafuse::waterbody::{TopEdge, Waterbody, estimate};
+use divan::Bencher;
+
+const SIZES: [(usize, usize); 2] = [(256, 256), (1920, 1080)];
+
+fn main() {
+    divan::main();
+}
+
+/// A scene of a quarter the width and height, each pixel repeated: what is timed does not depend on detail.
+fn picture(width: usize, height: usize) -> Image<u8> {
+    let scene = Scene::new(1, Size { width: width / 4, height: height / 4 });
+    let small: Image<u8> = scene.seen_through(&waters()[0].water).to_samples();
+    let repeated = |y: usize| {
+        (0..width).flat_map({
+            let small = &small;
+            move |x| small.pixels()[(y / 4) * small.width() + x / 4]
+        })
+    };
+    Image::from_raw(width, height, (0..height).flat_map(repeated).collect()).expect("three samples a pixel")
+}
+
+fn prepared((width, height): (usize, usize)) -> (Image<u8>, DepthMap, Waterbody) {
+    let image = picture(width, height);
+    let z = depth::estimate(&image);
+    let water = water_of(&image, &z);
+    (image, z, water)
+}
+
+fn water_of(image: &Image<u8>, z: &DepthMap) -> Waterbody {
+    estimate::<Encoded>(image, z, TopEdge::First).expect("the depth map is the picture's").water
+}
+
+#[divan::bench(args = SIZES)]
+fn depth_before_median(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
+    let image = picture(width, height);
+    bencher.bench_local(|| Eq3::default().estimate_unfiltered(&image));
+}
+
+#[divan::bench(args = SIZES)]
+fn depth_with_median(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
+    let image = picture(width, height);
+    bencher.bench_local(|| depth::estimate(&image));
+}
+
+#[divan::bench(args = SIZES)]
+fn waterbody(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+    let (image, z, _) = prepared(size);
+    bencher.bench_local(|| water_of(&image, &z));
+}
+
+#[divan::bench(args = SIZES)]
+fn fusion_in_place(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+    let (mut image, z, water) = prepared(size);
+    bencher.bench_local(|| fuse_mut(&mut image, &z, &water, &waters()[1].water, &Options::default()));
+}
+
+#[divan::bench(args = SIZES)]
+fn frame(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+    let (mut image, _, _) = prepared(size);
+    bencher.bench_local(|| {
+        let z = depth::estimate(&image);
+        let water = water_of(&image, &z);
+        fuse_mut(&mut image, &z, &water, &waters()[1].water, &Options::default())
+    });
+}

@@ -1,0 +1,94 @@
+//! What the checks and tests need beyond Rust: system packages, a Python environment, cargo-deny.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::shell::{cargo, command, root, run, say, succeeds};
+
+/// The tools that are there once set-up is done.
+pub(crate) struct Tools {
+    /// Python with the packages of `requirements.txt`.
+    pub(crate) python: PathBuf,
+    /// The spelling checker that comes with them.
+    pub(crate) typos: PathBuf,
+    pub(crate) cargo_deny: PathBuf,
+}
+
+/// System packages are missing and we may not install them.
+#[derive(Debug)]
+pub(crate) struct Missing(String);
+
+impl std::fmt::Display for Missing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "this system lacks packages; install them and try again:\n\n    {}\n", self.0)
+    }
+}
+
+impl std::error::Error for Missing {}
+
+/// The only packages a fresh Debian lacks: Python's own means to make an environment.
+const PACKAGES: [&str; 2] = ["python3", "python3-venv"];
+/// Built from source once and kept; the version is part of the path, so a new one is a new folder.
+const CARGO_DENY: &str = "0.20.2";
+
+pub(crate) fn set_up() -> Result<Tools> {
+    system_packages()?;
+    let environment = python_environment()?;
+    Ok(Tools {
+        python: environment.join("bin/python"),
+        typos: environment.join("bin/typos"),
+        cargo_deny: cargo_deny()?,
+    })
+}
+
+fn system_packages() -> Result<()> {
+    if succeeds(command("python3", &["-c", "import venv, ensurepip"])) {
+        return Ok(());
+    }
+    let install = [&["apt-get", "install", "--yes"][..], &PACKAGES].concat();
+    let is_root = crate::shell::output(command("id", &["-u"])).is_ok_and(|id| id.trim() == "0");
+    if !is_root || !succeeds(command("apt-get", &["--version"])) {
+        return Err(Missing(format!("sudo {}", install.join(" "))).into());
+    }
+    say("Installing system packages: Python and its venv module");
+    run(command("apt-get", &["update"]))?;
+    run(command(install[0], &install[1..]))
+}
+
+fn python_environment() -> Result<PathBuf> {
+    let environment = root().join("target/python");
+    let wanted = std::fs::read_to_string(root().join("xtask/requirements.txt"))
+        .context("cannot read xtask/requirements.txt")?;
+    let stamp = environment.join("requirements.txt");
+    if std::fs::read_to_string(&stamp).is_ok_and(|made_for| made_for == wanted) {
+        return Ok(environment);
+    }
+    say("Making a Python environment in target/python");
+    run(command("python3", &["-m", "venv", "--clear", "target/python"]))?;
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let packages = ["-r", "xtask/requirements.txt"];
+    run(command(environment.join("bin/python"), &[&pip[..], &packages].concat()))?;
+    // Written last: an environment without it is not finished.
+    std::fs::write(&stamp, wanted).with_context(|| format!("cannot write {}", stamp.display()))?;
+    Ok(environment)
+}
+
+fn cargo_deny() -> Result<PathBuf> {
+    let place = tool_folder().join(format!("cargo-deny-{CARGO_DENY}"));
+    let program = place.join("bin/cargo-deny");
+    if succeeds(command(&program, &["--version"])) {
+        return Ok(program);
+    }
+    say("Building cargo-deny (some minutes, once a machine)");
+    let place = place.to_string_lossy();
+    run(cargo(&["install", "cargo-deny", "--locked", "--quiet", "--version", CARGO_DENY, "--root", &place]))?;
+    Ok(program)
+}
+
+/// Outside the checkout, so that the next checkout finds them; inside, where there is no home.
+fn tool_folder() -> PathBuf {
+    let cache = std::env::var_os("AQUAFUSE_CACHE").map(PathBuf::from);
+    let home = || std::env::var_os("HOME").map(|home| Path::new(&home).join(".cache/aquafuse"));
+    cache.or_else(home).unwrap_or_else(|| root().join("target/tools"))
+}

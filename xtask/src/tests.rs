@@ -1,0 +1,80 @@
+//! `cargo xtask test`: from a fresh clone to every test passed.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail};
+
+use crate::setup::{Tools, set_up};
+use crate::shell::{cargo, say};
+
+pub(crate) fn run() -> Result<()> {
+    let tools = set_up()?;
+    crate::checks::run(&tools)?;
+
+    let mut total = Tally::default();
+    say("Examples in the documentation");
+    total.add(test(&tools, &["--workspace", "--all-features", "--doc"])?);
+    say("The core without its features");
+    total.add(test(&tools, &["--package", "aquafuse", "--no-default-features", "--lib", "--tests"])?);
+    say("All tests");
+    total.add(test(&tools, &["--workspace", "--all-features", "--lib", "--bins", "--tests", "--examples"])?);
+
+    if total.passed == 0 {
+        bail!("no test ran");
+    }
+    println!("\n{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);
+    Ok(())
+}
+
+/// Outcomes as the test runner reports them.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    passed: usize,
+    failed: usize,
+    skipped: usize,
+}
+
+impl Tally {
+    fn add(&mut self, other: Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.skipped += other.skipped;
+    }
+}
+
+/// Runs `cargo test`, showing its output and counting its summaries.
+///
+/// A test that skips itself prints `skipped: why` and passes for the runner; it is counted as skipped here.
+fn test(tools: &Tools, arguments: &[&str]) -> Result<Tally> {
+    let mut command: Command = cargo(&[&["test", "--locked", "--no-fail-fast"][..], arguments].concat());
+    // What a passing test prints is hidden by default, and a reason to skip would be hidden with it.
+    command.args(["--", "--show-output"]);
+    command.env("AQUAFUSE_PYTHON", &tools.python).stdout(Stdio::piped());
+    let mut child = command.spawn().context("cannot start cargo test")?;
+    let mut tally = Tally::default();
+    if let Some(stdout) = child.stdout.take() {
+        for line in BufReader::new(stdout).lines() {
+            let line = line.context("cannot read what cargo test prints")?;
+            println!("{line}");
+            if line.starts_with("skipped: ") {
+                tally.skipped += 1;
+                tally.passed = tally.passed.saturating_sub(1);
+            } else if let Some(result) = line.strip_prefix("test result: ") {
+                tally.passed += count(result, " passed");
+                tally.failed += count(result, " failed");
+                tally.skipped += count(result, " ignored");
+            }
+        }
+    }
+    if !child.wait().context("cargo test vanished")?.success() {
+        bail!("tests failed; they are listed above");
+    }
+    Ok(tally)
+}
+
+/// The number before `word` in a summary such as `ok. 12 passed; 0 failed; ...`.
+fn count(summary: &str, word: &str) -> usize {
+    let before = summary.find(word).map_or("", |at| &summary[..at]);
+    before.rsplit([' ', ';']).next().and_then(|number| number.parse().ok()).unwrap_or(0)
+}

@@ -8,7 +8,7 @@
 //!    along rows and columns, and all but 29 of them are too early or too late to be the median;
 //! 3. select the median of those by [`SELECT`].
 //!
-//! After M. D. Adams, "Fast median filters using separable sorting networks" (2021), whose first step this
+//! After A. Adams, "Fast median filters using separable sorting networks" (ACM TOG, 2021), whose first step this
 //! shares. Borders repeat the outermost pixel, as OpenCV's `medianBlur` does.
 
 /// Side of the window; the paper's choice. Smaller leaves specks in the depth, larger rounds off objects.

@@ -218,7 +218,8 @@ def main():
     parser.add_argument("reference")
     parser.add_argument("output", nargs="?")
     parser.add_argument("--model", choices=["aquafuse", "physical"], default="aquafuse")
-    parser.add_argument("--depth")
+    parser.add_argument("--depth", help="write the depth map here, 16 bit")
+    parser.add_argument("--fast", action="store_true", help="the arithmetic that `time` measures")
     parser.add_argument("--frames", type=int, default=10)
     given = parser.parse_args()
     content, reference = cv2.imread(given.content), cv2.imread(given.reference)
@@ -226,8 +227,8 @@ def main():
         print(f"opencv {cv2.__version__}")
         time_frames(content, reference, given.frames)
         return
-    levels, veil, beta = estimate(content, exact=True)
-    _, reference_veil, _ = estimate(reference, exact=True)
+    levels, veil, beta = estimate(content, exact=not given.fast)
+    _, reference_veil, _ = estimate(reference, exact=not given.fast)
     cv2.imwrite(given.output, fuse(content, levels, veil, beta, reference_veil, given.model))
     if given.depth:
         cv2.imwrite(given.depth, levels.astype(np.uint16) * 257)

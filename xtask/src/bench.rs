@@ -47,15 +47,13 @@ pub(crate) fn run(tools: &Tools) -> Result<()> {
     write_section("speed", &section(tools, &rows)?)
 }
 
-/// The truth scene of seed 1 through its waters, made once a size.
+/// The truth scene of seed 1 through its waters; made anew, for the scene's code may have changed.
 fn pictures(width: usize, height: usize) -> Result<std::path::PathBuf> {
     let folder = root().join(format!("target/bench/{width}x{height}"));
-    if !folder.join("deep.ppm").exists() {
-        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-        let program = root().join("target/release/examples/scene");
-        let size = [width.to_string(), height.to_string()];
-        call(command(program, &["1", &size[0], &size[1], &folder.to_string_lossy()]))?;
-    }
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let program = root().join("target/release/examples/scene");
+    let size = [width.to_string(), height.to_string()];
+    call(command(program, &["1", &size[0], &size[1], &folder.to_string_lossy()]))?;
     Ok(folder)
 }
 

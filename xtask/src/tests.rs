@@ -20,11 +20,12 @@ pub(crate) fn run() -> Result<()> {
     say("All tests");
     total.add(test(&tools, &["--workspace", "--all-features", "--lib", "--bins", "--tests", "--examples"])?);
 
-    if total.passed == 0 {
-        bail!("no test ran");
-    }
     println!("\n{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);
-    Ok(())
+    match total {
+        Tally { broken: true, .. } => bail!("tests failed; they are listed above"),
+        Tally { passed: 0, .. } => bail!("no test ran"),
+        _ => Ok(()),
+    }
 }
 
 /// Outcomes as the test runner reports them.
@@ -33,6 +34,8 @@ struct Tally {
     passed: usize,
     failed: usize,
     skipped: usize,
+    /// The runner itself ended without success: a failed test, or one that does not compile.
+    broken: bool,
 }
 
 impl Tally {
@@ -40,6 +43,7 @@ impl Tally {
         self.passed += other.passed;
         self.failed += other.failed;
         self.skipped += other.skipped;
+        self.broken |= other.broken;
     }
 }
 
@@ -67,9 +71,7 @@ fn test(tools: &Tools, arguments: &[&str]) -> Result<Tally> {
             }
         }
     }
-    if !child.wait().context("cargo test vanished")?.success() {
-        bail!("tests failed; they are listed above");
-    }
+    tally.broken = !child.wait().context("cargo test vanished")?.success();
     Ok(tally)
 }
 

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::Context;
-use aquafuse::fusion::{Model, Options, fuse};
+use anyhow::{Context, anyhow};
+use aquafuse::fusion::{Model, Options, Waters, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
-use aquafuse::waterbody::Waterbody;
-use aquafuse_data::analysis::analyse;
+use aquafuse_data::analysis::{Analysis, analyse};
 use aquafuse_data::picture::{Picture, WriteOptions};
 use aquafuse_data::sheet::{Cell, lay_out};
 use clap::Args;
@@ -27,6 +26,9 @@ pub(crate) struct Demo {
     /// Which places to make.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Write into a folder that is not empty, replacing pictures of the same names.
+    #[arg(long)]
+    overwrite: bool,
 }
 
 const CONTENT: Size = Size { width: 480, height: 320 };
@@ -36,6 +38,12 @@ const REFERENCE: Size = Size { width: 240, height: 160 };
 impl Demo {
     pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
         let say = |text: &str| if quiet { Ok(()) } else { output::print(text) };
+        if !self.overwrite && self.output.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
+            return Err(Failure::usage(anyhow!(
+                "{} is not empty; name another folder with -o, or add --overwrite",
+                self.output.display()
+            )));
+        }
         std::fs::create_dir_all(&self.output)
             .with_context(|| format!("cannot make the folder {}", self.output.display()))
             .map_err(Failure::work)?;
@@ -45,7 +53,7 @@ impl Demo {
 
         let mut references = Vec::new();
         for (i, water) in [green, clear, deep].into_iter().enumerate() {
-            let scene = Scene::new(self.seed + 10 + i as u64, REFERENCE);
+            let scene = Scene::new(self.seed.wrapping_add(10 + i as u64), REFERENCE);
             let made = Made::new(&scene, water);
             let path = self.write(&format!("reference_{}.png", water.name), &made.picture)?;
             say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
@@ -53,7 +61,7 @@ impl Demo {
         }
         let mut rows = vec![heading(&references)];
         for (i, water) in [blue, turbid].into_iter().enumerate() {
-            let content = Made::new(&Scene::new(self.seed + i as u64, CONTENT), water);
+            let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water);
             let name = format!("content_{}", water.name);
             let path = self.write(&format!("{name}.png"), &content.picture)?;
             say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
@@ -61,7 +69,7 @@ impl Demo {
             for model in [Model::Physical, Model::Aquafuse] {
                 let mut row = vec![cell(&format!("content, {} water", water.name), &content.picture)];
                 for reference in &references {
-                    let fused = content.fused(&reference.estimated, model);
+                    let fused = content.fused(reference, model);
                     let file = format!("{name}__{}__{}.png", reference.water.name, model.name());
                     self.write(&file, &fused)?;
                     row.push(cell(&format!("in {} water, {}", reference.water.name, model.name()), &fused));
@@ -83,8 +91,7 @@ impl Demo {
 
     fn write(&self, name: &str, picture: &Picture) -> Result<PathBuf, Failure> {
         let path = self.output.join(name);
-        // The folder is the demo's own: running it again makes the same files again.
-        picture.write(&path, &WriteOptions { overwrite: true, quality: 90 })?;
+        picture.write(&path, &WriteOptions { overwrite: self.overwrite, quality: 90 })?;
         Ok(path)
     }
 }
@@ -93,25 +100,25 @@ impl Demo {
 struct Made {
     picture: Picture,
     water: NamedWater,
-    estimated: Waterbody,
+    found: Analysis,
 }
 
 impl Made {
     fn new(scene: &Scene, water: NamedWater) -> Self {
         let picture = Picture::new(scene.seen_through(&water.water).to_samples());
-        let estimated = analyse(&picture).estimate.water;
-        Self { picture, water, estimated }
+        let found = analyse(&picture);
+        Self { picture, water, found }
     }
 
-    fn fused(&self, reference: &Waterbody, model: Model) -> Picture {
-        let found = analyse(&self.picture);
+    fn fused(&self, reference: &Made, model: Model) -> Picture {
+        let (content, reference) = (&self.found.estimate.water, &reference.found.estimate.water);
         let options = Options::for_model(model);
-        let fused = fuse(&self.picture.image, &found.depth, &self.estimated, reference, &options);
+        let fused = fuse(&self.picture.image, &self.found.depth, Waters { content, reference }, &options);
         Picture::new(fused.expect("the depth map was made from this picture").image)
     }
 
     fn veils(&self) -> String {
-        let [r, g, b] = self.estimated.veiling_light.rgb();
+        let [r, g, b] = self.found.estimate.water.veiling_light.rgb();
         let [true_r, true_g, true_b] = self.water.water.veiling_light.rgb();
         format!(
             "    its water: veiling light {r:.2} {g:.2} {b:.2} estimated, {true_r:.2} {true_g:.2} {true_b:.2} true\n"

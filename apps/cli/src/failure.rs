@@ -44,7 +44,7 @@ impl From<aquafuse_data::picture::FileError> for Failure {
         use aquafuse_data::picture::FileError::{Exists, Read, UnknownExtension};
         match &error {
             Exists { .. } | UnknownExtension { .. } => Self::usage(error),
-            Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound => Self::usage(error),
+            Read { error: cause, .. } if cause.kind() == std::io::ErrorKind::NotFound => Self::usage(error),
             _ => Self::work(error),
         }
     }

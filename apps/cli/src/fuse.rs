@@ -10,9 +10,11 @@ use aquafuse_data::analysis::analyse;
 use aquafuse_data::folder;
 use aquafuse_data::job::{self, Item, Message, Report};
 use aquafuse_data::picture::{FileError, Format, Picture, WriteOptions};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
+use crate::inspect::veiling_light;
 use crate::output;
 use crate::progress::Progress;
 
@@ -28,8 +30,8 @@ pub(crate) struct Fuse {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Which part of the backscatter is exchanged.
-    #[arg(long, value_enum, default_value_t)]
-    model: ModelName,
+    #[arg(long, default_value = Model::default().name(), value_parser = model())]
+    model: Model,
     /// Incidence θ in degrees: 0 fuses most, 90 not at all [default: 45, physical: 0].
     #[arg(long, value_name = "DEG", value_parser = incidence, allow_negative_numbers = true)]
     theta: Option<Incidence>,
@@ -49,20 +51,9 @@ Models, with F = e^(-β_B z) and D = α B∞(water) - B∞(content):
   aquafuse   adds cosθ F (1 - F) D: a veil over the middle distance, the paper's method
   physical   adds cosθ (1 - F) D: the whole veil; open water takes the other water's colour";
 
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum ModelName {
-    #[default]
-    Aquafuse,
-    Physical,
-}
-
-impl From<ModelName> for Model {
-    fn from(name: ModelName) -> Self {
-        match name {
-            ModelName::Aquafuse => Self::Aquafuse,
-            ModelName::Physical => Self::Physical,
-        }
-    }
+fn model() -> impl TypedValueParser<Value = Model> {
+    PossibleValuesParser::new(Model::ALL.map(Model::name))
+        .map(|name| Model::from_name(&name).unwrap_or_default())
 }
 
 fn incidence(text: &str) -> anyhow::Result<Incidence> {
@@ -76,11 +67,11 @@ fn gain(text: &str) -> anyhow::Result<Gain> {
 impl Fuse {
     pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
         let items = self.items().map_err(Failure::usage)?;
-        let reference = Picture::read(&self.water)?;
+        let reference = analyse(&Picture::read(&self.water)?).estimate;
         self.make_output_folder()?;
         let job = job::Fuse {
             items,
-            water: analyse(&reference).estimate.water,
+            water: reference.water,
             options: self.options(),
             writing: WriteOptions { overwrite: self.overwrite, quality: self.quality },
         };
@@ -95,7 +86,8 @@ impl Fuse {
         progress.finish();
         let reports = reports.into_inner().unwrap_or_default();
         if !quiet {
-            output::print(&self.summary(&reports))?;
+            let water = format!("{}: {}\n", self.water.display(), veiling_light(&reference));
+            output::print(&(water + &self.summary(&reports)))?;
         }
         match summary.failed {
             0 => Ok(()),
@@ -107,7 +99,7 @@ impl Fuse {
     }
 
     fn options(&self) -> Options {
-        let defaults = Options::for_model(self.model.into());
+        let defaults = Options::for_model(self.model);
         Options {
             incidence: self.theta.unwrap_or(defaults.incidence),
             gain: self.alpha.unwrap_or(defaults.gain),

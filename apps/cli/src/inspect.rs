@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, DepthMap};
-use aquafuse::waterbody::{VeilingLight, VeilingLightSource};
+use aquafuse::waterbody::{Estimate, VeilingLight, VeilingLightSource};
 use aquafuse_data::analysis::{Analysis, analyse};
 use aquafuse_data::picture::Picture;
 use clap::Args;
@@ -28,12 +28,13 @@ pub(crate) struct Inspect {
 impl Inspect {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let picture = Picture::read(&self.image)?;
-        let report = Report::new(&picture, &analyse(&picture));
+        let found = analyse(&picture);
         if self.json {
+            let report = Report::new(&picture, &found);
             let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
             output::print(&format!("{json}\n"))
         } else {
-            output::print(&report.text())
+            output::print(&text(&picture, &found))
         }
     }
 }
@@ -90,45 +91,54 @@ impl Report {
             veiling_light_share: estimate.veiling_light_share,
         }
     }
+}
 
-    fn text(&self) -> String {
-        let (size, depth, water) = (&self.image, &self.depth, &self.waterbody);
-        let [r, g, b] = water.veiling_light.rgb();
-        let bytes = [r, g, b].map(|v| (v * 255.0).round() as u8);
-        let [beta_r, beta_g, beta_b] = water.backscatter_coefficient;
-        let tau = water.backscatter_coefficient.map(|beta| beta * depth.p95);
-        let mut text = String::new();
-        let mut line = |name: &str, value: String| {
-            let _ = writeln!(text, "{name:<26}{value}");
-        };
-        line("size", format!("{} x {}", size.width, size.height));
-        line(
-            "depth z (eq3, relative)",
-            format!("mean {:.2}, 5 % below {:.2}, 95 % below {:.2}", depth.mean, depth.p05, depth.p95),
-        );
-        line(
-            "veiling light B∞",
-            format!("{r:.3} {g:.3} {b:.3}   #{:02x}{:02x}{:02x}", bytes[0], bytes[1], bytes[2]),
-        );
-        line("  read from", self.source_in_words());
-        line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
-        line("  at the far end, β_B z95", format!("{:.2} {:.2} {:.2}", tau[0], tau[1], tau[2]));
-        text
-    }
+/// The report for people.
+fn text(picture: &Picture, found: &Analysis) -> String {
+    let (depth, water) = (Depth::new(&found.depth), &found.estimate.water);
+    let [r, g, b] = water.veiling_light.rgb();
+    let [beta_r, beta_g, beta_b] = water.backscatter_coefficient;
+    let [tau_r, tau_g, tau_b] = water.backscatter_coefficient.map(|beta| beta * depth.p95);
+    let [fade_r, fade_g, fade_b] = water.attenuation.map(|curve| curve.optical_depth(depth.p95));
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<28}{value}");
+    };
+    line("size", format!("{} x {}", picture.image.width(), picture.image.height()));
+    line("depth z", format!("{}, relative: 0 near, 1 far; it has no unit", depth.source));
+    line("  mean, 5 %, 95 %", format!("{:.2} {:.2} {:.2}", depth.mean, depth.p05, depth.p95));
+    line("veiling light B∞", format!("{r:.3} {g:.3} {b:.3} (red, green, blue)   {}", hex([r, g, b])));
+    line("  read from", source(&found.estimate));
+    line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
+    line("  at the far end, β_B z95", format!("{tau_r:.2} {tau_g:.2} {tau_b:.2}"));
+    line("attenuation", "the curve β_D(z), in --json".to_owned());
+    line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
+    text
+}
 
-    fn source_in_words(&self) -> String {
-        let share = 100.0 * self.veiling_light_share;
-        match self.veiling_light_source {
-            VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
-            VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
-            VeilingLightSource::BottomCorners => {
-                "the bottom corners: neither the far end nor the top has the water's colour".into()
-            }
-            VeilingLightSource::Unfiltered => {
-                format!("the farthest {share:.1} %, whatever their colour: no water was found")
-            }
+fn hex(rgb: [f32; 3]) -> String {
+    let [r, g, b] = rgb.map(|value| (value * 255.0).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Where the veiling light was read, and from how much of the picture.
+fn source(estimate: &Estimate) -> String {
+    let share = 100.0 * estimate.veiling_light_share;
+    match estimate.veiling_light_source {
+        VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
+        VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
+        VeilingLightSource::BottomCorners => {
+            "the bottom corners: neither the far end nor the top has the water's colour".into()
+        }
+        VeilingLightSource::Unfiltered => {
+            format!("the farthest {share:.1} %, whatever their colour: no water was found")
         }
     }
+}
+
+/// One line on a veiling light: its colour and where it was read.
+pub(crate) fn veiling_light(estimate: &Estimate) -> String {
+    format!("veiling light {}, from {}", hex(estimate.water.veiling_light.rgb()), source(estimate))
 }
 
 impl Depth {

@@ -51,7 +51,7 @@ fn main() -> ExitCode {
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("aquafuse: {failure}");
+            output::complain(&failure);
             failure.exit_code()
         }
     }

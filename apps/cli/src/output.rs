@@ -1,8 +1,13 @@
-//! What goes to standard output.
+//! What is said, and where.
 
 use std::io::{ErrorKind, Write};
 
 use crate::failure::Failure;
+
+/// Says on standard error what went wrong. If nobody listens there, there is nobody to tell.
+pub(crate) fn complain(what: &impl std::fmt::Display) {
+    let _ = writeln!(std::io::stderr(), "aquafuse: {what}");
+}
 
 /// Prints `text`; a reader that has gone away (`| head`) is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {

@@ -3,6 +3,8 @@
 use aquafuse_data::job::Message;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::output;
+
 /// Shows a job as it goes: how many, how fast, how long still; each failure on a line of its own.
 pub(crate) struct Progress {
     bar: ProgressBar,
@@ -27,7 +29,7 @@ impl Progress {
             }
             Message::Failed { error, .. } => {
                 // `println` of the bar would swallow the line where there is no terminal.
-                self.bar.suspend(|| eprintln!("aquafuse: {error}"));
+                self.bar.suspend(|| output::complain(error));
                 self.bar.inc(1);
             }
             _ => {}

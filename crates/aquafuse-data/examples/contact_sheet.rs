@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse::fusion::{Model, Options, fuse};
+use aquafuse::fusion::{Model, Options, Waters, fuse};
 use aquafuse_data::analysis::analyse;
 use aquafuse_data::picture::{Picture, WriteOptions};
 use aquafuse_data::sheet::{Cell, lay_out};
@@ -17,7 +17,7 @@ fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let usage = "give MODEL OUT.jpg CONTENT... -- REFERENCE...";
     let [model, output, pictures @ ..] = &arguments[..] else { return Err(usage.into()) };
-    let model = Model::ALL.into_iter().find(|known| known.name() == model).ok_or("no such model")?;
+    let model = Model::from_name(model).ok_or("no such model")?;
     let dashes = pictures.iter().position(|word| word == "--").ok_or(usage)?;
     let references = read_all(&pictures[dashes + 1..])?;
 
@@ -30,7 +30,8 @@ fn main() -> Result<(), Error> {
         for (reference_name, reference) in &references {
             let water = analyse(reference).estimate.water;
             let options = Options::for_model(model);
-            let fused = fuse(&content.image, &found.depth, &found.estimate.water, &water, &options)?;
+            let waters = Waters { content: &found.estimate.water, reference: &water };
+            let fused = fuse(&content.image, &found.depth, waters, &options)?;
             let clipped = 100.0 * fused.clipping.share();
             row.push(cell(&format!("{reference_name}, {clipped:.1} % clipped"), &Picture::new(fused.image)));
         }

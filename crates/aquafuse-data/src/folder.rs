@@ -19,7 +19,7 @@ pub struct Listing {
 ///
 /// [`FileError::Read`] when the folder cannot be listed.
 pub fn list(folder: &Path) -> Result<Listing, FileError> {
-    let failed = |source| FileError::Read { path: folder.to_owned(), source };
+    let failed = |error| FileError::Read { path: folder.to_owned(), error };
     let mut listing = Listing::default();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use aquafuse::fusion::{Clipping, Options, fuse_mut};
+use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
 use aquafuse::waterbody::{VeilingLightSource, Waterbody};
 use rayon::prelude::*;
 
@@ -97,8 +97,8 @@ impl Fuse {
     fn fuse_file(&self, input: &Path, output: &Path) -> Result<Report, FileError> {
         let mut picture = Picture::read(input)?;
         let found = analyse(&picture);
-        let scene = &found.estimate.water;
-        let clipping = fuse_mut(&mut picture.image, &found.depth, scene, &self.water, &self.options)
+        let waters = Waters { content: &found.estimate.water, reference: &self.water };
+        let clipping = fuse_mut(&mut picture.image, &found.depth, waters, &self.options)
             .expect("the depth map was made from this picture");
         picture.write(output, &self.writing)?;
         Ok(Report { clipping, veiling_light_source: found.estimate.veiling_light_source })

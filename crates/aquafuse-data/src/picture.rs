@@ -25,14 +25,20 @@ pub struct Picture {
 }
 
 /// What a file says about its pixels; carried over from content to output.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Metadata {
-    /// ICC colour profile.
+    /// ICC colour profile, if it is one for RGB.
     pub icc_profile: Option<Vec<u8>>,
     /// EXIF block.
     pub exif: Option<Vec<u8>>,
     /// EXIF orientation, 1 to 8; 1 when none is given.
     pub orientation: u8,
+}
+
+impl Default for Metadata {
+    fn default() -> Self {
+        Self { icc_profile: None, exif: None, orientation: 1 }
+    }
 }
 
 /// The formats we read and write.
@@ -76,12 +82,12 @@ impl Default for WriteOptions {
 #[non_exhaustive]
 pub enum FileError {
     /// The file cannot be opened or read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {error}. {}", path.display(), remedy(error))]
     Read {
         /// The file.
         path: PathBuf,
         /// What the system said.
-        source: std::io::Error,
+        error: std::io::Error,
     },
     /// The content is none of our formats.
     #[error("cannot read {}: it is neither PNG nor JPEG. Convert it to one of the two first", path.display())]
@@ -108,7 +114,7 @@ pub enum FileError {
         cause: String,
     },
     /// The picture is larger than we take on.
-    #[error("cannot decode {}: {cause}. Scale the picture down or cut it into parts", path.display())]
+    #[error("cannot decode {}: {cause}; a decoded picture may take 512 MiB. Scale it down or cut it into parts", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -130,7 +136,7 @@ pub enum FileError {
         path: PathBuf,
     },
     /// The file cannot be written.
-    #[error("cannot write {}: {cause}. Nothing was left at that name", path.display())]
+    #[error("cannot write {}: {cause}. Whatever was there before is still there", path.display())]
     Write {
         /// The file.
         path: PathBuf,
@@ -139,13 +145,25 @@ pub enum FileError {
     },
 }
 
+/// What to do about an input that cannot be read.
+fn remedy(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "Check the name",
+        std::io::ErrorKind::PermissionDenied => "Ask for the right to read it",
+        std::io::ErrorKind::IsADirectory => "Name a picture in it instead",
+        _ => "Check that it is a file on a disk that works",
+    }
+}
+
 impl Picture {
     /// A picture that did not come from a file.
     pub fn new(image: Image<u8>) -> Self {
-        Self { image, metadata: Metadata { orientation: 1, ..Metadata::default() } }
+        Self { image, metadata: Metadata::default() }
     }
 
-    /// Reads a PNG or JPEG file, told apart by its content. Grey becomes RGB.
+    /// Reads a PNG or JPEG file, told apart by its content.
+    ///
+    /// Grey and CMYK become RGB; their colour profile, which would be wrong for it, is left out.
     ///
     /// # Errors
     ///

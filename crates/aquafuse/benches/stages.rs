@@ -3,7 +3,7 @@
 //! cargo bench -p aquafuse
 
 use aquafuse::depth::{self, DepthMap, Eq3};
-use aquafuse::fusion::{Options, fuse_mut};
+use aquafuse::fusion::{Options, Waters, fuse_mut};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::{TopEdge, Waterbody, estimate};
@@ -60,15 +60,18 @@ fn waterbody(bencher: Bencher<'_, '_>, size: (usize, usize)) {
 #[divan::bench(args = SIZES)]
 fn fusion_in_place(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     let (mut image, z, water) = prepared(size);
-    bencher.bench_local(|| fuse_mut(&mut image, &z, &water, &waters()[1].water, &Options::default()));
+    let reference = waters()[1].water;
+    let exchanged = Waters { content: &water, reference: &reference };
+    bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::default()));
 }
 
 #[divan::bench(args = SIZES)]
 fn frame(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     let (mut image, _, _) = prepared(size);
+    let reference = waters()[1].water;
     bencher.bench_local(|| {
         let z = depth::estimate(&image);
         let water = water_of(&image, &z);
-        fuse_mut(&mut image, &z, &water, &waters()[1].water, &Options::default())
+        fuse_mut(&mut image, &z, Waters { content: &water, reference: &reference }, &Options::default())
     });
 }

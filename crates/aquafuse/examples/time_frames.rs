@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use aquafuse::depth;
-use aquafuse::fusion::{Options, fuse};
+use aquafuse::fusion::{Options, Waters, fuse};
 use aquafuse::image::{Encoded, Image, SizeError};
 use aquafuse::waterbody::{TopEdge, Waterbody, estimate};
 
@@ -29,10 +29,11 @@ fn water_of(image: &Image<u8>) -> Result<Waterbody, SizeError> {
     Ok(estimate::<Encoded>(image, &depth::estimate(image), TopEdge::First)?.water)
 }
 
-fn one_frame(content: &Image<u8>, water: &Waterbody) -> Result<(), SizeError> {
+fn one_frame(content: &Image<u8>, reference: &Waterbody) -> Result<(), SizeError> {
     let z = depth::estimate(content);
-    let scene = estimate::<Encoded>(content, &z, TopEdge::First)?.water;
-    std::hint::black_box(fuse(content, &z, &scene, water, &Options::default())?);
+    let own = estimate::<Encoded>(content, &z, TopEdge::First)?.water;
+    let waters = Waters { content: &own, reference };
+    std::hint::black_box(fuse(content, &z, waters, &Options::default())?);
     Ok(())
 }
 

@@ -9,8 +9,8 @@ mod map;
 mod median;
 
 pub use eq3::Eq3;
-pub(crate) use map::LEVELS;
 pub use map::{DepthError, DepthKind, DepthMap};
+pub(crate) use map::{LEVELS, Quantised};
 
 use crate::image::{Image, Sample};
 

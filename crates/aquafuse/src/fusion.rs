@@ -42,6 +42,15 @@ impl Clipping {
     }
 }
 
+/// The two waters of a fusion; exchanged, they would fuse the other way round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waters<'a, E: Encoding> {
+    /// The content's own water, estimated with the depth map it is fused with.
+    pub content: &'a Waterbody<E>,
+    /// The water it is to be seen in; of it, only the veiling light is used.
+    pub reference: &'a Waterbody<E>,
+}
+
 /// What fusion adds to a pixel, as a function of its depth: the whole method in one line.
 ///
 /// `shift(z) = cosθ · w(F) · (α B2∞ - B1∞)` with `F = e^(-β_B1 z)` and the model's weight w.
@@ -50,7 +59,7 @@ impl Clipping {
 /// # Examples
 ///
 /// ```
-/// use aquafuse::fusion::{Options, Shift};
+/// use aquafuse::fusion::{Options, Shift, Waters};
 /// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
 ///
 /// let blue: Waterbody = Waterbody {
@@ -59,7 +68,7 @@ impl Clipping {
 ///     attenuation: [Attenuation::constant(0.5)?; 3],
 /// };
 /// let green = Waterbody { veiling_light: VeilingLight::new([0.0, 0.6, 0.2]), ..blue };
-/// let shift = Shift::new(&blue, &green, &Options::default());
+/// let shift = Shift::new(Waters { content: &blue, reference: &green }, &Options::default());
 /// assert_eq!(shift.at(0.0), [0.0; 3]);
 /// // It peaks at β_B z = ln 2, at a quarter of the difference times cos 45°.
 /// let peak = shift.at(2.0_f32.ln());
@@ -75,14 +84,14 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// The shift that takes a picture from `scene`'s water towards `reference`'s.
-    pub fn new<E: Encoding>(scene: &Waterbody<E>, reference: &Waterbody<E>, options: &Options) -> Self {
-        let (from, to) = (scene.veiling_light.rgb(), reference.veiling_light.rgb());
+    /// The shift that takes a picture from the content's water towards the reference's.
+    pub fn new<E: Encoding>(waters: Waters<'_, E>, options: &Options) -> Self {
+        let (from, to) = (waters.content.veiling_light.rgb(), waters.reference.veiling_light.rgb());
         let (cosine, gain) = (options.incidence.cosine(), options.gain.get());
         Self {
             model: options.model,
             amplitude: std::array::from_fn(|c| cosine * (gain * to[c] - from[c])),
-            backscatter_coefficient: scene.backscatter_coefficient,
+            backscatter_coefficient: waters.content.backscatter_coefficient,
         }
     }
 
@@ -98,9 +107,8 @@ impl Shift {
 /// Moves the water of one picture into another.
 ///
 /// Evaluates `U12 = U1 + shift(z)` at every pixel (see [`Shift`]; Eq. 9-11 of the paper with the direct
-/// signal I1 e^(-τ) taken as U1*, so that β_D cancels). `scene` is the content's own water, estimated
-/// with the same depth map. The picture keeps its size, sample type and encoding; values are rounded once
-/// and clipped, and clipping is counted.
+/// signal I1 e^(-τ) taken as U1*, so that β_D cancels). The picture keeps its size, sample type and
+/// encoding; values are rounded once and clipped, and clipping is counted.
 ///
 /// # Errors
 ///
@@ -109,27 +117,27 @@ impl Shift {
 /// # Examples
 ///
 /// ```
-/// use aquafuse::{depth, fusion, image::Image, waterbody};
+/// use aquafuse::{depth, fusion, fusion::Waters, image::Image, waterbody};
 ///
 /// # let row = |r: u8| -> Vec<u8> { (0..64).flat_map(|x| [r - x, 60 + x, 70 + 2 * x]).collect() };
 /// # let content: Image<u8> = Image::from_raw(64, 1, row(180))?;
 /// # let reference: Image<u8> = Image::from_raw(64, 1, row(90))?;
 /// let (z1, z2) = (depth::estimate(&content), depth::estimate(&reference));
-/// let scene = waterbody::estimate(&content, &z1, Default::default())?.water;
-/// let water = waterbody::estimate(&reference, &z2, Default::default())?.water;
-/// let fused = fusion::fuse(&content, &z1, &scene, &water, &fusion::Options::default())?;
+/// let own = waterbody::estimate(&content, &z1, Default::default())?.water;
+/// let other = waterbody::estimate(&reference, &z2, Default::default())?.water;
+/// let waters = Waters { content: &own, reference: &other };
+/// let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
 /// assert_eq!(fused.image.size(), content.size());
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
 pub fn fuse<T: Sample, E: Encoding>(
     content: &Image<T, E>,
     depth: &DepthMap,
-    scene: &Waterbody<E>,
-    reference: &Waterbody<E>,
+    waters: Waters<'_, E>,
     options: &Options,
 ) -> Result<Fused<T, E>, SizeError> {
     let mut image = content.clone();
-    let clipping = fuse_mut(&mut image, depth, scene, reference, options)?;
+    let clipping = fuse_mut(&mut image, depth, waters, options)?;
     Ok(Fused { image, clipping })
 }
 
@@ -141,12 +149,11 @@ pub fn fuse<T: Sample, E: Encoding>(
 pub fn fuse_mut<T: Sample, E: Encoding>(
     content: &mut Image<T, E>,
     depth: &DepthMap,
-    scene: &Waterbody<E>,
-    reference: &Waterbody<E>,
+    waters: Waters<'_, E>,
     options: &Options,
 ) -> Result<Clipping, SizeError> {
     depth.check_fits(content.size())?;
-    let shift = Shift::new(scene, reference, options);
+    let shift = Shift::new(waters, options);
     let pixels = content.pixels_mut();
     let mut clipping = Clipping { values: [0; 3], pixels: pixels.len() as u64 };
     depth.for_each_pixel(

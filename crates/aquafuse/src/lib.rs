@@ -5,7 +5,7 @@
 //! # Where do I start?
 //!
 //! ```
-//! use aquafuse::{depth, fusion, truth, waterbody};
+//! use aquafuse::{depth, fusion, fusion::Waters, truth, waterbody};
 //!
 //! // Two pictures of made-up places in made-up waters; yours come from a camera.
 //! let size = truth::Size { width: 96, height: 64 };
@@ -14,9 +14,10 @@
 //!
 //! let z1 = depth::estimate(&content);
 //! let z2 = depth::estimate(&reference);
-//! let scene = waterbody::estimate(&content, &z1, Default::default())?.water;
-//! let water = waterbody::estimate(&reference, &z2, Default::default())?.water;
-//! let fused = fusion::fuse(&content, &z1, &scene, &water, &fusion::Options::default())?;
+//! let own = waterbody::estimate(&content, &z1, Default::default())?.water;
+//! let other = waterbody::estimate(&reference, &z2, Default::default())?.water;
+//! let waters = Waters { content: &own, reference: &other };
+//! let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
 //! assert_eq!(fused.image.size(), (96, 64));
 //! # Ok::<(), aquafuse::image::SizeError>(())
 //! ```
@@ -40,7 +41,7 @@
 //! # Features
 //!
 //! - `threads` (default): several cores for ray marching. Off, no thread is started; no bit changes.
-//! - `serde`: waterbodies as data.
+//! - `serde`: `Serialize` for the types that describe water and depth.
 //!
 //! # Out of scope
 //!

@@ -28,7 +28,8 @@ pub struct Size {
     pub height: usize,
 }
 
-/// The distance in metres at which open water is placed: nothing is seen through that much of it.
+/// The distance in metres at which open water is placed. Its clear image is black: it sends no light but
+/// its backscatter, and the picture there is the veiling light.
 pub const OPEN_WATER: f32 = render::FAR;
 
 /// A place with its clear image and its depth.
@@ -86,6 +87,31 @@ mod tests {
         let scene = Scene::new(3, SMALL);
         assert_eq!(scene, Scene::new(3, SMALL));
         assert_ne!(scene, Scene::new(4, SMALL));
+    }
+
+    #[test]
+    fn open_water_is_the_veiling_light_in_every_water() {
+        let scene = Scene::new(1, SMALL);
+        for named in waters() {
+            let seen = scene.seen_through(&named.water);
+            let distances = scene.depth.distances();
+            let open = seen.pixels().iter().zip(&distances).filter(|&(_, &z)| z == OPEN_WATER);
+            for (pixel, _) in open {
+                for (value, veil) in pixel.iter().zip(named.water.veiling_light.rgb()) {
+                    // The other rays of a pixel at the edge of a fish may have hit it.
+                    assert!(*value >= veil - 0.5 / 255.0);
+                }
+            }
+            let [value, ..] = seen.pixels()[0];
+            assert!((value - named.water.veiling_light.rgb()[0]).abs() < 0.5 / 255.0);
+        }
+    }
+
+    #[cfg(feature = "threads")]
+    #[test]
+    fn the_number_of_threads_changes_no_bit() {
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert_eq!(alone.install(|| Scene::new(3, SMALL)), Scene::new(3, SMALL));
     }
 
     #[test]

@@ -35,7 +35,7 @@ use statistics::Statistics;
 /// # Ok::<(), aquafuse::waterbody::AttenuationError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Waterbody<E: Encoding = Encoded> {
     /// B∞, the colour of the water at infinity, in `[0, 1]`.
@@ -106,9 +106,9 @@ pub fn estimate<E: Encoding>(
     top: TopEdge,
 ) -> Result<Estimate<E>, SizeError> {
     depth.check_fits(image.size())?;
-    let (levels, step) = depth.quantised();
-    let light = veiling_light::estimate::<E>(image, &levels, top);
-    let statistics = Statistics::<E>::gather(image, &levels, step);
+    let quantised = depth.quantised();
+    let light = veiling_light::estimate::<E>(image, &quantised.levels, top);
+    let statistics = Statistics::<E>::gather(image, &quantised);
     let veil = light.veiling_light;
     let backscatter_coefficient = std::array::from_fn(|c| backscatter::fit(&statistics, c, veil.rgb()[c]));
     let attenuation =

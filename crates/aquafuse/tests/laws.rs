@@ -7,7 +7,7 @@
 
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::formation::{RestoreOptions, form, restore};
-use aquafuse::fusion::{Gain, Incidence, Model, Options, Shift, fuse};
+use aquafuse::fusion::{Gain, Incidence, Model, Options, Shift, Waters, fuse};
 use aquafuse::image::Image;
 use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
 use proptest::prelude::*;
@@ -19,15 +19,23 @@ fn colour() -> impl Strategy<Value = [f32; 3]> {
     prop::array::uniform3(0.0..=1.0_f32)
 }
 
+/// β_D curves that are constant, that bend, and that are held from somewhere within the depths tried.
+fn attenuation() -> impl Strategy<Value = Attenuation> {
+    let weight = || 0.01..1.5_f32;
+    (weight(), 0.0..1.0_f32, weight(), 0.0..1.0_f32, 0.5..8.0_f32).prop_map(|(mu5, fall, mu7, rise, end)| {
+        // Falling no faster than e^(-z / end), the optical depth never falls.
+        Attenuation::new([mu5, -fall / end, mu7, 0.1 * rise / end], end).unwrap()
+    })
+}
+
 fn waterbody() -> impl Strategy<Value = Waterbody> {
-    let coefficients = || prop::array::uniform3(0.01..3.0_f32);
-    (colour(), coefficients(), coefficients()).prop_map(|(veil, backscatter_coefficient, attenuation)| {
-        Waterbody {
+    (colour(), prop::array::uniform3(0.01..3.0_f32), prop::array::uniform3(attenuation())).prop_map(
+        |(veil, backscatter_coefficient, attenuation)| Waterbody {
             veiling_light: VeilingLight::new(veil),
             backscatter_coefficient,
-            attenuation: attenuation.map(|coefficient| Attenuation::constant(coefficient).unwrap()),
-        }
-    })
+            attenuation,
+        },
+    )
 }
 
 fn model() -> impl Strategy<Value = Model> {
@@ -42,6 +50,10 @@ fn options(model: Model, degrees: f32, gain: f32) -> Options {
     Options { model, incidence: Incidence::from_degrees(degrees).unwrap(), gain: Gain::new(gain).unwrap() }
 }
 
+fn shift(content: &Waterbody, reference: &Waterbody, options: &Options) -> Shift {
+    Shift::new(Waters { content, reference }, options)
+}
+
 fn with_veil(water: &Waterbody, veil: [f32; 3]) -> Waterbody {
     Waterbody { veiling_light: VeilingLight::new(veil), ..*water }
 }
@@ -51,21 +63,21 @@ proptest! {
     fn at_ninety_degrees_nothing_is_fused(
         scene in waterbody(), other in waterbody(), model in model(), gain in 0.0..4.0_f32, z in 0.0..10.0_f32,
     ) {
-        prop_assert_eq!(Shift::new(&scene, &other, &options(model, 90.0, gain)).at(z), [0.0; 3]);
+        prop_assert_eq!(shift(&scene, &other, &options(model, 90.0, gain)).at(z), [0.0; 3]);
     }
 
     #[test]
     fn ones_own_water_changes_nothing(
         scene in waterbody(), model in model(), degrees in degrees(), z in 0.0..10.0_f32,
     ) {
-        prop_assert_eq!(Shift::new(&scene, &scene, &options(model, degrees, 1.0)).at(z), [0.0; 3]);
+        prop_assert_eq!(shift(&scene, &scene, &options(model, degrees, 1.0)).at(z), [0.0; 3]);
     }
 
     #[test]
     fn at_the_camera_nothing_changes(
         scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(), gain in 0.0..4.0_f32,
     ) {
-        prop_assert_eq!(Shift::new(&scene, &other, &options(model, degrees, gain)).at(0.0), [0.0; 3]);
+        prop_assert_eq!(shift(&scene, &other, &options(model, degrees, gain)).at(0.0), [0.0; 3]);
     }
 
     #[test]
@@ -73,7 +85,7 @@ proptest! {
         scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(),
         gain in 0.0..4.0_f32, z in 0.0..10.0_f32,
     ) {
-        let at = |gain: f32| Shift::new(&scene, &other, &options(model, degrees, gain)).at(z);
+        let at = |gain: f32| shift(&scene, &other, &options(model, degrees, gain)).at(z);
         let (none, one, found) = (at(0.0), at(1.0), at(gain));
         for c in 0..3 {
             prop_assert!((none[c] + gain * (one[c] - none[c]) - found[c]).abs() < 4.0 * ROUNDING);
@@ -85,7 +97,7 @@ proptest! {
         scene in waterbody(), other in waterbody(), model in model(), a in degrees(), b in degrees(),
         z in 0.0..10.0_f32,
     ) {
-        let at = |degrees| Shift::new(&scene, &other, &options(model, degrees, 1.0)).at(z);
+        let at = |degrees| shift(&scene, &other, &options(model, degrees, 1.0)).at(z);
         let (more, less) = (at(a.min(b)), at(a.max(b)));
         for c in 0..3 {
             prop_assert!(less[c].abs() <= more[c].abs());
@@ -99,7 +111,7 @@ proptest! {
     ) {
         let scaled = Waterbody { backscatter_coefficient: scene.backscatter_coefficient.map(|b| b / unit), ..scene };
         let options = options(model, degrees, 1.0);
-        let (one, other) = (Shift::new(&scene, &other, &options).at(z), Shift::new(&scaled, &other, &options).at(z * unit));
+        let (one, other) = (shift(&scene, &other, &options).at(z), shift(&scaled, &other, &options).at(z * unit));
         for c in 0..3 {
             prop_assert!((one[c] - other[c]).abs() < 16.0 * ROUNDING);
         }
@@ -112,7 +124,7 @@ proptest! {
         let changed = |water: &Waterbody| Waterbody { attenuation: third.attenuation, ..*water };
         let options = Options::for_model(model);
         let (before, after) =
-            (Shift::new(&scene, &other, &options), Shift::new(&changed(&scene), &changed(&other), &options));
+            (shift(&scene, &other, &options), shift(&changed(&scene), &changed(&other), &options));
         prop_assert_eq!(before.at(z), after.at(z));
     }
 
@@ -122,21 +134,21 @@ proptest! {
     ) {
         for (model, most) in [(Model::Aquafuse, 0.25), (Model::Physical, 1.0)] {
             let options = options(model, degrees, gain);
-            let shift = Shift::new(&scene, &other, &options).at(z);
+            let added = shift(&scene, &other, &options).at(z);
             for c in 0..3 {
                 let difference = gain * other.veiling_light.rgb()[c] - scene.veiling_light.rgb()[c];
                 let bound = most * options.incidence.cosine() * difference.abs();
-                prop_assert!(shift[c].abs() <= bound + ROUNDING);
+                prop_assert!(added[c].abs() <= bound + ROUNDING);
             }
         }
     }
 
     #[test]
     fn the_fused_veil_peaks_at_an_optical_depth_of_ln_2(scene in waterbody(), other in waterbody(), z in 0.0..10.0_f32) {
-        let shift = Shift::new(&scene, &other, &Options::default());
+        let added = shift(&scene, &other, &Options::default());
         for c in 0..3 {
-            let peak = shift.at(2.0_f32.ln() / scene.backscatter_coefficient[c])[c];
-            prop_assert!(shift.at(z)[c].abs() <= peak.abs() + ROUNDING);
+            let peak = added.at(2.0_f32.ln() / scene.backscatter_coefficient[c])[c];
+            prop_assert!(added.at(z)[c].abs() <= peak.abs() + ROUNDING);
         }
     }
 
@@ -147,11 +159,11 @@ proptest! {
         let (backscatter, factor) = (scene.backscatter(z), scene.depth_factor(z));
         for model in Model::ALL {
             let options = options(model, degrees, 0.0);
-            let shift = Shift::new(&scene, &other, &options).at(z);
+            let added = shift(&scene, &other, &options).at(z);
             for c in 0..3 {
                 let lost = options.incidence.cosine() * backscatter[c];
                 let lost = if model == Model::Aquafuse { lost * factor[c] } else { lost };
-                prop_assert!((shift[c] + lost).abs() < ROUNDING);
+                prop_assert!((added[c] + lost).abs() < ROUNDING);
             }
         }
     }
@@ -163,7 +175,7 @@ proptest! {
         // The content's depth and coefficients are held, the veils exchanged.
         let options = options(model, degrees, 1.0);
         let fused = with_veil(&scene, other.veiling_light.rgb());
-        let (there, back) = (Shift::new(&scene, &other, &options).at(z), Shift::new(&fused, &scene, &options).at(z));
+        let (there, back) = (shift(&scene, &other, &options).at(z), shift(&fused, &scene, &options).at(z));
         for c in 0..3 {
             prop_assert_eq!(there[c] + back[c], 0.0);
         }
@@ -179,7 +191,7 @@ proptest! {
         let other = with_veil(&other, std::array::from_fn(|c| {
             0.75 * scene.veiling_light.rgb()[c] + 0.25 * other.veiling_light.rgb()[c]
         }));
-        let fused = fuse(&content, &depth, &scene, &other, &Options::for_model(model)).unwrap();
+        let fused = fuse(&content, &depth, Waters { content: &scene, reference: &other }, &Options::for_model(model)).unwrap();
         prop_assert_eq!(fused.clipping.values, [0; 3]);
         let moved = |pixel: usize, c: usize| fused.image.pixels()[pixel][c] - content.pixels()[pixel][c];
         for c in 0..3 {

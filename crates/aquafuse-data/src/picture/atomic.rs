@@ -9,8 +9,8 @@ use super::FileError;
 
 /// Writes a file through a temporary one in the same folder, which then takes its name.
 ///
-/// The data and the folder entry are on the disk before this returns. When `fill` or the system fails,
-/// the temporary file is removed and `path` is as it was.
+/// The data is on the disk before this returns, and the folder entry where the folder may be opened. When
+/// `fill` or the system fails, the temporary file is removed and `path` is as it was.
 pub(crate) fn write_atomically<E: std::fmt::Display>(
     path: &Path,
     overwrite: bool,
@@ -38,7 +38,8 @@ pub(crate) fn write_atomically<E: std::fmt::Display>(
             _ => failed(refused.error.to_string()),
         })?;
     }
-    sync_folder(folder).map_err(|error| failed(error.to_string()))
+    sync_folder(folder);
+    Ok(())
 }
 
 fn create_part(folder: &Path) -> std::io::Result<NamedTempFile> {
@@ -53,12 +54,13 @@ fn create_part(folder: &Path) -> std::io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-#[cfg(unix)]
-fn sync_folder(folder: &Path) -> std::io::Result<()> {
-    std::fs::File::open(folder)?.sync_all()
-}
-
-#[cfg(not(unix))]
-fn sync_folder(_: &Path) -> std::io::Result<()> {
-    Ok(())
+/// Asks for the folder entry to be on the disk too. The file has its name by now: a folder that cannot be
+/// opened for reading, or not be synced, makes it no less written.
+fn sync_folder(folder: &Path) {
+    #[cfg(unix)]
+    if let Ok(folder) = std::fs::File::open(folder) {
+        let _ = folder.sync_all();
+    }
+    #[cfg(not(unix))]
+    let _ = folder;
 }

@@ -8,6 +8,30 @@ fn exif(value: u8) -> Vec<u8> {
     block
 }
 
+/// An ICC profile as far as anyone here looks: the kind of its colours at byte 16.
+fn profile(kind: &[u8; 4]) -> Vec<u8> {
+    [&[0; 16][..], kind, &[0; 180]].concat()
+}
+
+/// A PNG of `width` x `height` whose chunks are given; lengths and check sums are right.
+fn png(width: u32, height: u32, colour_type: u8, chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+    let header = [&width.to_be_bytes()[..], &height.to_be_bytes(), &[8, colour_type, 0, 0, 0]].concat();
+    let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
+    for (name, body) in [&[(b"IHDR", &header[..])], chunks, &[(b"IEND", &[])]].concat() {
+        let checked = [&name[..], body].concat();
+        file.extend((body.len() as u32).to_be_bytes());
+        file.extend(&checked);
+        file.extend(crc32(&checked).to_be_bytes());
+    }
+    file
+}
+
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xEDB8_8320 * (crc & 1)))
+    })
+}
+
 fn gradient() -> Image<u8> {
     Image::from_raw(16, 8, (0..=127).flat_map(|v| [v, 2 * v, 255 - v]).collect()).unwrap()
 }
@@ -38,7 +62,7 @@ fn profile_and_exif_travel_with_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["a.png", "a.jpg"] {
         let path = folder.path().join(name);
-        let metadata = Metadata { icc_profile: Some(vec![7; 200]), exif: Some(exif(6)), orientation: 6 };
+        let metadata = Metadata { icc_profile: Some(profile(b"RGB ")), exif: Some(exif(6)), orientation: 6 };
         let picture = Picture { image: gradient(), metadata: metadata.clone() };
         picture.write(&path, &WriteOptions::default()).unwrap();
         let back = Picture::read(&path).unwrap();
@@ -53,8 +77,12 @@ fn a_grey_picture_is_read_as_rgb() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("grey.png");
     let file = std::fs::File::create(&path).unwrap();
-    PngEncoder::new(file).write_image(&[10, 20], 2, 1, ExtendedColorType::L8).unwrap();
-    assert_eq!(Picture::read(&path).unwrap().image.pixels(), [[10; 3], [20; 3]]);
+    let mut encoder = PngEncoder::new(file);
+    encoder.set_icc_profile(profile(b"GRAY")).unwrap();
+    encoder.write_image(&[10, 20], 2, 1, ExtendedColorType::L8).unwrap();
+    let picture = Picture::read(&path).unwrap();
+    assert_eq!(picture.image.pixels(), [[10; 3], [20; 3]]);
+    assert_eq!(picture.metadata.icc_profile, None, "a profile for grey is wrong for RGB");
 }
 
 #[test]
@@ -68,8 +96,15 @@ fn refusals_name_the_file_the_cause_and_what_to_do() {
     let mut cut = Vec::new();
     PngEncoder::new(&mut cut).write_image(&[9; 3 * 64 * 64], 64, 64, ExtendedColorType::Rgb8).unwrap();
     std::fs::write(path("cut.png"), &cut[..cut.len() - 40]).unwrap();
+    std::fs::create_dir(path("folder.png")).unwrap();
+    // Known to panic in png 0.18: a palette of two and a third colours.
+    std::fs::write(path("palette.png"), png(8, 8, 3, &[(b"PLTE", &[0; 7]), (b"IDAT", &[0; 9])])).unwrap();
+    std::fs::write(path("bomb.png"), png(20000, 20000, 2, &[(b"IDAT", &[0; 9])])).unwrap();
     for (name, cause, remedy) in [
-        ("missing.png", "No such file", "cannot read"),
+        ("missing.png", "No such file", "Check the name"),
+        ("folder.png", "directory", "Name a picture in it"),
+        ("palette.png", "cannot decode", "get a whole copy"),
+        ("bomb.png", "512 MiB", "Scale it down"),
         ("note.txt", "neither PNG nor JPEG", "Convert it"),
         ("alpha.png", "transparency", "Flatten"),
         ("cut.png", "cannot decode", "get a whole copy"),
@@ -114,6 +149,16 @@ fn a_written_file_is_as_open_as_the_umask_allows() {
     Picture::new(gradient()).write(&ours, &WriteOptions::default()).unwrap();
     let mode = |path: &Path| path.metadata().unwrap().permissions().mode();
     assert_eq!(mode(&ours), mode(&plain));
+}
+
+#[test]
+fn exif_too_large_for_a_jpeg_is_refused_not_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let metadata = Metadata { exif: Some(vec![0; 65528]), ..Metadata::default() };
+    let picture = Picture { image: gradient(), metadata };
+    let refused = picture.write(&folder.path().join("a.jpg"), &WriteOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("write .png"), "{refused}");
+    assert!(picture.write(&folder.path().join("a.png"), &WriteOptions::default()).is_ok());
 }
 
 #[test]

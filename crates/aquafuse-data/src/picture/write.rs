@@ -9,10 +9,19 @@ use ::image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
 
 use super::{FileError, Format, Metadata, Picture, WriteOptions, write_atomically};
 
+/// The most EXIF that a JPEG segment holds beside its length and its name.
+const JPEG_EXIF: usize = 65535 - 2 - 6;
+
 pub(super) fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
     let Some(format) = Format::of(path) else {
         return Err(FileError::UnknownExtension { path: path.to_owned(), expected: ".png, .jpg or .jpeg" });
     };
+    if let (Format::Jpeg, Some(exif)) = (format, &picture.metadata.exif)
+        && exif.len() > JPEG_EXIF
+    {
+        let cause = format!("its EXIF block of {} bytes is too large for JPEG; write .png", exif.len());
+        return Err(FileError::Write { path: path.to_owned(), cause });
+    }
     write_atomically(path, options.overwrite, |out| match format {
         Format::Png => encode(PngEncoder::new(out), picture),
         Format::Jpeg => encode(JpegEncoder::new_with_quality(out, options.quality.clamp(1, 100)), picture),

@@ -1,5 +1,7 @@
 //! A depth map and what its numbers mean.
 
+use std::borrow::Cow;
+
 use crate::image::{SizeError, check_size};
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
@@ -33,8 +35,8 @@ pub enum DepthError {
     /// The buffer and the size disagree.
     #[error(transparent)]
     Size(#[from] SizeError),
-    /// A distance is negative, infinite or not a number.
-    #[error("depth at column {x}, row {y} is {value}; distances are finite and not negative")]
+    /// A distance is negative, not a number, or beyond what its kind can be.
+    #[error("depth at column {x}, row {y} is {value}; it lies between 0 and {most}")]
     Value {
         /// Column.
         x: usize,
@@ -42,6 +44,8 @@ pub enum DepthError {
         y: usize,
         /// What stands there.
         value: f32,
+        /// The largest distance of this kind.
+        most: f32,
     },
 }
 
@@ -50,6 +54,37 @@ enum Values {
     /// z = level / 255.
     Levels(Vec<u8>),
     Floats(Vec<f32>),
+}
+
+/// Depth in even steps.
+pub(crate) struct Quantised<'a> {
+    pub(crate) levels: Cow<'a, [u8]>,
+    /// z of one step, > 0.
+    pub(crate) step: f32,
+    /// The level that stands for all that lies beyond the steps, if there is one: its z is not known.
+    pub(crate) beyond: Option<u8>,
+}
+
+/// Share of the farthest distance that still counts as farthest: open water is often one far number.
+const HORIZON: f32 = 0.98;
+/// Of what is nearer than the horizon, this share lies within the steps; the rest is outliers.
+const WITHIN: f64 = 0.995;
+
+/// Spreads the steps over where things are. Open water at a far number, or one wrong pixel, would
+/// otherwise press the whole scene into a few steps.
+fn quantise(distances: &[f32]) -> Quantised<'_> {
+    let farthest = distances.iter().copied().fold(0.0, f32::max);
+    let mut nearer: Vec<f32> = distances.iter().copied().filter(|&z| z < HORIZON * farthest).collect();
+    let reach = if nearer.is_empty() {
+        farthest
+    } else {
+        let rank = ((nearer.len() as f64 * WITHIN) as usize).min(nearer.len() - 1);
+        *nearer.select_nth_unstable_by(rank, f32::total_cmp).1
+    };
+    // Distances too small to divide by are no distances; any step will do.
+    let step = if reach > 1e-30 { reach / 254.0 } else { 1.0 };
+    let levels = distances.iter().map(|z| (z / step + 0.5).min(255.0) as u8).collect();
+    Quantised { levels, step, beyond: Some(255) }
 }
 
 /// Levels of depth estimated from colour; level 255 is z = 1.
@@ -83,8 +118,9 @@ impl DepthMap {
         distances: Vec<f32>,
     ) -> Result<Self, DepthError> {
         check_size(width, height, 1, distances.len())?;
-        if let Some(i) = distances.iter().position(|z| !(z.is_finite() && *z >= 0.0)) {
-            return Err(DepthError::Value { x: i % width, y: i / width, value: distances[i] });
+        let most = if kind == DepthKind::Relative { 1.0 } else { f32::MAX };
+        if let Some(i) = distances.iter().position(|z| !(0.0..=most).contains(z)) {
+            return Err(DepthError::Value { x: i % width, y: i / width, value: distances[i], most });
         }
         Ok(Self { width, height, kind, values: Values::Floats(distances) })
     }
@@ -167,22 +203,15 @@ impl DepthMap {
         }
     }
 
-    /// This map in 256 even steps, for estimators that count: the steps and z of one step.
-    pub(crate) fn quantised(&self) -> (std::borrow::Cow<'_, [u8]>, f32) {
+    /// This map in 256 even steps, for estimators that count.
+    pub(crate) fn quantised(&self) -> Quantised<'_> {
         match &self.values {
-            Values::Levels(levels) => (levels.into(), level_to_z(1)),
-            Values::Floats(distances) => {
-                let far = distances.iter().copied().fold(0.0, f32::max);
-                // A map of zeros has nothing to divide by; any step will do.
-                let step = if far > 0.0 { far / 255.0 } else { 1.0 };
-                (distances.iter().map(|z| (z / step + 0.5) as u8).collect(), step)
-            }
+            Values::Levels(levels) => Quantised { levels: levels.into(), step: level_to_z(1), beyond: None },
+            Values::Floats(distances) => quantise(distances),
         }
     }
 
     /// The distance that `share` of the pixels do not exceed.
-    ///
-    /// For depth kept as floats the answer is exact to 1/255 of the farthest distance.
     ///
     /// # Examples
     ///
@@ -194,18 +223,10 @@ impl DepthMap {
     /// # Ok::<(), aquafuse::image::SizeError>(())
     /// ```
     pub fn percentile(&self, share: f32) -> f32 {
-        let (levels, step) = self.quantised();
-        let mut counts = [0_u64; LEVELS];
-        for &level in levels.iter() {
-            counts[usize::from(level)] += 1;
-        }
-        let wanted = (f64::from(share) * levels.len() as f64).ceil() as u64;
-        let mut seen = 0;
-        let level = counts.iter().position(|count| {
-            seen += count;
-            seen >= wanted
-        });
-        level.unwrap_or(LEVELS - 1) as f32 * step
+        let mut distances = self.distances();
+        let wanted = (f64::from(share) * distances.len() as f64).ceil() as usize;
+        let rank = wanted.saturating_sub(1).min(distances.len() - 1);
+        *distances.select_nth_unstable_by(rank, f32::total_cmp).1
     }
 
     /// The mean distance.
@@ -230,21 +251,32 @@ mod tests {
     }
 
     #[test]
-    fn negative_distances_are_refused() {
-        assert!(DepthMap::from_distances(1, 1, DepthKind::Metres, vec![-0.5]).is_err());
+    fn distances_out_of_range_are_refused() {
+        for (kind, value) in
+            [(DepthKind::Metres, -0.5), (DepthKind::Metres, f32::INFINITY), (DepthKind::Relative, 1.5)]
+        {
+            assert!(DepthMap::from_distances(1, 1, kind, vec![value]).is_err());
+        }
     }
 
     #[test]
-    fn quantising_keeps_the_farthest_and_the_nearest() {
-        let z = DepthMap::from_distances(3, 1, DepthKind::Metres, vec![0.0, 5.0, 10.0]).unwrap();
-        let (levels, step) = z.quantised();
-        assert_eq!((levels[0], levels[2]), (0, 255));
-        assert!((step * 255.0 - 10.0).abs() < 1e-5);
+    fn neither_open_water_nor_an_outlier_takes_the_steps_from_the_scene() {
+        for far in [100.0, 65535.0] {
+            let mut distances: Vec<f32> = (0..1000).map(|i| 12.0 * i as f32 / 999.0).collect();
+            distances.push(far);
+            let z = DepthMap::from_distances(1001, 1, DepthKind::Metres, distances).unwrap();
+            let found = z.quantised();
+            assert!((found.step * 254.0 - 12.0).abs() < 0.1, "{}", found.step);
+            assert_eq!((found.levels[0], found.levels[1000], found.beyond), (0, 255, Some(255)));
+        }
     }
 
     #[test]
-    fn a_map_of_zeros_has_percentile_zero() {
-        let z = DepthMap::from_distances(2, 1, DepthKind::Metres, vec![0.0, 0.0]).unwrap();
-        assert_eq!(z.percentile(0.95), 0.0);
+    fn a_map_of_next_to_nothing_has_steps_to_divide_by() {
+        for value in [0.0, 1e-44] {
+            let z = DepthMap::from_distances(2, 1, DepthKind::Metres, vec![value; 2]).unwrap();
+            assert!(z.quantised().step > 1e-30);
+            assert_eq!(z.percentile(0.95), value);
+        }
     }
 }

@@ -24,6 +24,11 @@ impl Model {
         }
     }
 
+    /// The model of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+
     /// Share of the veil difference that is added at depth factor `f` in `[0, 1]`.
     pub(super) fn weight(self, f: f32) -> f32 {
         match self {

@@ -1,16 +1,16 @@
 //! Camera, ray marching and light: what is seen of a place through air.
 
 use super::Size;
-use super::floor::{CREST, mix};
+use super::floor::CREST;
 use super::geometry::{Ray, Vec3, smooth_step, vec3};
 use super::layout::Place;
 use super::noise::{cells, noise};
 use super::thing::Thing;
 use crate::image::{Encoding, Linear};
 
-/// Distance of open water, metres. At β = .15 a metre e^(-βz) is .0025: less than a byte's step.
-pub(super) const FAR: f32 = 40.0;
-/// Nothing is looked for beyond: between here and [`FAR`] the floor fades into open water's clear colour.
+/// Distance of open water, metres: at β = .08 a metre, e^(-βz) is .0003 of the range and no byte shows it.
+pub(super) const FAR: f32 = 100.0;
+/// Nothing is looked for beyond; towards it the floor fades into the dark.
 const HORIZON: f32 = 26.0;
 /// Tangent of half the horizontal field of view (70°).
 const HALF_VIEW: f32 = 0.70;
@@ -48,7 +48,8 @@ fn pixel(place: &Place, size: Size, x: usize, y: usize) -> Seen {
         if let (0, Some(hit)) = (i, &hit) {
             distance = hit.t;
         }
-        light = light + hit.map_or(backdrop(&ray), |hit| shade(place, &ray, &hit));
+        // Where there is nothing, no light comes from it: open water is its backscatter alone.
+        light = light + hit.map_or(Vec3::default(), |hit| shade(place, &ray, &hit));
     }
     let light = light * (1.0 / RAYS.len() as f32);
     let colour = [light.x, light.y, light.z].map(|v| Linear::to_encoded(film(v)).clamp(0.0, 1.0));
@@ -68,11 +69,6 @@ fn camera_ray(place: &Place, size: Size, x: f32, y: f32) -> Ray {
     let (sin, cos) = place.pitch.sin_cos();
     let direction = vec3(right, up * cos - sin, up * sin + cos).normalised();
     Ray { origin: vec3(0.0, place.floor.height(0.0, 0.0) + place.eye, 0.0), direction }
-}
-
-/// What stands behind everything, seen through air: a pale haze. Water hides it.
-fn backdrop(ray: &Ray) -> Vec3 {
-    mix(vec3(0.30, 0.31, 0.31), vec3(0.52, 0.55, 0.57), smooth_step(-0.1, 0.5, ray.direction.y))
 }
 
 struct Hit<'a> {
@@ -137,7 +133,7 @@ fn shade(place: &Place, ray: &Ray, hit: &Hit<'_>) -> Vec3 {
     let bounce = vec3(0.50, 0.42, 0.32) * (0.16 * (0.5 - 0.5 * normal.y));
     let light = sun + (sky + bounce) * (0.75 * openness(place, p, normal));
     let colour = vec3(albedo.x * light.x, albedo.y * light.y, albedo.z * light.z);
-    mix(colour, backdrop(ray), smooth_step(0.7 * HORIZON, HORIZON, hit.t))
+    colour * (1.0 - smooth_step(0.7 * HORIZON, HORIZON, hit.t))
 }
 
 /// Direction in which the distance to a body grows.

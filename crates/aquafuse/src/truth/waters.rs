@@ -14,7 +14,7 @@ pub struct NamedWater {
 /// Five made-up waters that span what divers see: blue, green, turbid, clear and deep.
 ///
 /// The numbers are chosen by eye to be plausible, not measured: red fades first, green water takes blue as
-/// well. All are thick enough to hide what lies at [`OPEN_WATER`](super::OPEN_WATER).
+/// well. All hide what lies at [`OPEN_WATER`](super::OPEN_WATER).
 pub fn waters() -> [NamedWater; 5] {
     let water = |name, veil, backscatter_coefficient, attenuation: [f32; 3]| NamedWater {
         name,

@@ -9,8 +9,7 @@ use crate::image::Encoding;
 /// The optical depth `τ(z) = β_D(z) z` must not fall with z, or farther things would look brighter for it.
 /// A fitted curve is only known where there was something to see: beyond that distance β_D is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "Unchecked"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Attenuation {
     mu: [f32; 4],
     held_beyond: f32,
@@ -96,24 +95,9 @@ impl Attenuation {
     }
 }
 
-#[cfg(feature = "serde")]
-#[derive(serde::Deserialize)]
-struct Unchecked {
-    mu: [f32; 4],
-    held_beyond: f32,
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<Unchecked> for Attenuation {
-    type Error = AttenuationError;
-
-    fn try_from(curve: Unchecked) -> Result<Self, AttenuationError> {
-        Self::new(curve.mu, curve.held_beyond)
-    }
-}
-
-/// Direct signal below this (encoded) is noise: a quarter of a byte's step.
-const FAINTEST: f32 = 0.25 / 255.0;
+/// A direct signal below this (encoded) is no measurement: two steps of a byte, which the estimate of the
+/// backscatter is at least wrong by. Its logarithm would be noise that pulls the curve down.
+const FAINTEST: f32 = 2.0 / 255.0;
 /// Times the scale of E is corrected; each time shrinks what is missing to the nearest bin's share of z.
 const SCALINGS: usize = 3;
 /// Decays tried for μ6 and μ8, in units of 1/z of the farthest bin. At 1 the optical depth just stops
@@ -126,8 +110,10 @@ const DECAYS: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// The curve is the least-squares fit of β_D(z) z to -ln E(z) with μ5, μ7 >= 0, over a grid of decays.
 /// The nearest bin is already some way off: the scale is then corrected by the fit's own E there.
 ///
-/// The paper refits while smoothing E along the fitted curve. That is a projection onto a convex cone, and
-/// a point halfway to its projection projects to the same point: such rounds change E but not β_D.
+/// Depths at which nothing is left to measure do not count; beyond the last that does, β_D is held.
+///
+/// The paper refits while smoothing E along the fitted curve. The fit is the nearest point of a closed set,
+/// and a point halfway to its nearest point has the same nearest point: such rounds change E but not β_D.
 pub(super) fn fit<E: Encoding>(
     statistics: &Statistics<E>,
     channel: usize,
@@ -140,8 +126,9 @@ pub(super) fn fit<E: Encoding>(
         .iter()
         .map(|bin| {
             let backscatter = veiling_light * (1.0 - (-backscatter_coefficient * bin.z).exp());
-            (bin.z, (bin.mean(channel) - backscatter).max(faintest))
+            (bin.z, bin.mean(channel) - backscatter)
         })
+        .filter(|&(_, signal)| signal > faintest)
         .collect();
     let brightest = direct.iter().map(|&(_, signal)| signal).fold(faintest, f32::max);
     let far = direct.last().map_or(0.0, |&(z, _)| z);
@@ -204,8 +191,13 @@ fn non_negative_fit(points: &[(f32, f32)], basis: impl Fn(f32) -> [f32; 2]) -> (
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::depth::Quantised;
     use crate::image::{Encoded, Image};
     use proptest::prelude::*;
+
+    fn gathered(image: &Image<u8>, levels: &[u8]) -> Statistics<Encoded> {
+        Statistics::gather(image, &Quantised { levels: levels.into(), step: 1.0 / 255.0, beyond: None })
+    }
 
     #[test]
     fn a_curve_whose_optical_depth_falls_is_refused() {
@@ -236,8 +228,7 @@ mod tests {
             [(255.0 * value.min(1.0) + 0.5) as u8; 3]
         });
         let image = Image::from_raw(levels.len(), 1, samples.collect()).unwrap();
-        let statistics = Statistics::<Encoded>::gather(&image, &levels, 1.0 / 255.0);
-        let curve = fit(&statistics, 0, veil, backscatter);
+        let curve = fit(&gathered(&image, &levels), 0, veil, backscatter);
         for z in [0.3, 0.6, 0.9] {
             assert!((curve.optical_depth(z) - truth * z).abs() < 0.05, "{curve:?} at {z}");
         }
@@ -248,8 +239,7 @@ mod tests {
         fn every_fit_is_a_valid_curve(bytes in prop::collection::vec(any::<[u8; 3]>(), 700), veil in 0.0..1.0_f32) {
             let levels: Vec<u8> = (0..700).map(|i| (i % 256) as u8).collect();
             let image = Image::from_raw(700, 1, bytes.concat()).unwrap();
-            let statistics = Statistics::<Encoded>::gather(&image, &levels, 1.0 / 255.0);
-            let curve = fit(&statistics, 1, veil, 2.0);
+            let curve = fit(&gathered(&image, &levels), 1, veil, 2.0);
             prop_assert!(Attenuation::new(curve.mu(), curve.held_beyond()).is_ok(), "{:?}", curve);
         }
     }

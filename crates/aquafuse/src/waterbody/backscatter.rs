@@ -27,6 +27,7 @@ const STEPS: usize = 96;
 /// shadow, flat depth) the answer falls back to the expected optical depth, smoothly.
 pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, channel: usize, veiling_light: f32) -> f32 {
     let shadow = E::from_encoded(SHADOW).min(veiling_light);
+    let noise = E::from_encoded(NOISE);
     let envelope: Vec<(f32, f32)> =
         statistics.bins.iter().map(|bin| (bin.z / statistics.z95, bin.quantile(channel, DARK))).collect();
     let cost = |ln_tau: f32| {
@@ -35,7 +36,7 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, channel: usize, veili
             .iter()
             .map(|&(z, dark)| {
                 let factor = (-tau * z).exp();
-                huber((veiling_light * (1.0 - factor) + shadow * factor - dark) / NOISE)
+                huber((veiling_light * (1.0 - factor) + shadow * factor - dark) / noise)
             })
             .sum();
         misfit + 0.5 * ((ln_tau - EXPECTED.ln()) / SPREAD.ln()).powi(2)
@@ -68,6 +69,7 @@ fn vertex(left: f32, middle: f32, right: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::depth::Quantised;
     use crate::image::{Encoded, Image};
 
     /// Columns of rising depth, each with its share of shadow; the rest is bright.
@@ -85,11 +87,15 @@ mod tests {
         (Image::from_raw(256, 64, samples).unwrap(), levels)
     }
 
+    fn gathered(image: &Image<u8>, levels: &[u8], step: f32) -> Statistics<Encoded> {
+        Statistics::gather(image, &Quantised { levels: levels.into(), step, beyond: None })
+    }
+
     #[test]
     fn a_clean_envelope_gives_its_coefficient_back() {
         for beta in [0.8, 1.5, 3.0] {
             let (image, levels) = seen_through(beta, 0.6);
-            let found = fit(&Statistics::<Encoded>::gather(&image, &levels, 1.0 / 255.0), 1, 0.6);
+            let found = fit(&gathered(&image, &levels, 1.0 / 255.0), 1, 0.6);
             assert!((found / beta - 1.0).abs() < 0.12, "{found} for {beta}");
         }
     }
@@ -97,7 +103,7 @@ mod tests {
     #[test]
     fn the_unit_of_depth_cancels() {
         let (image, levels) = seen_through(1.5, 0.6);
-        let beta = |step| fit(&Statistics::<Encoded>::gather(&image, &levels, step), 0, 0.6);
+        let beta = |step| fit(&gathered(&image, &levels, step), 0, 0.6);
         assert!((beta(1.0) * 100.0 / beta(0.01) - 1.0).abs() < 1e-4);
     }
 
@@ -105,7 +111,7 @@ mod tests {
     fn water_as_dark_as_shadow_gives_the_expected_optical_depth() {
         let image = Image::from_raw(256, 1, vec![0; 768]).unwrap();
         let levels: Vec<u8> = (0..=255).collect();
-        let statistics = Statistics::<Encoded>::gather(&image, &levels, 1.0 / 255.0);
+        let statistics = gathered(&image, &levels, 1.0 / 255.0);
         assert!((fit(&statistics, 0, 0.0) * statistics.z95 / EXPECTED - 1.0).abs() < 1e-2);
     }
 }

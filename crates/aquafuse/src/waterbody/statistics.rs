@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use crate::depth::LEVELS;
+use crate::depth::{LEVELS, Quantised};
 use crate::image::{Encoding, Image};
 
 /// Bins over depth. Fewer blur the curve, more leave too few pixels for a dark quantile in each.
@@ -17,7 +17,8 @@ const LEAST_PIXELS: u64 = 50;
 pub(super) struct Statistics<E: Encoding> {
     /// The bins that hold enough pixels, near to far.
     pub(super) bins: Vec<Bin<E>>,
-    /// z that 95 % of the pixels do not exceed; the scale on which coefficients are bounded. Never 0.
+    /// z that 95 % of the pixels do not exceed, those beyond the steps of depth left out; the scale on which
+    /// coefficients are bounded. Never 0.
     pub(super) z95: f32,
 }
 
@@ -31,13 +32,20 @@ pub(super) struct Bin<E: Encoding> {
 }
 
 impl<E: Encoding> Statistics<E> {
-    /// Counts `image` by `levels` of depth, `step` of z apart.
-    pub(super) fn gather(image: &Image<u8>, levels: &[u8], step: f32) -> Self {
+    /// Counts `image` by its depth. What lies beyond the steps of depth tells the veiling light, but not how
+    /// fast anything grows with distance: it joins no bin, unless there is nothing else.
+    pub(super) fn gather(image: &Image<u8>, depth: &Quantised<'_>) -> Self {
+        let Quantised { levels, step, beyond } = depth;
         let mut counts = [0_u64; LEVELS];
-        for &level in levels {
+        for &level in levels.iter() {
             counts[usize::from(level)] += 1;
         }
-        let total = levels.len() as f64;
+        if let Some(beyond) = beyond.map(usize::from)
+            && counts[beyond] < levels.len() as u64
+        {
+            counts[beyond] = 0;
+        }
+        let total = counts.iter().sum::<u64>() as f64;
         let level_at = |share: f64| {
             let mut seen = 0;
             let level = counts.iter().position(|count| {
@@ -52,7 +60,10 @@ impl<E: Encoding> Statistics<E> {
             (inside * BINS / (high - low + 1)) as u8
         });
         let mut bins: Vec<Bin<E>> = (0..BINS).map(|_| Bin::default()).collect();
-        for (pixel, &level) in image.pixels().iter().zip(levels) {
+        for (pixel, &level) in image.pixels().iter().zip(levels.iter()) {
+            if counts[usize::from(level)] == 0 {
+                continue;
+            }
             let bin = &mut bins[usize::from(bin_of[usize::from(level)])];
             for (values, &value) in bin.values.iter_mut().zip(pixel) {
                 values[usize::from(value)] += 1;
@@ -115,7 +126,8 @@ mod tests {
     fn a_bin_knows_its_quantiles_and_its_mean() {
         let samples: Vec<u8> = (0..100).flat_map(|v| [v, 2 * v, 100]).collect();
         let image = Image::from_raw(100, 1, samples).unwrap();
-        let statistics = Statistics::<Encoded>::gather(&image, &[7; 100], 0.5);
+        let depth = Quantised { levels: vec![7; 100].into(), step: 0.5, beyond: None };
+        let statistics = Statistics::<Encoded>::gather(&image, &depth);
         let [bin] = &statistics.bins[..] else { panic!("flat depth is one bin") };
         assert_eq!((bin.z, statistics.z95), (3.5, 3.5));
         assert!((bin.quantile(0, 0.5) * 255.0 - 49.5).abs() < 1.0);

@@ -7,7 +7,7 @@ use crate::image::{Encoded, Encoding, Image, Sample};
 
 /// Veiling light B∞: the colour that remains when nothing but water is in sight, per channel in `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(transparent, bound = ""))]
 pub struct VeilingLight<E: Encoding = Encoded> {
     rgb: [f32; 3],
@@ -77,18 +77,6 @@ pub enum VeilingLightSource {
     BottomCorners,
     /// None of these: the farthest pixels whatever their colour.
     Unfiltered,
-}
-
-impl VeilingLightSource {
-    /// The name used in reports and JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Farthest => "farthest",
-            Self::TopCorners => "top_corners",
-            Self::BottomCorners => "bottom_corners",
-            Self::Unfiltered => "unfiltered",
-        }
-    }
 }
 
 /// Share of the picture the paper takes from the far end. Less follows noise, more reaches objects.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use aquafuse::fusion::{Model, Options, Waters, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse_data::analysis::{Analysis, analyse};
@@ -44,9 +44,7 @@ impl Demo {
                 self.output.display()
             )));
         }
-        std::fs::create_dir_all(&self.output)
-            .with_context(|| format!("cannot make the folder {}", self.output.display()))
-            .map_err(Failure::work)?;
+        output::make_folder(&self.output)?;
         let began = Instant::now();
         let [blue, green, turbid, clear, deep] = waters();
         say(&format!("Making pictures and fusing them, into {}:\n", self.output.display()))?;
@@ -81,7 +79,9 @@ impl Demo {
         let path = self.write("sheet.jpg", &sheet)?;
         say(&format!(
             "  {}   all of them side by side, after {:.1} s\n\n\
-             Look at that sheet first. Then try your own pictures:\n  \
+             Look at that sheet first. Where the estimated and the true veiling light differ, the fused\n\
+             colours are off by as much: turbid water misleads depth from colour. Your own pictures, once\n\
+             `cargo install --locked --path apps/cli` has put aquafuse on your PATH:\n  \
              aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
             path.display(),
             began.elapsed().as_secs_f32(),

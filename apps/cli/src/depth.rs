@@ -8,6 +8,7 @@ use aquafuse_data::picture::{Picture, WriteOptions};
 use clap::Args;
 
 use crate::failure::Failure;
+use crate::output;
 
 /// Estimate depth from colour and write it as a picture.
 ///
@@ -15,9 +16,9 @@ use crate::failure::Failure;
 /// dead: everything then looks far.
 #[derive(Args)]
 pub(crate) struct Depth {
-    /// PNG or JPEG, 8 bit.
+    /// PNG or JPEG, 8 bits a channel, without transparency.
     image: PathBuf,
-    /// Where to write: .png, 16-bit grey, 65535 = farthest possible.
+    /// Where to write: .png, 16-bit grey, 65535 = farthest possible; a missing folder is made.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Replace OUT if it exists.
@@ -26,10 +27,11 @@ pub(crate) struct Depth {
 }
 
 impl Depth {
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
         let picture = Picture::read(&self.image)?;
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+        output::make_folder_of(&self.output)?;
         depth_file::write(&self.output, &analyse(&picture).depth, &options)?;
-        Ok(())
+        if quiet { Ok(()) } else { output::print(&format!("{}: written\n", self.output.display())) }
     }
 }

@@ -38,13 +38,16 @@ impl fmt::Display for Failure {
 }
 
 impl From<aquafuse_data::picture::FileError> for Failure {
-    /// A name that cannot be written to, or that nothing bears, is wrong usage; anything else happened to
-    /// the work.
+    /// A name that cannot be written to, that nothing bears, or that is a folder's, is wrong usage; anything
+    /// else happened to the work.
     fn from(error: aquafuse_data::picture::FileError) -> Self {
         use aquafuse_data::picture::FileError::{Exists, Read, UnknownExtension};
+        use std::io::ErrorKind::{IsADirectory, NotFound};
         match &error {
             Exists { .. } | UnknownExtension { .. } => Self::usage(error),
-            Read { error: cause, .. } if cause.kind() == std::io::ErrorKind::NotFound => Self::usage(error),
+            Read { error: cause, .. } if matches!(cause.kind(), NotFound | IsADirectory) => {
+                Self::usage(error)
+            }
             _ => Self::work(error),
         }
     }

@@ -15,10 +15,12 @@ use crate::output;
 
 /// Show what a picture tells about its depth and its water.
 ///
-/// `fuse` uses exactly these estimates.
+/// `fuse` uses exactly these estimates: depth z, the veiling light B∞ (the colour of open water), how fast
+/// backscatter grows with z (β_B) and how fast the scene's own light fades (β_D). At the far end, β z is the
+/// thickness of the water seen through: .1 is hardly any, 1 is much, 3 hides nearly everything.
 #[derive(Args)]
 pub(crate) struct Inspect {
-    /// PNG or JPEG, 8 bit.
+    /// PNG or JPEG, 8 bits a channel, without transparency.
     image: PathBuf,
     /// Print JSON for programs.
     #[arg(long)]

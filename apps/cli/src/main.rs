@@ -22,8 +22,8 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Work on this many threads [default: one a core]. No output depends on it.
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<std::num::NonZeroUsize>,
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
+    threads: Option<u16>,
     /// Say nothing but errors and what was asked for.
     #[arg(long, global = true)]
     quiet: bool,
@@ -40,11 +40,15 @@ enum Command {
 const EXAMPLES: &str = "\
 Examples:
   aquafuse demo                                      see what it does, on pictures it makes itself
-  aquafuse fuse reef.jpg green.jpg -o fused.jpg      reef.jpg in green.jpg's water
-  aquafuse fuse photos/ green.jpg -o fused/ --model physical
+  aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical
+                                                     reef.jpg in green.jpg's water
+  aquafuse fuse photos/ green.jpg -o fused/          every picture of a folder, subtly
   aquafuse inspect reef.jpg                          what the picture tells about its water
+  aquafuse depth reef.jpg -o depth.png
 
-Exit codes: 0 all done, 1 some items failed, 2 wrong usage.";
+Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
+out as they are (a name that nothing bears, an output that exists, a number out of range),
+and nothing was done.";
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -59,13 +63,13 @@ fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> Result<(), Failure> {
     if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global().map_err(Failure::work)?;
+        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::work)?;
     }
     match &cli.command {
         Command::Demo(demo) => demo.run(cli.quiet),
         Command::Fuse(fuse) => fuse.run(cli.quiet),
         Command::Inspect(inspect) => inspect.run(),
-        Command::Depth(depth) => depth.run(),
+        Command::Depth(depth) => depth.run(cli.quiet),
     }
 }
 

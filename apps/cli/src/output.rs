@@ -1,12 +1,34 @@
 //! What is said, and where.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+use anyhow::anyhow;
 
 use crate::failure::Failure;
 
 /// Says on standard error what went wrong. If nobody listens there, there is nobody to tell.
 pub(crate) fn complain(what: &impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "aquafuse: {what}");
+}
+
+/// Makes the folder that `file` is to stand in, and those above it.
+pub(crate) fn make_folder_of(file: &Path) -> Result<(), Failure> {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => make_folder(folder),
+        _ => Ok(()),
+    }
+}
+
+/// Makes a folder, and those above it.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let cause = match error.kind() {
+            ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "there is a file of that name".into(),
+            _ => error.to_string(),
+        };
+        Failure::usage(anyhow!("cannot make the folder {}: {cause}. Name another output", folder.display()))
+    })
 }
 
 /// Prints `text`; a reader that has gone away (`| head`) is no error.

@@ -21,6 +21,21 @@ fn a_picture_is_fused_and_the_clipping_reported() {
 }
 
 #[test]
+fn pictures_that_deserve_a_look_are_named() {
+    let run = Run::new();
+    std::fs::create_dir(run.path("photos")).unwrap();
+    scene(&run.path("photos/reef.png"), 1, "blue");
+    let night = aquafuse::image::Image::from_raw(64, 64, vec![0; 64 * 64 * 3]).unwrap();
+    let night = aquafuse_data::picture::Picture::new(night);
+    night.write(&run.path("photos/night.png"), &Default::default()).unwrap();
+    scene(&run.path("water.png"), 2, "clear");
+    let bright = ["fuse", "photos", "water.png", "-o", "out", "--model", "physical", "--alpha", "4"];
+    let said = run.ok(&bright).stdout;
+    assert!(said.contains("much clipped") && said.contains("reef.png"), "{said}");
+    assert!(said.contains("no far water found") && said.contains("night.png"), "{said}");
+}
+
+#[test]
 fn at_ninety_degrees_the_content_comes_back() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
@@ -49,7 +64,7 @@ fn a_folder_is_fused_whatever_the_number_of_threads() {
     scene(&run.path("water.jpg"), 9, "turbid");
     run.ok(&["fuse", "photos", "water.jpg", "-o", "one", "--threads", "1"]);
     let two = run.ok(&["fuse", "photos", "water.jpg", "-o", "two", "--threads", "2"]);
-    assert!(two.stdout.contains("\ntwo: 3 pictures"), "{}", two.stdout);
+    assert!(two.stdout.contains("\n3 pictures written"), "{}", two.stdout);
     for name in ["a.png", "b.png", "c.jpg"] {
         assert_eq!(run.bytes(&format!("one/{name}")), run.bytes(&format!("two/{name}")), "{name}");
     }
@@ -68,7 +83,7 @@ fn one_bad_picture_does_not_spoil_the_folder() {
         "{}",
         ended.stderr
     );
-    assert!(ended.stderr.contains("1 of 4 pictures failed"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("1 of 4 failed"), "{}", ended.stderr);
     assert_eq!(std::fs::read_dir(run.path("fused")).unwrap().count(), 3);
 }
 
@@ -99,7 +114,7 @@ fn wrong_usage_ends_with_two_and_says_what_to_do() {
     scene(&run.path("content.png"), 1, "blue");
     scenes_folder(&run.path("photos"));
     std::fs::create_dir(run.path("empty")).unwrap();
-    let cases: [(&[&str], &str); 10] = [
+    let cases: [(&[&str], &str); 15] = [
         (&["fuse", "content.png", "content.png", "-o", "out.gif"], ".png, .jpg or .jpeg"),
         (&["fuse", "missing.png", "content.png", "-o", "out.png"], "cannot read missing.png"),
         (&["fuse", "content.png", "missing.png", "-o", "out.png"], "cannot read missing.png"),
@@ -111,6 +126,11 @@ fn wrong_usage_ends_with_two_and_says_what_to_do() {
         (&["fuse", "content.png", "content.png", "-o", "o.png", "--alpha", "-1"], "0 or more"),
         (&["fuse", "photos", "content.png", "-o", "photos"], "both content and output"),
         (&["fuse", "photos", "content.png", "-o", "content.png"], "output must be one"),
+        (&["fuse", "photos", "content.png", "-o", "new.jpg"], "output must be one"),
+        (&["fuse", "content.png", "photos", "-o", "o.png"], "Name a picture in it"),
+        (&["fuse", "photos/a.png", "content.png", "-o", "content.png", "--overwrite"], "is an input"),
+        (&["fuse", "photos/a.png", "content.png", "-o", "content.png/o.png"], "there is a file of that name"),
+        (&["--threads", "1000000", "inspect", "content.png"], "1..=512"),
         (&["fuse", "empty", "content.png", "-o", "out"], "holds no .png, .jpg or .jpeg"),
         (&["depth", "content.png", "-o", "depth.jpg"], "must end in .png"),
     ];

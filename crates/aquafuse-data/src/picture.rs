@@ -89,8 +89,14 @@ pub enum FileError {
         /// What the system said.
         error: std::io::Error,
     },
+    /// There is nothing in the file.
+    #[error("cannot read {}: the file is empty. Get a whole copy of it", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
     /// The content is none of our formats.
-    #[error("cannot read {}: it is neither PNG nor JPEG. Convert it to one of the two first", path.display())]
+    #[error("cannot read {}: it is neither PNG nor JPEG. If it is a picture, convert it first", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,

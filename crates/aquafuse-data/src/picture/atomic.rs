@@ -25,7 +25,8 @@ pub(crate) fn write_atomically<E: std::fmt::Display>(
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let part = create_part(folder).map_err(|error| failed(error.to_string()))?;
+    // The kind alone: the whole message would name the temporary file.
+    let part = create_part(folder).map_err(|error| failed(format!("its folder: {}", error.kind())))?;
     let mut buffered = BufWriter::new(part);
     fill(&mut buffered).map_err(|error| failed(error.to_string()))?;
     let part = buffered.into_inner().map_err(|error| failed(error.to_string()))?;

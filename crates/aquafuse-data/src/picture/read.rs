@@ -16,6 +16,9 @@ pub(super) fn read(path: &Path) -> Result<Picture, FileError> {
     let cannot_read = |error| FileError::Read { path: path.to_owned(), error };
     let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
     let file = File::open(path).map_err(cannot_read)?;
+    if file.metadata().is_ok_and(|about| about.is_file() && about.len() == 0) {
+        return Err(FileError::Empty { path: path.to_owned() });
+    }
     let reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(cannot_read)?;
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err(FileError::UnknownFormat { path: path.to_owned() });

@@ -91,6 +91,7 @@ fn refusals_name_the_file_the_cause_and_what_to_do() {
     let path = |name: &str| folder.path().join(name);
     let message = |name: &str| Picture::read(&path(name)).unwrap_err().to_string();
     std::fs::write(path("note.txt"), "no picture").unwrap();
+    std::fs::write(path("empty.png"), "").unwrap();
     let transparent = std::fs::File::create(path("alpha.png")).unwrap();
     PngEncoder::new(transparent).write_image(&[0; 4], 1, 1, ExtendedColorType::Rgba8).unwrap();
     let mut cut = Vec::new();
@@ -105,7 +106,8 @@ fn refusals_name_the_file_the_cause_and_what_to_do() {
         ("folder.png", "directory", "Name a picture in it"),
         ("palette.png", "cannot decode", "get a whole copy"),
         ("bomb.png", "512 MiB", "Scale it down"),
-        ("note.txt", "neither PNG nor JPEG", "Convert it"),
+        ("note.txt", "neither PNG nor JPEG", "convert it"),
+        ("empty.png", "is empty", "Get a whole copy"),
         ("alpha.png", "transparency", "Flatten"),
         ("cut.png", "cannot decode", "get a whole copy"),
     ] {

@@ -1,0 +1,51 @@
+//! What is said about fused pictures: how many, and which deserve a look.
+
+use std::fmt::Write;
+
+use aquafuse::waterbody::VeilingLightSource;
+use aquafuse_data::job::{Item, Report};
+
+/// More clipping than this share of the values is worth a word.
+const MUCH: f64 = 0.05;
+/// Pictures named for each thing that is worth a word.
+const NAMED: usize = 5;
+
+/// The summary of these pictures.
+pub(super) fn of(reports: &[(Item, Report)]) -> String {
+    let mut text = String::new();
+    let mean = reports.iter().map(|(_, report)| report.clipping.share()).sum::<f64>() / reports.len() as f64;
+    let _ = match reports {
+        [] => Ok(()),
+        [(item, _)] => {
+            writeln!(text, "{}: written, {:.2} % of the values clipped", item.output.display(), 100.0 * mean)
+        }
+        _ => {
+            writeln!(text, "{} pictures written, {:.2} % of the values clipped", reports.len(), 100.0 * mean)
+        }
+    };
+    let mut clipped: Vec<_> = reports.iter().filter(|(_, report)| report.clipping.share() > MUCH).collect();
+    clipped.sort_by(|(_, a), (_, b)| b.clipping.share().total_cmp(&a.clipping.share()));
+    let with_share =
+        |(item, report): &&(Item, Report)| format!("{} {:.0} %", name(item), 100.0 * report.clipping.share());
+    list(&mut text, "much clipped (try a larger --theta or another WATER)", clipped.iter().map(with_share));
+    let fell_back =
+        |(_, report): &&(Item, Report)| report.veiling_light_source != VeilingLightSource::Farthest;
+    let named = reports.iter().filter(fell_back).map(|(item, _)| name(item));
+    list(&mut text, "no far water found, its colour is a guess (see `aquafuse inspect`)", named);
+    text
+}
+
+/// A line that names the first few of what it is about, and counts the rest.
+fn list(text: &mut String, about: &str, names: impl Iterator<Item = String>) {
+    let names: Vec<String> = names.collect();
+    let shown = names.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+    let _ = match names.len().saturating_sub(NAMED) {
+        _ if names.is_empty() => Ok(()),
+        0 => writeln!(text, "  {about}: {shown}"),
+        more => writeln!(text, "  {about}: {shown} and {more} more"),
+    };
+}
+
+fn name(item: &Item) -> String {
+    item.output.file_name().unwrap_or(item.output.as_os_str()).to_string_lossy().into_owned()
+}

@@ -32,6 +32,7 @@ LIFT, SIXTEEN = 143, 64
 OF_RED_U16 = np.rint(OF_RED / (1 << FRACTION) * SIXTEEN).astype(np.uint16)
 OF_MAX_U16 = np.rint((OF_MAX / (1 << FRACTION) + LIFT) * SIXTEEN).astype(np.uint16)
 
+CELLS, SMOOTH, SMOOTHEST, LEAST_CELLS, STEP, NEAR = 48, 1.5, 0.10, 0.02, 8, 12
 FARTHEST_SHARE, FEW_PIXELS, CORNER_SHARE = 0.05, 100, 0.20
 BINS, SPAN, LEAST_SHARE, LEAST_PIXELS = 11, (0.02, 0.98), 0.002, 50
 DARK, SHADOW, EXPECTED, SPREAD, NOISE = 0.02, 0.04, 1.2, 2.0, 0.03
@@ -97,7 +98,54 @@ def corners_mask(shape, usable, top):
     return cv2.bitwise_and(mask, usable)
 
 
+def borders(length, side):
+    wanted = min(max(int(np.float32(length) / np.float32(side)), 1), length)
+    count = wanted if wanted % 2 == length % 2 or wanted == 1 else wanted - 1
+    from_start = lambda i: (2 * i * length + count) // (2 * count)
+    return np.array([from_start(i) if 2 * i <= count else length - from_start(count - i) for i in range(count + 1)])
+
+
+def open_water(bgr, levels):
+    """The commonest colour of smooth bluish-green cells, or None."""
+    height, width = levels.shape
+    side = max(np.float32(min(width, height)) / np.float32(CELLS), np.float32(1))
+    rows, columns = borders(height, side), borders(width, side)
+    sums, squares = cv2.integral2(bgr, sdepth=cv2.CV_64F, sqdepth=cv2.CV_64F)
+    depth_sums = cv2.integral(levels, sdepth=cv2.CV_64F)
+    of_cells = lambda table: np.diff(np.diff(table[rows][:, columns], axis=0), axis=1)
+    count = np.outer(np.diff(rows), np.diff(columns)).astype(np.float64)
+    mean = of_cells(sums) / count[..., None]
+    spread = np.sqrt(np.maximum(of_cells(squares) / count[..., None] - mean * mean, 0).max(axis=2))
+    mean = mean.reshape(-1, 3)[:, ::-1].astype(np.float32)
+    spread = spread.ravel().astype(np.float32)
+    level = (of_cells(depth_sums) // count).ravel().astype(int)
+    needed = np.sort(spread)[int(len(spread) * SMOOTHEST)]
+    rounded = (mean + np.float32(0.5)).astype(int)
+    low, high = rounded[:, 1:].min(axis=1), rounded[:, 1:].max(axis=1)
+    bluish_green = (high >= 16) & (low < 240) & (low >= high // 8)
+    smooth = (spread <= max(needed, SMOOTH)) & bluish_green
+    rank = np.cumsum(np.bincount(level, minlength=256))
+    cube = np.zeros((34, 34, 34), np.int64)
+    place = (mean[smooth] / np.float32(STEP)).astype(int)
+    weight = rank[level[smooth]] ** 2
+    for r, of_red in enumerate((1, 2, 1)):
+        for g, of_green in enumerate((1, 2, 1)):
+            for b, of_blue in enumerate((1, 2, 1)):
+                at = (place[:, 0] + r, place[:, 1] + g, place[:, 2] + b)
+                np.add.at(cube, at, of_red * of_green * of_blue * weight)
+    # Of several places that are commonest, the last.
+    commonest = cube.size - 1 - int(np.argmax(cube.ravel()[::-1]))
+    middle = (np.array(np.unravel_index(commonest, cube.shape)) - 0.5) * STEP
+    alike = mean[smooth][(np.abs(mean[smooth] - middle) < NEAR).all(axis=1)]
+    if len(alike) < LEAST_CELLS * len(mean):
+        return None
+    return np.sort(alike, axis=0)[len(alike) // 2] / 255.0
+
+
 def veiling_light(bgr, levels):
+    water = open_water(bgr, levels)
+    if water is not None:
+        return water
     usable = is_bluish_green(bgr)
     for read in (
         lambda: farthest_mask(levels, usable),

@@ -127,6 +127,7 @@ fn hex(rgb: [f32; 3]) -> String {
 fn source(estimate: &Estimate) -> String {
     let share = 100.0 * estimate.veiling_light_share;
     match estimate.veiling_light_source {
+        VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the picture"),
         VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
         VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
         VeilingLightSource::BottomCorners => {

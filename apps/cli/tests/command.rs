@@ -160,7 +160,7 @@ fn inspect_speaks_json_of_a_known_schema() {
     assert_eq!(report["schema"], 1);
     assert_eq!(report["image"], serde_json::json!({"width": 96, "height": 64}));
     assert_eq!((&report["depth"]["source"], &report["depth"]["kind"]), (&"eq3".into(), &"relative".into()));
-    assert_eq!(report["veiling_light_source"], "farthest");
+    assert_eq!(report["veiling_light_source"], "open_water");
     let water = &report["waterbody"];
     let veil: Vec<f64> = (0..3).map(|c| water["veiling_light"][c].as_f64().unwrap()).collect();
     assert!(veil[0] < veil[1] && veil[1] < veil[2], "blue water has the veil {veil:?}");

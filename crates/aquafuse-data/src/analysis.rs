@@ -2,7 +2,7 @@
 
 use aquafuse::depth::{self, DepthMap};
 use aquafuse::image::Encoded;
-use aquafuse::waterbody::{self, Estimate};
+use aquafuse::waterbody::{self, Estimate, EstimateOptions};
 
 use crate::picture::Picture;
 
@@ -18,7 +18,8 @@ pub struct Analysis {
 /// Estimates depth and water of a picture. Every command that needs either calls this.
 pub fn analyse(picture: &Picture) -> Analysis {
     let depth = depth::estimate(&picture.image);
-    let estimate = waterbody::estimate(&picture.image, &depth, picture.top_edge())
+    let options = EstimateOptions { top: picture.top_edge(), ..EstimateOptions::default() };
+    let estimate = waterbody::estimate(&picture.image, &depth, &options)
         .expect("the depth map was made from this picture");
     Analysis { depth, estimate }
 }

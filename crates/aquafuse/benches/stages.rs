@@ -6,7 +6,7 @@ use aquafuse::depth::{self, DepthMap, Eq3};
 use aquafuse::fusion::{Options, Waters, fuse_mut};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::truth::{Scene, Size, waters};
-use aquafuse::waterbody::{TopEdge, Waterbody, estimate};
+use aquafuse::waterbody::{EstimateOptions, Waterbody, estimate};
 use divan::Bencher;
 
 const SIZES: [(usize, usize); 2] = [(256, 256), (1920, 1080)];
@@ -36,7 +36,7 @@ fn prepared((width, height): (usize, usize)) -> (Image<u8>, DepthMap, Waterbody)
 }
 
 fn water_of(image: &Image<u8>, z: &DepthMap) -> Waterbody {
-    estimate::<Encoded>(image, z, TopEdge::First).expect("the depth map is the picture's").water
+    estimate::<Encoded>(image, z, &EstimateOptions::default()).expect("the depth map is the picture's").water
 }
 
 #[divan::bench(args = SIZES)]

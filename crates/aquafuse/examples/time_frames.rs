@@ -10,7 +10,7 @@ use std::time::Instant;
 use aquafuse::depth;
 use aquafuse::fusion::{Options, Waters, fuse};
 use aquafuse::image::{Encoded, Image, SizeError};
-use aquafuse::waterbody::{TopEdge, Waterbody, estimate};
+use aquafuse::waterbody::{EstimateOptions, Waterbody, estimate};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -26,12 +26,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn water_of(image: &Image<u8>) -> Result<Waterbody, SizeError> {
-    Ok(estimate::<Encoded>(image, &depth::estimate(image), TopEdge::First)?.water)
+    Ok(estimate::<Encoded>(image, &depth::estimate(image), &EstimateOptions::default())?.water)
 }
 
 fn one_frame(content: &Image<u8>, reference: &Waterbody) -> Result<(), SizeError> {
     let z = depth::estimate(content);
-    let own = estimate::<Encoded>(content, &z, TopEdge::First)?.water;
+    let own = estimate::<Encoded>(content, &z, &EstimateOptions::default())?.water;
     let waters = Waters { content: &own, reference };
     std::hint::black_box(fuse(content, &z, waters, &Options::default())?);
     Ok(())

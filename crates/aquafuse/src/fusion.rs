@@ -123,8 +123,8 @@ impl Shift {
 /// # let content: Image<u8> = Image::from_raw(64, 1, row(180))?;
 /// # let reference: Image<u8> = Image::from_raw(64, 1, row(90))?;
 /// let (z1, z2) = (depth::estimate(&content), depth::estimate(&reference));
-/// let own = waterbody::estimate(&content, &z1, Default::default())?.water;
-/// let other = waterbody::estimate(&reference, &z2, Default::default())?.water;
+/// let own = waterbody::estimate(&content, &z1, &Default::default())?.water;
+/// let other = waterbody::estimate(&reference, &z2, &Default::default())?.water;
 /// let waters = Waters { content: &own, reference: &other };
 /// let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
 /// assert_eq!(fused.image.size(), content.size());

@@ -1,15 +1,16 @@
 //! What one picture tells about its water: a dozen numbers, and how they are estimated.
 //!
-//! The steps are the paper's, in its order: veiling light from the farthest pixels, backscatter from the
-//! darkest (Eq. 5), attenuation from what is left (Eq. 6-8). Each step is a module; [`estimate`] runs all.
+//! The steps are the paper's, in its order: veiling light from open water or the farthest pixels, backscatter
+//! from the darkest (Eq. 5), attenuation from what is left (Eq. 6-8). Each step is a module; [`estimate`] runs all.
 
 mod attenuation;
 mod backscatter;
+mod open_water;
 mod statistics;
 mod veiling_light;
 
 pub use attenuation::{Attenuation, AttenuationError};
-pub use veiling_light::{TopEdge, VeilingLight, VeilingLightSource};
+pub use veiling_light::{TopEdge, VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::depth::DepthMap;
 use crate::image::{Encoded, Encoding, Image, SizeError};
@@ -71,16 +72,25 @@ pub struct Estimate<E: Encoding = Encoded> {
     pub water: Waterbody<E>,
     /// Where the veiling light was read; anything but the farthest pixels is a fallback.
     pub veiling_light_source: VeilingLightSource,
-    /// Share of the picture's pixels the veiling light is the median of.
+    /// Share of the picture the veiling light is the median of.
     ///
-    /// Whole depth levels are taken, so a saturated level may bring far more than the 5 % asked for.
+    /// Of the farthest pixels whole depth levels are taken, so a saturated level may bring far more than the
+    /// 5 % asked for.
     pub veiling_light_share: f32,
+}
+
+/// How to estimate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EstimateOptions {
+    /// The stored edge that is up as seen: the fallbacks look there for open water. Default: row 0.
+    pub top: TopEdge,
+    /// Where the veiling light is looked for first. Default: smooth open water.
+    pub veiling_light: VeilingLightMethod,
 }
 
 /// Estimates the water of a picture from its 8-bit colours and its depth.
 ///
-/// `top` is the stored edge that is up as seen (see [`TopEdge`]): the fallbacks look there for open
-/// water. The result is per unit of the depth map's z; change the unit and the betas change against it.
+/// The result is per unit of the depth map's z; change the unit and the betas change against it.
 /// Medians and quantiles are read from the encoded bytes and then taken to encoding `E`, in which the
 /// curves are fitted.
 ///
@@ -95,7 +105,7 @@ pub struct Estimate<E: Encoding = Encoded> {
 ///
 /// let row: Vec<u8> = (0..64).flat_map(|x| [180 - 2 * x, 60 + x, 70 + 2 * x]).collect();
 /// let image = Image::<u8>::from_raw(64, 1, row)?;
-/// let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), Default::default())?;
+/// let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &Default::default())?;
 /// let [r, g, b] = found.water.veiling_light.rgb();
 /// assert!(r < g && g < b);
 /// # Ok::<(), aquafuse::image::SizeError>(())
@@ -103,11 +113,11 @@ pub struct Estimate<E: Encoding = Encoded> {
 pub fn estimate<E: Encoding>(
     image: &Image<u8>,
     depth: &DepthMap,
-    top: TopEdge,
+    options: &EstimateOptions,
 ) -> Result<Estimate<E>, SizeError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
-    let light = veiling_light::estimate::<E>(image, &quantised.levels, top);
+    let light = veiling_light::estimate::<E>(image, &quantised.levels, options.top, options.veiling_light);
     let statistics = Statistics::<E>::gather(image, &quantised);
     let veil = light.veiling_light;
     let backscatter_coefficient = std::array::from_fn(|c| backscatter::fit(&statistics, c, veil.rgb()[c]));

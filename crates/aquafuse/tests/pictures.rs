@@ -7,7 +7,9 @@ use aquafuse::formation::restore;
 use aquafuse::fusion::{Incidence, Model, Options, Waters, fuse};
 use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
-use aquafuse::waterbody::{self, TopEdge, VeilingLight, VeilingLightSource, Waterbody};
+use aquafuse::waterbody::{
+    self, EstimateOptions, TopEdge, VeilingLight, VeilingLightMethod, VeilingLightSource, Waterbody,
+};
 
 const SIZE: Size = Size { width: 96, height: 64 };
 
@@ -15,9 +17,16 @@ fn picture(seed: u64, water: &NamedWater) -> Image<u8> {
     Scene::new(seed, SIZE).seen_through(&water.water).to_samples()
 }
 
+const PUBLISHED: EstimateOptions =
+    EstimateOptions { top: TopEdge::First, veiling_light: VeilingLightMethod::Published };
+
 fn estimated(image: &Image<u8>) -> (DepthMap, Waterbody) {
+    estimated_by(image, &EstimateOptions::default())
+}
+
+fn estimated_by(image: &Image<u8>, options: &EstimateOptions) -> (DepthMap, Waterbody) {
     let z = depth::estimate(image);
-    let water = waterbody::estimate::<Encoded>(image, &z, TopEdge::First).unwrap().water;
+    let water = waterbody::estimate::<Encoded>(image, &z, options).unwrap().water;
     (z, water)
 }
 
@@ -32,8 +41,8 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
     let reference = picture(2, &waters[1]);
     let (_, reference_water) = estimated(&reference);
     for model in Model::ALL {
-        let fused = |content: &Image<u8>| {
-            let (z, water) = estimated(content);
+        let fused = |content: &Image<u8>, options: &EstimateOptions| {
+            let (z, water) = estimated_by(content, options);
             fuse(
                 content,
                 &z,
@@ -45,10 +54,12 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
         };
         for (seed, water) in waters.iter().enumerate() {
             let content = picture(seed as u64, water);
-            assert_eq!(fused(&mirrored(&content)), mirrored(&fused(&content)));
+            for options in [EstimateOptions::default(), PUBLISHED] {
+                assert_eq!(fused(&mirrored(&content), &options), mirrored(&fused(&content, &options)));
+            }
         }
         let content = water_only_in_the_top_corners();
-        assert_eq!(fused(&mirrored(&content)), mirrored(&fused(&content)));
+        assert_eq!(fused(&mirrored(&content), &PUBLISHED), mirrored(&fused(&content, &PUBLISHED)));
     }
 }
 
@@ -61,7 +72,7 @@ fn water_only_in_the_top_corners() -> Image<u8> {
     };
     let samples = (0..64).flat_map(|y| (0..96).flat_map(move |x| colour(x, y))).collect();
     let image = Image::from_raw(96, 64, samples).unwrap();
-    let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), TopEdge::First).unwrap();
+    let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &PUBLISHED).unwrap();
     assert_eq!(found.veiling_light_source, VeilingLightSource::TopCorners);
     image
 }
@@ -169,7 +180,7 @@ fn sizes_that_differ_are_an_error() {
     let content = picture(1, &waters()[0]);
     let z = DepthMap::from_levels(1, 1, vec![0]).unwrap();
     assert!(matches!(
-        waterbody::estimate::<Encoded>(&content, &z, TopEdge::First),
+        waterbody::estimate::<Encoded>(&content, &z, &EstimateOptions::default()),
         Err(SizeError::Mismatch { left: (96, 64), right: (1, 1) })
     ));
     let water = waters()[0].water;
@@ -192,7 +203,9 @@ fn with_depth_given_the_veil_is_read_and_the_growth_where_it_shows() {
         for seed in 0..4 {
             let scene = Scene::new(seed, SIZE);
             let image: Image<u8> = scene.seen_through(&named.water).to_samples();
-            let found = waterbody::estimate::<Encoded>(&image, &scene.depth, TopEdge::First).unwrap().water;
+            let found = waterbody::estimate::<Encoded>(&image, &scene.depth, &EstimateOptions::default())
+                .unwrap()
+                .water;
             for c in 0..3 {
                 let (truth, read) = (named.water.veiling_light.rgb()[c], found.veiling_light.rgb()[c]);
                 assert!((truth - read).abs() < 0.01, "{} {seed} {c}: {read} for {truth}", named.name);
@@ -212,7 +225,7 @@ fn the_unit_of_depth_cancels_from_estimation_to_picture() {
     let made = |unit: f32| {
         let distances = scene.depth.distances().into_iter().map(|z| z * unit).collect();
         let z = DepthMap::from_distances(SIZE.width, SIZE.height, DepthKind::Metres, distances).unwrap();
-        let own = waterbody::estimate::<Encoded>(&image, &z, TopEdge::First).unwrap().water;
+        let own = waterbody::estimate::<Encoded>(&image, &z, &EstimateOptions::default()).unwrap().water;
         let exchanged = Waters { content: &own, reference: &waters[0].water };
         let fused = fuse(&image, &z, exchanged, &Options::for_model(Model::Physical)).unwrap().image;
         (fused, restore(&image, &z, &own, &Default::default()).unwrap())
@@ -232,8 +245,10 @@ fn linear_light_has_its_own_water_and_its_own_truth() {
     let waters = waters();
     let scene = Scene::new(1, SIZE);
     let image: Image<u8> = scene.seen_through(&waters[0].water).to_samples();
-    let encoded = waterbody::estimate::<Encoded>(&image, &scene.depth, TopEdge::First).unwrap().water;
-    let linear = waterbody::estimate::<Linear>(&image, &scene.depth, TopEdge::First).unwrap().water;
+    let encoded =
+        waterbody::estimate::<Encoded>(&image, &scene.depth, &EstimateOptions::default()).unwrap().water;
+    let linear =
+        waterbody::estimate::<Linear>(&image, &scene.depth, &EstimateOptions::default()).unwrap().water;
     for c in 0..3 {
         let converted = Linear::from_encoded(encoded.veiling_light.rgb()[c]);
         assert!((linear.veiling_light.rgb()[c] - converted).abs() < 1e-6);

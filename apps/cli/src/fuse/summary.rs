@@ -28,8 +28,9 @@ pub(super) fn of(reports: &[(Item, Report)]) -> String {
     let with_share =
         |(item, report): &&(Item, Report)| format!("{} {:.0} %", name(item), 100.0 * report.clipping.share());
     list(&mut text, "much clipped (try a larger --theta or another WATER)", clipped.iter().map(with_share));
-    let fell_back =
-        |(_, report): &&(Item, Report)| report.veiling_light_source != VeilingLightSource::Farthest;
+    let fell_back = |(_, report): &&(Item, Report)| {
+        !matches!(report.veiling_light_source, VeilingLightSource::OpenWater | VeilingLightSource::Farthest)
+    };
     let named = reports.iter().filter(fell_back).map(|(item, _)| name(item));
     list(&mut text, "no far water found, its colour is a guess (see `aquafuse inspect`)", named);
     text

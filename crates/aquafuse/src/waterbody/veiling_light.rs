@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use super::open_water;
 use crate::depth::LEVELS;
 use crate::image::{Encoded, Encoding, Image, Sample};
 
@@ -69,6 +70,8 @@ impl TopEdge {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum VeilingLightSource {
+    /// Smooth open water of one colour.
+    OpenWater,
     /// The farthest bluish-green pixels: the paper's way.
     Farthest,
     /// Too few of those: the bluish-green pixels of the two top corners.
@@ -92,8 +95,37 @@ pub(super) struct Found<E: Encoding> {
     pub(super) share: f32,
 }
 
+/// Which way to the veiling light is tried first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VeilingLightMethod {
+    /// The commonest colour of smooth bluish-green places; where there are few, the published way.
+    #[default]
+    OpenWater,
+    /// The paper's: the median of the farthest 5 %, with its fallbacks.
+    Published,
+}
+
+/// The veiling light by this method, with all its fallbacks.
+pub(super) fn estimate<E: Encoding>(
+    image: &Image<u8>,
+    levels: &[u8],
+    top: TopEdge,
+    method: VeilingLightMethod,
+) -> Found<E> {
+    let open_water = match method {
+        VeilingLightMethod::OpenWater => open_water::find(image, levels),
+        VeilingLightMethod::Published => None,
+    };
+    match open_water {
+        Some((veiling_light, share)) => {
+            Found { veiling_light, source: VeilingLightSource::OpenWater, share: share as f32 }
+        }
+        None => published(image, levels, top),
+    }
+}
+
 /// Median of the farthest bluish-green pixels, with the paper's fallbacks in its order.
-pub(super) fn estimate<E: Encoding>(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Found<E> {
+fn published<E: Encoding>(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Found<E> {
     use VeilingLightSource::{BottomCorners, Farthest, TopCorners, Unfiltered};
     let pixels = image.pixels();
     let attempts: [(VeilingLightSource, &dyn Fn() -> Histogram); 3] = [
@@ -119,7 +151,7 @@ pub(super) fn estimate<E: Encoding>(image: &Image<u8>, levels: &[u8], top: TopEd
 /// gives no rule. Ours: not black (the larger of the two is at least 1/16: below is night or shadow, not
 /// water), not blown out (the smaller is below 15/16: lamps, white boards, the sun), and neither channel
 /// under 1/8 of the other (purer green or blue is paint or a plant; water of one hue still scatters both).
-fn is_bluish_green(&[_, green, blue]: &[u8; 3]) -> bool {
+pub(super) fn is_bluish_green(&[_, green, blue]: &[u8; 3]) -> bool {
     let (low, high) = (green.min(blue), green.max(blue));
     high >= 16 && low < 240 && low >= high / 8
 }
@@ -240,7 +272,7 @@ mod tests {
     fn the_farthest_five_percent_are_read() {
         let (image, levels) =
             paint(|_, y| if y < 3 { [9, 99, 149] } else { WATER }, |_, y| if y < 3 { 200 } else { 50 });
-        let found = estimate::<Encoded>(&image, &levels, TopEdge::First);
+        let found = published::<Encoded>(&image, &levels, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Farthest);
         assert!((found.share - 0.075).abs() < 1e-6);
         assert!(bytes(&found).iter().zip([9.0, 99.0, 149.0]).all(|(a, b)| (a - b).abs() < 1e-3));
@@ -250,14 +282,14 @@ mod tests {
     fn a_hundred_pixels_are_not_enough() {
         // Two of forty rows are 5 % of the pixels, but only 80 of them.
         let (image, levels) = paint(|_, _| WATER, |_, y| if y < 2 { 200 } else { 50 });
-        let found = estimate::<Encoded>(&image, &levels, TopEdge::First);
+        let found = published::<Encoded>(&image, &levels, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::TopCorners);
     }
 
     #[test]
     fn a_saturated_level_is_taken_whole_and_reported() {
         let (image, levels) = paint(|_, _| WATER, |_, y| if y < 30 { 255 } else { 10 });
-        let found = estimate::<Encoded>(&image, &levels, TopEdge::First);
+        let found = published::<Encoded>(&image, &levels, TopEdge::First);
         assert!((found.share - 0.75).abs() < 1e-6);
     }
 
@@ -265,7 +297,7 @@ mod tests {
     fn paint_at_the_far_end_is_passed_over() {
         let (image, levels) =
             paint(|_, y| if y < 4 { PAINT } else { WATER }, |_, y| if y < 4 { 255 } else { 100 });
-        let found = estimate::<Encoded>(&image, &levels, TopEdge::First);
+        let found = published::<Encoded>(&image, &levels, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Farthest);
         assert!((bytes(&found)[2] - 150.0).abs() < 1e-3);
     }
@@ -276,16 +308,16 @@ mod tests {
         let half = |y: usize| y < 20;
         let (image, levels) =
             paint(|_, y| if half(y) { WATER } else { PAINT }, |_, y| if half(y) { 10 } else { 200 });
-        let found = estimate::<Encoded>(&image, &levels, TopEdge::First);
+        let found = published::<Encoded>(&image, &levels, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::TopCorners);
-        let found = estimate::<Encoded>(&image, &levels, TopEdge::Last);
+        let found = published::<Encoded>(&image, &levels, TopEdge::Last);
         assert_eq!(found.source, VeilingLightSource::BottomCorners);
     }
 
     #[test]
     fn when_nothing_is_water_the_far_end_is_read_unfiltered() {
         let (image, levels) = paint(|x, _| if x > 36 { [9, 5, 9] } else { PAINT }, |x, _| x as u8);
-        let found = estimate::<Encoded>(&image, &levels, TopEdge::First);
+        let found = published::<Encoded>(&image, &levels, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Unfiltered);
         assert!((bytes(&found)[1] - 5.0).abs() < 1e-3);
     }

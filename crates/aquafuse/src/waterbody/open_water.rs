@@ -1,0 +1,203 @@
+//! Open water in a picture: smooth, bluish-green, and of one colour.
+//!
+//! The farthest pixels need not be water: depth from colour takes bright sand for far where red is dead,
+//! and turbid water for near. But open water is smooth, and much of it has one colour, wherever it is.
+
+use crate::depth::LEVELS;
+use crate::image::{Encoding, Image};
+
+use super::veiling_light::{VeilingLight, is_bluish_green};
+
+/// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
+/// enough to fit between things.
+const CELLS: usize = 48;
+/// Cells whose values spread (standard deviation, bytes) no more than this are smooth in any picture;
+/// noisy cameras are forgiven as much as their smoothest tenth needs.
+const SMOOTH: f32 = 1.5;
+const SMOOTHEST: f64 = 0.10;
+/// Cells that agree, as a share of all: fewer are a thing, not the water around things.
+const LEAST_SHARE: f64 = 0.02;
+/// Colours are counted in steps of this many bytes, each with its neighbours in the cube.
+const STEP: f32 = 8.0;
+/// Cells within this many bytes of the commonest colour, in every channel, are read.
+const NEAR: f32 = 12.0;
+
+/// The commonest colour of smooth cells, and the share of the cells that have it; none if they are few.
+///
+/// Cells count by the square of their rank in depth: of two smooth colours the farther is the water.
+pub(super) fn find<E: Encoding>(image: &Image<u8>, levels: &[u8]) -> Option<(VeilingLight<E>, f64)> {
+    let cells = cells(image, levels);
+    let smooth = smooth(&cells);
+    let rank = ranks(&cells);
+    // Whole numbers: their sum does not depend on the order of the cells, nor on which way a mirror turns them.
+    let mut counts = vec![0_u64; SIDE * SIDE * SIDE];
+    for cell in &smooth {
+        let place = cell.mean.map(|value| (value / STEP) as usize);
+        let weight = rank[usize::from(cell.level)].pow(2);
+        for_neighbours(place, |index, share| counts[index] += share * weight);
+    }
+    let commonest = (0..counts.len()).max_by_key(|&index| counts[index])?;
+    let middle = [commonest / (SIDE * SIDE), commonest / SIDE % SIDE, commonest % SIDE]
+        .map(|place| (place as f32 - 0.5) * STEP);
+    let alike = |cell: &&&Cell| (0..3).all(|c| (cell.mean[c] - middle[c]).abs() < NEAR);
+    let alike: Vec<&Cell> = smooth.iter().filter(alike).copied().collect();
+    let share = alike.len() as f64 / cells.len() as f64;
+    (share >= LEAST_SHARE).then(|| {
+        let colour = std::array::from_fn(|c| median(alike.iter().map(|cell| cell.mean[c]).collect()));
+        (VeilingLight::new(colour.map(|value| E::from_encoded(value / 255.0))), share)
+    })
+}
+
+/// A small rectangle of the picture.
+struct Cell {
+    mean: [f32; 3],
+    /// The largest standard deviation of the three channels, bytes.
+    spread: f32,
+    /// Mean level of depth.
+    level: u8,
+}
+
+/// Cells that hold nothing but one bluish-green colour.
+fn smooth(cells: &[Cell]) -> Vec<&Cell> {
+    let mut spreads: Vec<f32> = cells.iter().map(|cell| cell.spread).collect();
+    let tenth = (cells.len() as f64 * SMOOTHEST) as usize;
+    let (_, &mut needed, _) = spreads.select_nth_unstable_by(tenth, f32::total_cmp);
+    let bluish_green = |cell: &&Cell| is_bluish_green(&cell.mean.map(|value| (value + 0.5) as u8));
+    cells.iter().filter(|cell| cell.spread <= needed.max(SMOOTH)).filter(bluish_green).collect()
+}
+
+/// For each level of depth, how many cells are no farther.
+fn ranks(cells: &[Cell]) -> [u64; LEVELS] {
+    let mut counts = [0; LEVELS];
+    for cell in cells {
+        counts[usize::from(cell.level)] += 1;
+    }
+    let mut sum = 0;
+    counts.map(|count| {
+        sum += count;
+        sum
+    })
+}
+
+/// Steps a side of the cube of colours, with a margin of one on either side for neighbours.
+const SIDE: usize = (256.0 / STEP) as usize + 2;
+
+/// Visits a step of the cube and its neighbours, which count half for each axis they are off.
+fn for_neighbours([red, green, blue]: [usize; 3], mut visit: impl FnMut(usize, u64)) {
+    const SHARE: [u64; 3] = [1, 2, 1];
+    for (r, of_red) in SHARE.into_iter().enumerate() {
+        for (g, of_green) in SHARE.into_iter().enumerate() {
+            for (b, of_blue) in SHARE.into_iter().enumerate() {
+                visit(((red + r) * SIDE + green + g) * SIDE + blue + b, of_red * of_green * of_blue);
+            }
+        }
+    }
+}
+
+/// The picture in cells whose borders are mirrored with it.
+fn cells(image: &Image<u8>, levels: &[u8]) -> Vec<Cell> {
+    let (width, height) = image.size();
+    let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
+    let (columns, rows) = (borders(width, side), borders(height, side));
+    let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
+    for rows in rows.windows(2) {
+        for columns in columns.windows(2) {
+            let mut sums = Sums::default();
+            for y in rows[0]..rows[1] {
+                let range = y * width + columns[0]..y * width + columns[1];
+                sums.add(&image.pixels()[range.clone()], &levels[range]);
+            }
+            cells.push(sums.cell());
+        }
+    }
+    cells
+}
+
+/// Where cells of about `side` begin and end along `length`: the same from both ends.
+fn borders(length: usize, side: f32) -> Vec<usize> {
+    let wanted = ((length as f32 / side) as usize).clamp(1, length);
+    // An odd length has a middle pixel: only an odd number of cells can be even about it.
+    let count = if wanted % 2 == length % 2 || wanted == 1 { wanted } else { wanted - 1 };
+    let from_start = |i: usize| (2 * i * length + count) / (2 * count);
+    (0..=count).map(|i| if 2 * i <= count { from_start(i) } else { length - from_start(count - i) }).collect()
+}
+
+#[derive(Default)]
+struct Sums {
+    pixels: u64,
+    values: [u64; 3],
+    squares: [u64; 3],
+    levels: u64,
+}
+
+impl Sums {
+    fn add(&mut self, pixels: &[[u8; 3]], levels: &[u8]) {
+        self.pixels += pixels.len() as u64;
+        self.levels += levels.iter().map(|&level| u64::from(level)).sum::<u64>();
+        for pixel in pixels {
+            for c in 0..3 {
+                let value = u64::from(pixel[c]);
+                self.values[c] += value;
+                self.squares[c] += value * value;
+            }
+        }
+    }
+
+    fn cell(&self) -> Cell {
+        let count = self.pixels as f64;
+        let mean = self.values.map(|sum| sum as f64 / count);
+        let variance = (0..3).map(|c| self.squares[c] as f64 / count - mean[c] * mean[c]);
+        Cell {
+            mean: mean.map(|value| value as f32),
+            spread: variance.fold(0.0, f64::max).sqrt() as f32,
+            level: (self.levels / self.pixels) as u8,
+        }
+    }
+}
+
+/// The middle value; of an even number, the upper of the middle two.
+fn median(mut values: Vec<f32>) -> f32 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Encoded;
+    use proptest::prelude::*;
+
+    #[test]
+    fn smooth_water_is_read_though_textured_sand_is_taken_for_far() {
+        // Three tenths water of one colour, the rest sand that flickers, and depth the wrong way round.
+        let at = |x: usize, y: usize| match (y < 30, (x * 7 + y * 13) % 5 * 12) {
+            (true, _) => [20, 120, 160],
+            (false, flicker) => [90 + flicker as u8, 180, 170 + flicker as u8],
+        };
+        let samples = (0..100).flat_map(|y| (0..150).flat_map(move |x| at(x, y))).collect();
+        let levels: Vec<u8> = (0..100).flat_map(|y| [if y < 30 { 80 } else { 200 }; 150]).collect();
+        let image = Image::from_raw(150, 100, samples).unwrap();
+        let (veil, share) = find::<Encoded>(&image, &levels).unwrap();
+        let bytes = veil.rgb().map(|value| (value * 255.0).round() as u8);
+        assert_eq!(bytes, [20, 120, 160]);
+        assert!(share > 0.25 && share < 0.35, "{share}");
+    }
+
+    #[test]
+    fn without_a_smooth_place_there_is_no_open_water() {
+        let samples = (0..96 * 96).flat_map(|i| [40, (i * 37 % 120) as u8 + 60, (i * 91 % 100) as u8 + 90]);
+        let image = Image::from_raw(96, 96, samples.collect()).unwrap();
+        assert!(find::<Encoded>(&image, &[128; 96 * 96]).is_none_or(|(_, share)| share < 0.2));
+    }
+
+    proptest! {
+        #[test]
+        fn borders_are_the_same_from_both_ends(length in 1..3000_usize, side in 1.0..40.0_f32) {
+            let found = borders(length, side);
+            prop_assert_eq!((found[0], found[found.len() - 1]), (0, length));
+            prop_assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
+            let mirrored: Vec<usize> = found.iter().rev().map(|border| length - border).collect();
+            prop_assert_eq!(found, mirrored);
+        }
+    }
+}

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
+use crate::results;
 use crate::setup::Tools;
 use crate::shell::{cargo, command, output, root, run as call, say};
 
@@ -44,11 +45,11 @@ pub(crate) fn run(tools: &Tools) -> Result<()> {
             writeln!(rows, "{row}")?;
         }
     }
-    write_section("speed", &section(tools, &rows)?)
+    results::write_section("speed", &section(tools, &rows)?)
 }
 
 /// The truth scene of seed 1 through its waters; made anew, for the scene's code may have changed.
-fn pictures(width: usize, height: usize) -> Result<std::path::PathBuf> {
+fn pictures(width: usize, height: usize) -> Result<PathBuf> {
     let folder = root().join(format!("target/bench/{width}x{height}"));
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let program = root().join("target/release/examples/scene");
@@ -88,15 +89,4 @@ fn section(tools: &Tools, rows: &str) -> Result<String> {
         rust.split(" (").next().unwrap_or("rustc"),
         processor.trim_start_matches([' ', '\t', ':'])
     ))
-}
-
-/// Replaces what stands between `<!-- name -->` and `<!-- /name -->` in `docs/results.md`.
-fn write_section(name: &str, text: &str) -> Result<()> {
-    let path = Path::new(&root()).join("docs/results.md");
-    let page = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
-    let around = page.split_once(&open).and_then(|(before, rest)| Some((before, rest.split_once(&close)?.1)));
-    let (before, after) = around.with_context(|| format!("{} has no place for {name}", path.display()))?;
-    std::fs::write(&path, format!("{before}{open}{text}{close}{after}"))
-        .with_context(|| format!("cannot write {}", path.display()))
 }

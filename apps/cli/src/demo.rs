@@ -79,8 +79,7 @@ impl Demo {
         let path = self.write("sheet.jpg", &sheet)?;
         say(&format!(
             "  {}   all of them side by side, after {:.1} s\n\n\
-             Look at that sheet first. Where the estimated and the true veiling light differ, the fused\n\
-             colours are off by as much: turbid water misleads depth from colour. Your own pictures, once\n\
+             Look at that sheet first. Your own pictures, once\n\
              `cargo install --locked --path apps/cli` has put aquafuse on your PATH:\n  \
              aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
             path.display(),

@@ -1,0 +1,25 @@
+//! The tables of `docs/results.md` that commands write.
+
+use anyhow::{Context, Result};
+
+use crate::shell::{cargo, output, root, say};
+
+/// `cargo xtask truth`: how much of the true change each way of estimating makes.
+pub(crate) fn truth() -> Result<()> {
+    say("Fusing truth scenes (about a minute)");
+    let table = cargo(&["run", "--release", "--quiet", "--package", "aquafuse", "--example", "truth_table"]);
+    let table = output(table)?;
+    println!("{table}");
+    write_section("truth", &table)
+}
+
+/// Replaces what stands between `<!-- name -->` and `<!-- /name -->` in `docs/results.md`.
+pub(crate) fn write_section(name: &str, text: &str) -> Result<()> {
+    let path = root().join("docs/results.md");
+    let page = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
+    let around = page.split_once(&open).and_then(|(before, rest)| Some((before, rest.split_once(&close)?.1)));
+    let (before, after) = around.with_context(|| format!("{} has no place for {name}", path.display()))?;
+    std::fs::write(&path, format!("{before}{open}{text}{close}{after}"))
+        .with_context(|| format!("cannot write {}", path.display()))
+}

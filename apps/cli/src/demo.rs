@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::anyhow;
+use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Model, Options, Waters, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse_data::analysis::{Analysis, analyse};
@@ -105,7 +106,7 @@ struct Made {
 impl Made {
     fn new(scene: &Scene, water: NamedWater) -> Self {
         let picture = Picture::new(scene.seen_through(&water.water).to_samples());
-        let found = analyse(&picture);
+        let found = analyse(&picture, DepthModel::default());
         Self { picture, water, found }
     }
 

@@ -2,18 +2,18 @@
 
 use std::path::PathBuf;
 
-use aquafuse_data::analysis::analyse;
 use aquafuse_data::depth_file;
 use aquafuse_data::picture::{Picture, WriteOptions};
 use clap::Args;
 
+use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::output;
 
 /// Estimate depth from colour and write it as a picture.
 ///
-/// Eq. 3 of the paper and a 7x7 median: relative depth, 0 near, larger farther. It fails where red is
-/// dead: everything then looks far.
+/// The model at each pixel, then a 7x7 median: relative depth, 0 near, larger farther. All models fail
+/// where red is dead: everything then looks far.
 #[derive(Args)]
 pub(crate) struct Depth {
     /// PNG or JPEG, 8 bits a channel, without transparency.
@@ -21,6 +21,8 @@ pub(crate) struct Depth {
     /// Where to write: .png, 16-bit grey, 65535 = farthest possible; a missing folder is made.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
+    #[command(flatten)]
+    model: DepthModelArg,
     /// Replace OUT if it exists.
     #[arg(long)]
     overwrite: bool,
@@ -31,7 +33,7 @@ impl Depth {
         let picture = Picture::read(&self.image)?;
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
         output::make_folder_of(&self.output)?;
-        depth_file::write(&self.output, &analyse(&picture).depth, &options)?;
+        depth_file::write(&self.output, &self.model.get().estimate(&picture.image), &options)?;
         if quiet { Ok(()) } else { output::print(&format!("{}: written\n", self.output.display())) }
     }
 }

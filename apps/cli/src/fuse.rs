@@ -14,6 +14,7 @@ use aquafuse_data::picture::{Picture, WriteOptions};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::inspect::veiling_light;
 use crate::output;
@@ -40,6 +41,8 @@ pub(crate) struct Fuse {
     /// Gain on the reference's water, 0 or more; above 1 it is brighter than it was [default: 1].
     #[arg(long, value_name = "A", value_parser = gain, allow_negative_numbers = true)]
     alpha: Option<Gain>,
+    #[command(flatten)]
+    depth_model: DepthModelArg,
     /// JPEG quality, 1 to 100.
     #[arg(long, value_name = "Q", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: u8,
@@ -76,7 +79,7 @@ impl Fuse {
         if !self.overwrite {
             plan::refuse_existing(&items).map_err(Failure::usage)?;
         }
-        let reference = analyse(&Picture::read(&self.water)?).estimate;
+        let reference = analyse(&Picture::read(&self.water)?, self.depth_model.get()).estimate;
         // All outputs of a run stand in one folder.
         if let Some(first) = items.first() {
             output::make_folder_of(&first.output)?;
@@ -84,6 +87,7 @@ impl Fuse {
         let job = job::Fuse {
             items,
             water: reference.water,
+            depth_model: self.depth_model.get(),
             options: self.options(),
             writing: WriteOptions { overwrite: self.overwrite, quality: self.quality },
         };

@@ -3,13 +3,14 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use aquafuse::depth::{DepthKind, DepthMap};
+use aquafuse::depth::DepthKind;
 use aquafuse::waterbody::{Estimate, VeilingLight, VeilingLightSource};
 use aquafuse_data::analysis::{Analysis, analyse};
 use aquafuse_data::picture::Picture;
 use clap::Args;
 use serde::Serialize;
 
+use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::output;
 
@@ -22,6 +23,8 @@ use crate::output;
 pub(crate) struct Inspect {
     /// PNG or JPEG, 8 bits a channel, without transparency.
     image: PathBuf,
+    #[command(flatten)]
+    model: DepthModelArg,
     /// Print JSON for programs.
     #[arg(long)]
     json: bool,
@@ -30,7 +33,7 @@ pub(crate) struct Inspect {
 impl Inspect {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let picture = Picture::read(&self.image)?;
-        let found = analyse(&picture);
+        let found = analyse(&picture, self.model.get());
         if self.json {
             let report = Report::new(&picture, &found);
             let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
@@ -82,7 +85,7 @@ impl Report {
         Self {
             schema: 1,
             image: Size { width: picture.image.width(), height: picture.image.height() },
-            depth: Depth::new(&found.depth),
+            depth: Depth::new(found),
             waterbody: Water {
                 veiling_light: water.veiling_light,
                 backscatter_coefficient: water.backscatter_coefficient,
@@ -97,7 +100,7 @@ impl Report {
 
 /// The report for people.
 fn text(picture: &Picture, found: &Analysis) -> String {
-    let (depth, water) = (Depth::new(&found.depth), &found.estimate.water);
+    let (depth, water) = (Depth::new(found), &found.estimate.water);
     let [r, g, b] = water.veiling_light.rgb();
     let [beta_r, beta_g, beta_b] = water.backscatter_coefficient;
     let [tau_r, tau_g, tau_b] = water.backscatter_coefficient.map(|beta| beta * depth.p95);
@@ -145,9 +148,10 @@ pub(crate) fn veiling_light(estimate: &Estimate) -> String {
 }
 
 impl Depth {
-    fn new(depth: &DepthMap) -> Self {
+    fn new(found: &Analysis) -> Self {
+        let depth = &found.depth;
         Self {
-            source: "eq3",
+            source: found.depth_model.name(),
             kind: depth.kind(),
             mean: depth.mean(),
             p05: depth.percentile(0.05),

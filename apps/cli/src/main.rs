@@ -2,6 +2,7 @@
 
 mod demo;
 mod depth;
+mod depth_model;
 mod failure;
 mod fuse;
 mod inspect;

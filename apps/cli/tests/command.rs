@@ -169,6 +169,28 @@ fn inspect_speaks_json_of_a_known_schema() {
 }
 
 #[test]
+fn every_command_takes_the_depth_model_it_is_told() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "turbid");
+    scene(&run.path("water.png"), 2, "green");
+    let mut outputs = Vec::new();
+    for model in ["eq3", "ratio", "ulap", "udepth"] {
+        let depth = format!("z_{model}.png");
+        run.ok(&["depth", "content.png", "-o", &depth, "--depth-model", model]);
+        let fused = format!("f_{model}.png");
+        run.ok(&["fuse", "content.png", "water.png", "-o", &fused, "--depth-model", model]);
+        let report = run.ok(&["inspect", "content.png", "--json", "--depth-model", model]).stdout;
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        assert_eq!(report["depth"]["source"], model);
+        outputs.push((run.bytes(&depth), run.bytes(&fused)));
+    }
+    for (i, one) in outputs.iter().enumerate() {
+        assert!(outputs[..i].iter().all(|other| other.0 != one.0 && other.1 != one.1));
+    }
+    run.fails(2, &["inspect", "content.png", "--depth-model", "guess"]);
+}
+
+#[test]
 fn depth_is_a_sixteen_bit_picture_of_the_same_size() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");

@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
+use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Model, Options, Waters, fuse};
 use aquafuse_data::analysis::analyse;
 use aquafuse_data::picture::{Picture, WriteOptions};
@@ -25,10 +26,10 @@ fn main() -> Result<(), Error> {
     let heading = references.iter().map(|(name, picture)| cell(name, picture));
     let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(blank).chain(heading).collect()];
     for (name, content) in read_all(&pictures[..dashes])? {
-        let found = analyse(&content);
+        let found = analyse(&content, DepthModel::default());
         let mut row = vec![cell(&name, &content)];
         for (reference_name, reference) in &references {
-            let water = analyse(reference).estimate.water;
+            let water = analyse(reference, DepthModel::default()).estimate.water;
             let options = Options::for_model(model);
             let waters = Waters { content: &found.estimate.water, reference: &water };
             let fused = fuse(&content.image, &found.depth, waters, &options)?;

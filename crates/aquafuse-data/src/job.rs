@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
 use aquafuse::waterbody::{VeilingLightSource, Waterbody};
 use rayon::prelude::*;
@@ -17,6 +18,8 @@ pub struct Fuse {
     pub items: Vec<Item>,
     /// The reference's water.
     pub water: Waterbody,
+    /// How to come by the contents' depth.
+    pub depth_model: DepthModel,
     /// How to fuse.
     pub options: Options,
     /// How to write.
@@ -96,7 +99,7 @@ impl Fuse {
 
     fn fuse_file(&self, input: &Path, output: &Path) -> Result<Report, FileError> {
         let mut picture = Picture::read(input)?;
-        let found = analyse(&picture);
+        let found = analyse(&picture, self.depth_model);
         let waters = Waters { content: &found.estimate.water, reference: &self.water };
         let clipping = fuse_mut(&mut picture.image, &found.depth, waters, &self.options)
             .expect("the depth map was made from this picture");

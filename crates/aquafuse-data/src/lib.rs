@@ -3,7 +3,7 @@
 //! # Where do I start?
 //!
 //! ```
-//! use aquafuse::fusion::Options;
+//! use aquafuse::{depth::DepthModel, fusion::Options};
 //! use aquafuse_data::{analysis::analyse, job, picture::{Picture, WriteOptions}};
 //! # use aquafuse::truth::{Scene, Size, waters};
 //! # let folder = tempfile::tempdir()?;
@@ -17,7 +17,8 @@
 //! let reference = Picture::read(&path("reference.png"))?;
 //! let job = job::Fuse {
 //!     items: vec![job::Item { input: path("content.png"), output: path("fused.png") }],
-//!     water: analyse(&reference).estimate.water,
+//!     water: analyse(&reference, DepthModel::default()).estimate.water,
+//!     depth_model: DepthModel::default(),
 //!     options: Options::default(),
 //!     writing: WriteOptions::default(),
 //! };

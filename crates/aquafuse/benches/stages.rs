@@ -2,7 +2,7 @@
 //!
 //! cargo bench -p aquafuse
 
-use aquafuse::depth::{self, DepthMap, Eq3};
+use aquafuse::depth::{self, DepthMap, DepthModel};
 use aquafuse::fusion::{Options, Waters, fuse_mut};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::truth::{Scene, Size, waters};
@@ -42,7 +42,7 @@ fn water_of(image: &Image<u8>, z: &DepthMap) -> Waterbody {
 #[divan::bench(args = SIZES)]
 fn depth_before_median(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
     let image = picture(width, height);
-    bencher.bench_local(|| Eq3::default().estimate_unfiltered(&image));
+    bencher.bench_local(|| DepthModel::default().estimate_unfiltered(&image));
 }
 
 #[divan::bench(args = SIZES)]

@@ -6,7 +6,7 @@
 //! 1 - RMSE(fused, truth) / RMSE(content, truth) over all pixels and channels, before clipping: 1 is the
 //! truth, 0 the content, less than 0 farther from the truth than the content was.
 
-use aquafuse::depth::{self, DepthMap};
+use aquafuse::depth::{DepthMap, DepthModel, Eq3};
 use aquafuse::fusion::{Model, Options, Shift, Waters};
 use aquafuse::image::{Image, SizeError};
 use aquafuse::truth::{Scene, Size, waters};
@@ -22,36 +22,55 @@ const NOISE: f32 = 1.5;
 /// Which of the inputs of fusion are given, and how the others are estimated.
 struct Way {
     name: &'static str,
-    depth_given: bool,
+    /// None is the true depth; pictures of the reference are then read by the default.
+    depth: Option<DepthModel>,
     veils: Option<VeilingLightMethod>,
     coefficient_given: bool,
 }
 
-const WAYS: [Way; 6] = [
-    Way { name: "everything given", depth_given: true, veils: None, coefficient_given: true },
-    Way { name: "z and B∞ given", depth_given: true, veils: None, coefficient_given: false },
+const WAYS: [Way; 9] = [
+    Way { name: "everything given", depth: None, veils: None, coefficient_given: true },
+    Way { name: "z and B∞ given", depth: None, veils: None, coefficient_given: false },
     Way {
         name: "z given, B∞ of open water",
-        depth_given: true,
+        depth: None,
         veils: Some(VeilingLightMethod::OpenWater),
         coefficient_given: false,
     },
     Way {
         name: "z given, B∞ of the farthest 5 %",
-        depth_given: true,
+        depth: None,
         veils: Some(VeilingLightMethod::Published),
         coefficient_given: false,
     },
     Way {
-        name: "nothing given, B∞ of open water",
-        depth_given: false,
+        name: "z by `eq3`, B∞ of open water",
+        depth: Some(DepthModel::Eq3(Eq3::OURS)),
         veils: Some(VeilingLightMethod::OpenWater),
         coefficient_given: false,
     },
     Way {
-        name: "nothing given, B∞ of the farthest 5 %",
-        depth_given: false,
+        name: "z by `eq3`, B∞ of the farthest 5 %",
+        depth: Some(DepthModel::Eq3(Eq3::OURS)),
         veils: Some(VeilingLightMethod::Published),
+        coefficient_given: false,
+    },
+    Way {
+        name: "z by `ratio`, B∞ of open water",
+        depth: Some(DepthModel::Ratio),
+        veils: Some(VeilingLightMethod::OpenWater),
+        coefficient_given: false,
+    },
+    Way {
+        name: "z by `ratio`, B∞ of the farthest 5 %",
+        depth: Some(DepthModel::Ratio),
+        veils: Some(VeilingLightMethod::Published),
+        coefficient_given: false,
+    },
+    Way {
+        name: "z by `ulap`, B∞ of open water",
+        depth: Some(DepthModel::Ulap),
+        veils: Some(VeilingLightMethod::OpenWater),
         coefficient_given: false,
     },
 ];
@@ -104,17 +123,18 @@ impl Case {
         let (from, step) = (pair / (count - 1), 1 + pair % (count - 1));
         let (own, other) = (waters[from], waters[(from + step) % count]);
         let scene = Scene::new(seed, SIZE);
-        let noise = if seed % 2 == 0 { 0.0 } else { NOISE };
+        let noise = if seed.is_multiple_of(2) { 0.0 } else { NOISE };
         let content = noisy(&scene.seen_through(&own), noise, seed);
         let reference = noisy(&Scene::new(REFERENCES + seed, SIZE).seen_through(&other), noise, seed + 1);
         Self { scene, content, reference, own, other }
     }
 
     fn judge(&self, way: &Way) -> Result<Shares, SizeError> {
-        let z = if way.depth_given { self.scene.depth.clone() } else { depth::estimate(&self.content) };
+        let z = way.depth.map_or_else(|| self.scene.depth.clone(), |model| model.estimate(&self.content));
         let options = EstimateOptions { veiling_light: way.veils.unwrap_or_default(), ..Default::default() };
         let found = estimate(&self.content, &z, &options)?.water;
-        let reference = estimate(&self.reference, &depth::estimate(&self.reference), &options)?.water;
+        let reference_depth = way.depth.unwrap_or_default().estimate(&self.reference);
+        let reference = estimate(&self.reference, &reference_depth, &options)?.water;
         let (own, other) = match way.veils {
             Some(_) => (found.veiling_light, reference.veiling_light),
             None => (self.own.veiling_light, self.other.veiling_light),

@@ -1,23 +1,26 @@
 //! Distance from the camera: estimated from colour (Eq. 3), or given.
 //!
 //! Water takes red away first, so red against the stronger of green and blue tells how much water a
-//! pixel was seen through. [`Eq3`] is the paper's estimator; [`estimate`] runs it with our
-//! coefficients. [`DepthMap`] also holds depth from elsewhere, in metres.
+//! pixel was seen through. [`DepthModel`] holds the ways from colour to depth; [`estimate`] takes the paper's,
+//! [`Eq3`], with our coefficients. [`DepthMap`] also holds depth from elsewhere, in metres.
 
 mod eq3;
 mod map;
 mod median;
+mod model;
+mod tables;
 
 pub use eq3::Eq3;
 pub use map::{DepthError, DepthKind, DepthMap};
 pub(crate) use map::{LEVELS, Quantised};
+pub use model::DepthModel;
 
 use crate::image::{Image, Sample};
 
 /// Estimates relative depth from colour: Eq. 3 with our coefficients, then the 7x7 median.
 ///
-/// The result has 256 levels in `[0, 1]`, larger is farther. See [`Eq3`] for the equation, and for
-/// what to expect where red is dead: everything looks far.
+/// The result has 256 levels in `[0, 1]`, larger is farther. See [`DepthModel`] for other ways, and for what
+/// to expect where red is dead: everything looks far.
 ///
 /// # Examples
 ///
@@ -32,5 +35,5 @@ use crate::image::{Image, Sample};
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
 pub fn estimate<T: Sample>(image: &Image<T>) -> DepthMap {
-    Eq3::default().estimate(image)
+    DepthModel::default().estimate(image)
 }

@@ -1,0 +1,155 @@
+//! The ways from colour to depth.
+
+use super::tables::Tables;
+use super::{DepthMap, Eq3, median};
+use crate::image::{Image, Sample};
+
+/// A way from colour to relative depth.
+///
+/// All read `R` and `M = max(G, B)`, **encoded**, to 8 bits, give 256 levels in `[0, 1]`, 0 near, never rise
+/// with R nor fall with M, and fail where red is dead: everything then looks far.
+///
+/// | model | depth | use it |
+/// |---|---|---|
+/// | [`Eq3`](Self::Eq3) | two exponentials | the paper's, and the default |
+/// | [`Ratio`](Self::Ratio) | logarithm of M / R: illumination cancels | in turbid water, and on red things near by |
+/// | [`Ulap`](Self::Ulap) | a line | to compare with |
+/// | [`UDepth`](Self::UDepth) | a line | to compare with |
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum DepthModel {
+    /// Eq. 3 of the AquaFuse paper.
+    Eq3(Eq3),
+    /// `max(0, ln((M + e) / (R + e)) / ln((1 + e) / e))` with e = .02, as a difference of whole levels.
+    Ratio,
+    /// `0.53214829 + 0.51309827 M - 0.91066194 R`, the underwater light attenuation prior (Song et al. 2018).
+    Ulap,
+    /// `1 - (0.46353632 + 0.49598983 R - 0.38875134 M)`: the line of UDepth (Yu et al. 2022), whose larger
+    /// values are nearer, turned round.
+    UDepth,
+}
+
+impl Default for DepthModel {
+    fn default() -> Self {
+        Self::Eq3(Eq3::OURS)
+    }
+}
+
+/// e of [`DepthModel::Ratio`]: below it, values are the camera's noise and their ratio means nothing.
+const DARK: f64 = 0.02;
+
+impl DepthModel {
+    /// All models with our coefficients, in the order of the table above.
+    pub const ALL: [Self; 4] = [Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth];
+
+    /// The name used on the command line and in reports.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Eq3(_) => "eq3",
+            Self::Ratio => "ratio",
+            Self::Ulap => "ulap",
+            Self::UDepth => "udepth",
+        }
+    }
+
+    /// The model of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+
+    /// Depth of a picture: the model at each pixel, then the paper's 7x7 median.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::{depth::DepthModel, image::Image};
+    ///
+    /// // Grey is at the camera for `Ratio`, whatever its brightness.
+    /// let image = Image::<u8>::from_raw(2, 1, vec![30, 30, 30, 200, 200, 200])?;
+    /// assert_eq!(DepthModel::Ratio.estimate(&image).distances(), [0.0, 0.0]);
+    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// ```
+    pub fn estimate<T: Sample>(&self, image: &Image<T>) -> DepthMap {
+        let (width, height) = image.size();
+        let levels = median::median_7x7(width, height, &self.tables().levels(image));
+        DepthMap::from_levels(width, height, levels).expect("one level a pixel")
+    }
+
+    /// Depth of a picture pixel by pixel, before the median.
+    pub fn estimate_unfiltered<T: Sample>(&self, image: &Image<T>) -> DepthMap {
+        let (width, height) = image.size();
+        DepthMap::from_levels(width, height, self.tables().levels(image)).expect("one level a pixel")
+    }
+
+    fn tables(&self) -> Tables {
+        match self {
+            Self::Eq3(eq3) => eq3.tables(),
+            Self::Ratio => {
+                let whole_range = ((1.0 + DARK) / DARK).ln();
+                Tables::of_difference(|value| ((value + DARK) / DARK).ln() / whole_range)
+            }
+            Self::Ulap => Tables::of_terms(|red| 0.532_148_29 - 0.910_661_94 * red, |max| 0.513_098_27 * max),
+            Self::UDepth => {
+                Tables::of_terms(|red| 0.536_463_68 - 0.495_989_83 * red, |max| 0.388_751_34 * max)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn levels_of(model: DepthModel, pixels: &[[u8; 3]]) -> Vec<u8> {
+        let image = Image::<u8>::from_raw(pixels.len(), 1, pixels.concat()).unwrap();
+        model.tables().levels(&image)
+    }
+
+    fn model() -> impl Strategy<Value = DepthModel> {
+        prop::sample::select(&DepthModel::ALL[..])
+    }
+
+    #[test]
+    fn ratio_is_one_table_and_one_saturating_subtraction() {
+        let table = |value: u8| {
+            (255.0 * ((f64::from(value) / 255.0 + DARK) / DARK).ln() / ((1.0 + DARK) / DARK).ln()).round()
+        };
+        for (red, max) in [(0, 255), (255, 0), (0, 0), (10, 90), (90, 10), (77, 78)] {
+            let expected = (table(max) - table(red)).max(0.0);
+            assert_eq!(f64::from(levels_of(DepthModel::Ratio, &[[red, max, 0]])[0]), expected);
+        }
+    }
+
+    #[test]
+    fn the_lines_are_those_published() {
+        let rounded = |depth: f64| (255.0 * depth.clamp(0.0, 1.0)).round();
+        for (red, max) in [(0.0, 0.0), (0.2, 0.4), (0.4, 0.2), (0.8, 1.0)] {
+            let pixel = [(255.0 * red) as u8, 0, (255.0 * max) as u8];
+            let ulap = rounded(0.53214829 + 0.51309827 * max - 0.91066194 * red);
+            let udepth = rounded(1.0 - (0.46353632 + 0.49598983 * red - 0.38875134 * max));
+            assert_eq!(f64::from(levels_of(DepthModel::Ulap, &[pixel])[0]), ulap);
+            assert_eq!(f64::from(levels_of(DepthModel::UDepth, &[pixel])[0]), udepth);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn depth_never_rises_with_red(model in model(), r in 0..255_u8, g: u8, b: u8) {
+            let levels = levels_of(model, &[[r, g, b], [r + 1, g, b]]);
+            prop_assert!(levels[0] >= levels[1]);
+        }
+
+        #[test]
+        fn depth_never_falls_with_green_or_blue(model in model(), r: u8, g in 0..255_u8, b in 0..255_u8) {
+            let levels = levels_of(model, &[[r, g, b], [r, g + 1, b], [r, g, b + 1]]);
+            prop_assert!(levels[0] <= levels[1] && levels[0] <= levels[2]);
+        }
+
+        #[test]
+        fn green_and_blue_are_interchangeable(model in model(), r: u8, g: u8, b: u8) {
+            let levels = levels_of(model, &[[r, g, b], [r, b, g]]);
+            prop_assert_eq!(levels[0], levels[1]);
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Depth as the sum of a term in red and a term in the stronger of green and blue: two byte tables.
+
+use crate::image::{Image, Sample};
+
+/// Levels of depth by red and by max(green, blue), in fixed point: no exponential a pixel, and the same
+/// level on every machine that makes the same tables.
+pub(super) struct Tables {
+    of_red: [i32; 256],
+    of_max: [i32; 256],
+}
+
+/// Fractional bits: the sum of two entries keeps the rounding of one exact sum.
+const FRACTION: u32 = 16;
+const ONE: f64 = 255.0 * (1 << FRACTION) as f64;
+
+impl Tables {
+    /// Tables of two terms, whose arguments are encoded values and whose sum is depth, both in `[0, 1]`.
+    pub(super) fn of_terms(red: impl Fn(f64) -> f64, max: impl Fn(f64) -> f64) -> Self {
+        let entry = |term: f64| (term * ONE).round() as i32;
+        Self {
+            of_red: std::array::from_fn(|byte| entry(red(byte as f64 / 255.0))),
+            of_max: std::array::from_fn(|byte| entry(max(byte as f64 / 255.0))),
+        }
+    }
+
+    /// Tables of whole levels: the level of depth is `of(max) - of(red)`, 0 at least.
+    pub(super) fn of_difference(of: impl Fn(f64) -> f64) -> Self {
+        let whole = |byte: usize| ((255.0 * of(byte as f64 / 255.0)).round() as i32) << FRACTION;
+        Self { of_red: std::array::from_fn(|byte| -whole(byte)), of_max: std::array::from_fn(whole) }
+    }
+
+    /// The level of one colour.
+    #[inline]
+    pub(super) fn level(&self, red: u8, max: u8) -> u8 {
+        let sum = self.of_red[usize::from(red)].saturating_add(self.of_max[usize::from(max)]);
+        (sum.saturating_add(1 << (FRACTION - 1)) >> FRACTION).clamp(0, 255) as u8
+    }
+
+    /// The level of each pixel.
+    pub(super) fn levels<T: Sample>(&self, image: &Image<T>) -> Vec<u8> {
+        let level = |&[r, g, b]: &[T; 3]| self.level(r.to_byte(), g.to_byte().max(b.to_byte()));
+        image.pixels().iter().map(level).collect()
+    }
+}

@@ -82,6 +82,11 @@ pub(crate) fn check_size(
     if expected == found { Ok(()) } else { Err(SizeError::Buffer { width, height, expected, found }) }
 }
 
+/// Checks that two inputs of one operation share one size.
+pub(crate) fn check_same_size(left: (usize, usize), right: (usize, usize)) -> Result<(), SizeError> {
+    if left == right { Ok(()) } else { Err(SizeError::Mismatch { left, right }) }
+}
+
 impl<T: Sample, E: Encoding> Image<T, E> {
     /// Takes a buffer of `width * height * 3` samples as a picture.
     ///

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::image::{SizeError, check_size};
+use crate::image::{SizeError, check_same_size, check_size};
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
 ///
@@ -177,7 +177,7 @@ impl DepthMap {
 
     /// Checks that a picture of `size` can be seen through this map.
     pub(crate) fn check_fits(&self, size: (usize, usize)) -> Result<(), SizeError> {
-        if size == self.size() { Ok(()) } else { Err(SizeError::Mismatch { left: size, right: self.size() }) }
+        check_same_size(size, self.size())
     }
 
     /// Changes each pixel by what `law` says of its depth: the law is evaluated once a level where depth

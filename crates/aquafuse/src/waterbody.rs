@@ -5,7 +5,6 @@
 
 mod attenuation;
 mod backscatter;
-mod open_water;
 mod statistics;
 mod veiling_light;
 
@@ -117,15 +116,15 @@ pub fn estimate<E: Encoding>(
 ) -> Result<Estimate<E>, SizeError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
-    let light = veiling_light::estimate::<E>(image, &quantised.levels, options.top, options.veiling_light);
+    let light = veiling_light::read(image, &quantised.levels, options.top, options.veiling_light);
     let statistics = Statistics::<E>::gather(image, &quantised);
-    let veil = light.veiling_light;
+    let veil = VeilingLight::<E>::new(light.rgb.map(E::from_encoded));
     let backscatter_coefficient = std::array::from_fn(|c| backscatter::fit(&statistics, c, veil.rgb()[c]));
     let attenuation =
         std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], backscatter_coefficient[c]));
     Ok(Estimate {
         water: Waterbody { veiling_light: veil, backscatter_coefficient, attenuation },
         veiling_light_source: light.source,
-        veiling_light_share: light.share,
+        veiling_light_share: light.share as f32,
     })
 }

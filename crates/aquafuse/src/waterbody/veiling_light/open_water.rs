@@ -4,9 +4,10 @@
 //! and turbid water for near. But open water is smooth, and much of it has one colour, wherever it is.
 
 use crate::depth::LEVELS;
-use crate::image::{Encoding, Image};
+use crate::image::Image;
 
-use super::veiling_light::{VeilingLight, is_bluish_green};
+use super::hue::is_bluish_green;
+use super::reading::{Reading, VeilingLightSource};
 
 /// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
 /// enough to fit between things.
@@ -22,10 +23,10 @@ const STEP: f32 = 8.0;
 /// Cells within this many bytes of the commonest colour, in every channel, are read.
 const NEAR: f32 = 12.0;
 
-/// The commonest colour of smooth cells, and the share of the cells that have it; none if they are few.
+/// The commonest colour of smooth cells; none if few of all cells have it.
 ///
 /// Cells count by the square of their rank in depth: of two smooth colours the farther is the water.
-pub(super) fn find<E: Encoding>(image: &Image<u8>, levels: &[u8]) -> Option<(VeilingLight<E>, f64)> {
+pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
     let cells = cells(image, levels);
     let smooth = smooth(&cells);
     let rank = ranks(&cells);
@@ -42,9 +43,10 @@ pub(super) fn find<E: Encoding>(image: &Image<u8>, levels: &[u8]) -> Option<(Vei
     let alike = |cell: &&&Cell| (0..3).all(|c| (cell.mean[c] - middle[c]).abs() < NEAR);
     let alike: Vec<&Cell> = smooth.iter().filter(alike).copied().collect();
     let share = alike.len() as f64 / cells.len() as f64;
-    (share >= LEAST_SHARE).then(|| {
-        let colour = std::array::from_fn(|c| median(alike.iter().map(|cell| cell.mean[c]).collect()));
-        (VeilingLight::new(colour.map(|value| E::from_encoded(value / 255.0))), share)
+    (share >= LEAST_SHARE).then(|| Reading {
+        rgb: std::array::from_fn(|c| median(alike.iter().map(|cell| cell.mean[c]).collect()) / 255.0),
+        source: VeilingLightSource::OpenWater,
+        share,
     })
 }
 
@@ -164,7 +166,6 @@ fn median(mut values: Vec<f32>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Encoded;
     use proptest::prelude::*;
 
     #[test]
@@ -177,8 +178,8 @@ mod tests {
         let samples = (0..100).flat_map(|y| (0..150).flat_map(move |x| at(x, y))).collect();
         let levels: Vec<u8> = (0..100).flat_map(|y| [if y < 30 { 80 } else { 200 }; 150]).collect();
         let image = Image::from_raw(150, 100, samples).unwrap();
-        let (veil, share) = find::<Encoded>(&image, &levels).unwrap();
-        let bytes = veil.rgb().map(|value| (value * 255.0).round() as u8);
+        let Reading { rgb, share, .. } = read(&image, &levels).unwrap();
+        let bytes = rgb.map(|value| (value * 255.0).round() as u8);
         assert_eq!(bytes, [20, 120, 160]);
         assert!(share > 0.25 && share < 0.35, "{share}");
     }
@@ -187,7 +188,7 @@ mod tests {
     fn without_a_smooth_place_there_is_no_open_water() {
         let samples = (0..96 * 96).flat_map(|i| [40, (i * 37 % 120) as u8 + 60, (i * 91 % 100) as u8 + 90]);
         let image = Image::from_raw(96, 96, samples.collect()).unwrap();
-        assert!(find::<Encoded>(&image, &[128; 96 * 96]).is_none_or(|(_, share)| share < 0.2));
+        assert!(read(&image, &[128; 96 * 96]).is_none_or(|found| found.share < 0.2));
     }
 
     proptest! {

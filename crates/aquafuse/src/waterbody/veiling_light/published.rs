@@ -1,0 +1,136 @@
+//! The paper's way: the median of the farthest pixels, with fallbacks.
+
+use super::corners::{TopEdge, corners};
+use super::histogram::Histogram;
+use super::hue::is_bluish_green;
+use super::reading::{Reading, VeilingLightSource};
+use crate::depth::LEVELS;
+use crate::image::Image;
+
+/// Share of the picture the paper takes from the far end. Less follows noise, more reaches objects.
+const FARTHEST_SHARE: f64 = 0.05;
+/// With no more usable pixels than this the paper no longer trusts the far end.
+const FEW_PIXELS: u64 = 100;
+
+/// Median of the farthest bluish-green pixels, with the paper's fallbacks in its order.
+pub(super) fn read(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Reading {
+    use VeilingLightSource::{BottomCorners, Farthest, TopCorners, Unfiltered};
+    let pixels = image.pixels();
+    let attempts: [(VeilingLightSource, &dyn Fn() -> Histogram); 3] = [
+        (Farthest, &|| farthest(pixels, levels, is_bluish_green)),
+        (TopCorners, &|| corners(image, top)),
+        (BottomCorners, &|| corners(image, top.opposite())),
+    ];
+    let usable = attempts.into_iter().find_map(|(source, read)| {
+        let histogram = read();
+        (histogram.count > FEW_PIXELS).then_some((source, histogram))
+    });
+    let (source, histogram) = usable.unwrap_or_else(|| (Unfiltered, farthest(pixels, levels, |_| true)));
+    Reading { rgb: histogram.median(), source, share: histogram.count as f64 / pixels.len() as f64 }
+}
+
+/// Colours of whole depth levels from the far end until 5 % of the picture's pixels are in.
+///
+/// It stops at the median depth: what is nearer than half of the picture is not far, whatever its colour,
+/// and a bluish fish must not pass for the water. (Without the stop the corners could never be reached:
+/// they hold no pixel that the far end would not have taken first.)
+fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) -> Histogram {
+    let mut all = [0_u64; LEVELS];
+    let mut kept = [0_u64; LEVELS];
+    for (pixel, &level) in pixels.iter().zip(levels) {
+        all[usize::from(level)] += 1;
+        kept[usize::from(level)] += u64::from(keep(pixel));
+    }
+    let total = pixels.len() as f64;
+    let (mut passed, mut taken) = (0, 0);
+    let nearest_taken = (0..LEVELS).rev().find(|&level| {
+        passed += all[level];
+        taken += kept[level];
+        taken as f64 >= FARTHEST_SHARE * total || passed as f64 >= 0.5 * total
+    });
+    let nearest_taken = nearest_taken.unwrap_or(0);
+    let mut histogram = Histogram::default();
+    for (pixel, &level) in pixels.iter().zip(levels) {
+        if usize::from(level) >= nearest_taken && keep(pixel) {
+            histogram.add(pixel);
+        }
+    }
+    histogram
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WATER: [u8; 3] = [10, 100, 150];
+    const PAINT: [u8; 3] = [200, 250, 10];
+
+    /// A 40 x 40 picture painted by place, with depth by place.
+    fn paint(
+        colour: impl Fn(usize, usize) -> [u8; 3],
+        z: impl Fn(usize, usize) -> u8,
+    ) -> (Image<u8>, Vec<u8>) {
+        let places = || (0..40).flat_map(|y| (0..40).map(move |x| (x, y)));
+        let samples = places().flat_map(|(x, y)| colour(x, y)).collect();
+        let levels = places().map(|(x, y)| z(x, y)).collect();
+        (Image::from_raw(40, 40, samples).unwrap(), levels)
+    }
+
+    fn bytes(found: &Reading) -> [f32; 3] {
+        found.rgb.map(|v| v * 255.0)
+    }
+
+    #[test]
+    fn the_farthest_five_percent_are_read() {
+        let (image, levels) =
+            paint(|_, y| if y < 3 { [9, 99, 149] } else { WATER }, |_, y| if y < 3 { 200 } else { 50 });
+        let found = read(&image, &levels, TopEdge::First);
+        assert_eq!(found.source, VeilingLightSource::Farthest);
+        assert!((found.share - 0.075).abs() < 1e-6);
+        assert!(bytes(&found).iter().zip([9.0, 99.0, 149.0]).all(|(a, b)| (a - b).abs() < 1e-3));
+    }
+
+    #[test]
+    fn a_hundred_pixels_are_not_enough() {
+        // Two of forty rows are 5 % of the pixels, but only 80 of them.
+        let (image, levels) = paint(|_, _| WATER, |_, y| if y < 2 { 200 } else { 50 });
+        let found = read(&image, &levels, TopEdge::First);
+        assert_eq!(found.source, VeilingLightSource::TopCorners);
+    }
+
+    #[test]
+    fn a_saturated_level_is_taken_whole_and_reported() {
+        let (image, levels) = paint(|_, _| WATER, |_, y| if y < 30 { 255 } else { 10 });
+        let found = read(&image, &levels, TopEdge::First);
+        assert!((found.share - 0.75).abs() < 1e-6);
+    }
+
+    #[test]
+    fn paint_at_the_far_end_is_passed_over() {
+        let (image, levels) =
+            paint(|_, y| if y < 4 { PAINT } else { WATER }, |_, y| if y < 4 { 255 } else { 100 });
+        let found = read(&image, &levels, TopEdge::First);
+        assert_eq!(found.source, VeilingLightSource::Farthest);
+        assert!((bytes(&found)[2] - 150.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_near_fish_of_the_waters_colour_is_not_the_water() {
+        // The far half is paint, the near half water: too near to be read, but the near corners hold it.
+        let half = |y: usize| y < 20;
+        let (image, levels) =
+            paint(|_, y| if half(y) { WATER } else { PAINT }, |_, y| if half(y) { 10 } else { 200 });
+        let found = read(&image, &levels, TopEdge::First);
+        assert_eq!(found.source, VeilingLightSource::TopCorners);
+        let found = read(&image, &levels, TopEdge::Last);
+        assert_eq!(found.source, VeilingLightSource::BottomCorners);
+    }
+
+    #[test]
+    fn when_nothing_is_water_the_far_end_is_read_unfiltered() {
+        let (image, levels) = paint(|x, _| if x > 36 { [9, 5, 9] } else { PAINT }, |x, _| x as u8);
+        let found = read(&image, &levels, TopEdge::First);
+        assert_eq!(found.source, VeilingLightSource::Unfiltered);
+        assert!((bytes(&found)[1] - 5.0).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,26 @@
+//! A veiling light as read from bytes, and where.
+
+/// Where the veiling light was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum VeilingLightSource {
+    /// Smooth open water of one colour.
+    OpenWater,
+    /// The farthest bluish-green pixels: the paper's way.
+    Farthest,
+    /// Too few of those: the bluish-green pixels of the two top corners.
+    TopCorners,
+    /// Too few there as well: those of the two bottom corners.
+    BottomCorners,
+    /// None of these: the farthest pixels whatever their colour.
+    Unfiltered,
+}
+
+/// What was read off a picture.
+pub(in crate::waterbody) struct Reading {
+    /// Encoded colour in `[0, 1]`.
+    pub(in crate::waterbody) rgb: [f32; 3],
+    pub(in crate::waterbody) source: VeilingLightSource,
+    /// Share of the picture it is the median of.
+    pub(in crate::waterbody) share: f64,
+}

@@ -1,7 +1,9 @@
 //! A bar for long work, on standard error, where it is a terminal.
 
+use std::fmt::Write;
+
 use aquafuse_data::job::Message;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::output;
 
@@ -14,10 +16,14 @@ impl Progress {
     pub(crate) fn new(quiet: bool) -> Self {
         // Indicatif itself stays silent where standard error is no terminal.
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let style =
-            ProgressStyle::with_template("{bar:32} {pos}/{len}  {per_sec}  {eta} left  {wide_msg:.dim}");
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len}  {rate}  {eta} left  {wide_msg:.dim}");
         let bar = ProgressBar::with_draw_target(None, target);
-        Self { bar: bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())) }
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+        // Its own rate has four decimals.
+        let rate = |state: &ProgressState, out: &mut dyn Write| {
+            let _ = write!(out, "{:.1} a second", state.per_sec());
+        };
+        Self { bar: bar.with_style(style.with_key("rate", rate)) }
     }
 
     pub(crate) fn show(&self, message: &Message<'_>) {

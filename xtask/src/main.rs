@@ -1,4 +1,4 @@
-//! The project's habits, one command each: `cargo xtask check | test | truth | bench`.
+//! The project's habits, one command each: `cargo xtask check | test | truth | depth | bench`.
 
 mod bench;
 mod checks;
@@ -15,6 +15,7 @@ cargo xtask COMMAND
   check   format, spelling, lints, documentation, licences: what a reviewer would say first
   test    sets up what is missing, then `check` and every test: what CI runs
   truth   how much of the true change is made on scenes of known truth, into docs/results.md
+  depth   how well depth from colour orders measured depth, into docs/results.md
   bench   a whole frame against the same algorithm in OpenCV, into docs/results.md
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
     let result = match words[..] {
         ["check"] => setup::set_up().and_then(|tools| checks::run(&tools)),
         ["test"] => tests::run(),
+        ["depth"] => results::depth(),
         ["truth"] => results::truth(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {

@@ -13,6 +13,27 @@ pub(crate) fn truth() -> Result<()> {
     write_section("truth", &table)
 }
 
+/// `cargo xtask depth`: how well each way from colour orders measured depth.
+pub(crate) fn depth() -> Result<()> {
+    say("Comparing depth from colour with measured depth");
+    let data = std::env::var("AQUAFUSE_TEST_DATA")
+        .context("AQUAFUSE_TEST_DATA must name the folder of real pictures; depth_pairs/ in it is read")?;
+    let table = [
+        "run",
+        "--release",
+        "--quiet",
+        "--package",
+        "aquafuse-data",
+        "--example",
+        "depth_table",
+        "--",
+        &data,
+    ];
+    let table = output(cargo(&table))?;
+    println!("{table}");
+    write_section("depth", &table)
+}
+
 /// Replaces what stands between `<!-- name -->` and `<!-- /name -->` in `docs/results.md`.
 pub(crate) fn write_section(name: &str, text: &str) -> Result<()> {
     let path = root().join("docs/results.md");

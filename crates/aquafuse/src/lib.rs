@@ -33,7 +33,7 @@
 //! | [`waterbody`] | picture + depth → [`Waterbody`](waterbody::Waterbody) {B∞, β_B, β_D} | Eq. 5-8 |
 //! | [`formation`] | the image formation model, forwards and back | Eq. 1-2 |
 //! | [`fusion`] | scene + reference water → fused picture | Eq. 9-11 |
-//! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth | |
+//! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth, rank correlation | |
 //! | [`truth`] | a ray-marched scene whose clear image, depth and water are known | |
 //!
 //! Colours are RGB in `[0, 1]`, whatever the sample type. Encoded (sRGB) values are the default, as in the

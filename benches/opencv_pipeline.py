@@ -125,14 +125,14 @@ def open_water(bgr, levels):
     bluish_green = (high >= 16) & (low < 240) & (low >= high // 8)
     smooth = (spread <= max(needed, SMOOTH)) & bluish_green
     rank = np.cumsum(np.bincount(level, minlength=256))
-    cube = np.zeros((34, 34, 34), np.int64)
-    place = (mean[smooth] / np.float32(STEP)).astype(int)
-    weight = rank[level[smooth]] ** 2
-    for r, of_red in enumerate((1, 2, 1)):
-        for g, of_green in enumerate((1, 2, 1)):
-            for b, of_blue in enumerate((1, 2, 1)):
-                at = (place[:, 0] + r, place[:, 1] + g, place[:, 2] + b)
-                np.add.at(cube, at, of_red * of_green * of_blue * weight)
+    side = 256 // STEP + 2
+    place = (mean[smooth] / np.float32(STEP)).astype(int) + 1
+    flat = (place[:, 0] * side + place[:, 1]) * side + place[:, 2]
+    # Whole numbers far below 2^53: sums of doubles are exact.
+    cube = np.bincount(flat, rank[level[smooth]].astype(np.float64) ** 2, side**3).reshape(side, side, side)
+    for axis in range(3):
+        # Neighbours count half; the margin is empty, so nothing wraps around.
+        cube = 2 * cube + np.roll(cube, 1, axis) + np.roll(cube, -1, axis)
     # Of several places that are commonest, the last.
     commonest = cube.size - 1 - int(np.argmax(cube.ravel()[::-1]))
     middle = (np.array(np.unravel_index(commonest, cube.shape)) - 0.5) * STEP

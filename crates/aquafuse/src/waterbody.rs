@@ -69,7 +69,7 @@ impl<E: Encoding> Waterbody<E> {
 pub struct Estimate<E: Encoding = Encoded> {
     /// The water.
     pub water: Waterbody<E>,
-    /// Where the veiling light was read; anything but the farthest pixels is a fallback.
+    /// Where the veiling light was read; corners and unfiltered pixels are the last resorts.
     pub veiling_light_source: VeilingLightSource,
     /// Share of the picture the veiling light is the median of.
     ///

@@ -75,14 +75,15 @@ const WITHIN: f64 = 0.995;
 fn quantise(distances: &[f32]) -> Quantised<'_> {
     let farthest = distances.iter().copied().fold(0.0, f32::max);
     let mut nearer: Vec<f32> = distances.iter().copied().filter(|&z| z < HORIZON * farthest).collect();
-    let reach = if nearer.is_empty() {
-        farthest
+    let within = if nearer.is_empty() {
+        0.0
     } else {
         let rank = ((nearer.len() as f64 * WITHIN) as usize).min(nearer.len() - 1);
         *nearer.select_nth_unstable_by(rank, f32::total_cmp).1
     };
-    // Distances too small to divide by are no distances; any step will do.
-    let step = if reach > 1e-30 { reach / 254.0 } else { 1.0 };
+    // Distances too small to divide by are none: then the farthest is the scale, or else any.
+    let reach = [within, farthest, 254.0].into_iter().find(|&reach| reach > 1e-30).unwrap_or(254.0);
+    let step = reach / 254.0;
     let levels = distances.iter().map(|z| (z / step + 0.5).min(255.0) as u8).collect();
     Quantised { levels, step, beyond: Some(255) }
 }
@@ -110,7 +111,8 @@ impl DepthMap {
     ///
     /// # Errors
     ///
-    /// [`DepthError`] when the buffer has another length, or a value is negative or not finite.
+    /// [`DepthError`] when the buffer has another length, or a value is negative, not finite, or, for relative
+    /// depth, above 1.
     pub fn from_distances(
         width: usize,
         height: usize,
@@ -268,6 +270,14 @@ mod tests {
             let found = z.quantised();
             assert!((found.step * 254.0 - 12.0).abs() < 0.1, "{}", found.step);
             assert_eq!((found.levels[0], found.levels[1000], found.beyond), (0, 255, Some(255)));
+        }
+    }
+
+    #[test]
+    fn where_all_else_is_at_the_camera_the_farthest_is_the_scale() {
+        for far in [0.001, 5.0, 4000.0] {
+            let z = DepthMap::from_distances(3, 1, DepthKind::Metres, vec![0.0, 0.0, far]).unwrap();
+            assert_eq!(z.quantised().levels[2], 254, "{far}");
         }
     }
 

@@ -32,6 +32,35 @@ pub struct Size {
 /// its backscatter, and the picture there is the veiling light.
 pub const OPEN_WATER: f32 = render::FAR;
 
+/// What kind of place it is, and where the camera looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct View {
+    /// What kind of place.
+    pub site: Site,
+    /// Where the camera looks.
+    pub gaze: Gaze,
+}
+
+/// Two families of places that share neither layout nor colours: what was fitted on one is tried on the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Site {
+    /// Sand, rocks, corals, grass and fish.
+    #[default]
+    Reef,
+    /// Mud, concrete, piles and pipes.
+    Harbour,
+}
+
+/// Where the camera looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gaze {
+    /// A little below the horizon: open water is in view.
+    #[default]
+    Ahead,
+    /// So far down that the floor fills the picture, but for what a thing's top may show.
+    Down,
+}
+
 /// A place with its clear image and its depth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
@@ -42,7 +71,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The place of this seed. The same seed gives the same pixels at any number of threads.
+    /// The place of this seed: a reef, open water in view. The same seed gives the same pixels at any number of threads.
     ///
     /// # Panics
     ///
@@ -59,8 +88,17 @@ impl Scene {
     /// assert!(scene.depth.at(24, 0) > 20.0);
     /// ```
     pub fn new(seed: u64, size: Size) -> Self {
+        Self::of(View::default(), seed, size)
+    }
+
+    /// The place of this seed among those of another kind, or looked at another way.
+    ///
+    /// # Panics
+    ///
+    /// When `size` has no pixels.
+    pub fn of(view: View, seed: u64, size: Size) -> Self {
         assert!(size.width > 0 && size.height > 0, "a scene needs pixels, not {size:?}");
-        let place = layout::Place::new(seed);
+        let place = layout::Place::new(view, seed);
         let seen: Vec<render::Seen> = render::render(&place, size);
         let samples = seen.iter().flat_map(|seen| seen.colour).collect();
         let distances = seen.iter().map(|seen| seen.distance).collect();

@@ -1,4 +1,4 @@
-//! The sand: gentle dunes that rise to one side, with ripples and scattered pebbles.
+//! The ground: gentle dunes that rise to one side, with ripples and scattered pebbles.
 
 use super::geometry::{Vec3, smooth_step, vec3};
 use super::noise::{cells, noise, noise_2d, rough};
@@ -10,7 +10,21 @@ pub(super) struct Floor {
     pub(super) offset: f32,
     /// Rise to the reef's side, metres a metre; its sign is the side.
     pub(super) slope: f32,
+    /// What it is made of.
+    pub(super) ground: Ground,
 }
+
+/// Linear reflectances of the ground: bare in two shades, and what grows on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ground {
+    bare: [Vec3; 2],
+    growth: Vec3,
+}
+
+pub(super) const SAND: Ground =
+    Ground { bare: [vec3(0.60, 0.50, 0.36), vec3(0.42, 0.34, 0.24)], growth: vec3(0.17, 0.19, 0.09) };
+pub(super) const MUD: Ground =
+    Ground { bare: [vec3(0.34, 0.31, 0.27), vec3(0.19, 0.18, 0.17)], growth: vec3(0.10, 0.09, 0.07) };
 
 /// Nothing of the floor rises above this, so rays above it need not ask.
 pub(super) const CREST: f32 = 2.6;
@@ -44,10 +58,11 @@ impl Floor {
     /// Linear reflectance.
     pub(super) fn albedo(&self, p: Vec3) -> Vec3 {
         let patch = rough(vec3(0.8 * p.x + self.offset, 1.0, 0.8 * p.z), 4);
-        let sand = mix(vec3(0.60, 0.50, 0.36), vec3(0.42, 0.34, 0.24), smooth_step(0.35, 0.7, patch));
+        let [light, dark] = self.ground.bare;
+        let bare = mix(light, dark, smooth_step(0.35, 0.7, patch));
         let speckle = 0.80 + 0.40 * noise(vec3(60.0 * p.x, 1.0, 60.0 * p.z));
         let growth = smooth_step(0.60, 0.74, rough(vec3(0.5 * p.x, 7.0 + self.offset, 0.5 * p.z), 4));
-        let covered = mix(sand * speckle, vec3(0.17, 0.19, 0.09), 0.75 * growth);
+        let covered = mix(bare * speckle, self.ground.growth, 0.75 * growth);
         let stone =
             mix(vec3(0.30, 0.28, 0.26), vec3(0.52, 0.42, 0.40), noise(vec3(3.0 * p.x, 2.0, 3.0 * p.z)));
         mix(covered, stone, smooth_step(0.05, 0.25, pebble(p.x, p.z)))

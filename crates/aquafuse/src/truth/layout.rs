@@ -1,9 +1,12 @@
 //! Where everything stands in a place.
 
-use super::floor::Floor;
+mod harbour;
+
+use super::floor::{Floor, MUD, SAND};
 use super::geometry::{Bunch, Rod, Vec3, vec3};
 use super::noise::Random;
 use super::thing::{Pattern, Shape, Thing};
+use super::{Gaze, Site, View};
 
 /// A place: the floor, what is on it, and how the camera and the sun stand.
 pub(super) struct Place {
@@ -52,11 +55,18 @@ const FISHES: [([Vec3; 2], Pattern); 5] = [
 ];
 
 impl Place {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(super) fn new(view: View, seed: u64) -> Self {
         let mut random = Random::new(seed);
         // The reef rises on one side; the other is sand and grass.
         let side = random.pick(&[-1.0_f32, 1.0]);
-        let floor = Floor { offset: random.between(0.0, 400.0), slope: side * random.between(0.04, 0.11) };
+        let floor = Floor {
+            offset: random.between(0.0, 400.0),
+            slope: side * random.between(0.04, 0.11),
+            ground: match view.site {
+                Site::Reef => SAND,
+                Site::Harbour => MUD,
+            },
+        };
         let mut place = Self {
             floor,
             things: Vec::new(),
@@ -64,10 +74,20 @@ impl Place {
             pitch: random.between(0.10, 0.20),
             sun: vec3(random.between(-0.5, 0.5), 1.0, random.between(-0.6, 0.1)).normalised(),
         };
-        place.reef(&mut random, side);
-        place.foreground(&mut random, side);
-        place.meadow(&mut random, side);
-        place.fish(&mut random, side);
+        match view.site {
+            Site::Reef => {
+                place.reef(&mut random, side);
+                place.foreground(&mut random, side);
+                place.meadow(&mut random, side);
+                place.fish(&mut random, side);
+            }
+            Site::Harbour => place.harbour(&mut random, side),
+        }
+        if view.gaze == Gaze::Down {
+            // The upper edge of the picture then meets the floor some metres away.
+            place.pitch += random.between(0.42, 0.60);
+            place.eye *= random.between(1.0, 2.2);
+        }
         place
     }
 

@@ -17,6 +17,8 @@ pub(super) struct Thing {
 pub(super) enum Shape {
     /// A boulder, worn and overgrown.
     Rock { centre: Vec3, radii: Vec3, offset: f32 },
+    /// A block with worn edges, turned about the vertical by `turn` radians.
+    Block { centre: Vec3, half: Vec3, turn: f32 },
     /// A round coral with winding grooves.
     Brain { centre: Vec3, radius: f32 },
     /// A branching coral.
@@ -42,6 +44,7 @@ impl Thing {
             Shape::Rock { centre, radii, .. } => {
                 Ball { centre: *centre, radius: 1.25 * radii.x.max(radii.y).max(radii.z) }
             }
+            Shape::Block { centre, half, .. } => Ball { centre: *centre, radius: half.length() + 0.05 },
             Shape::Brain { centre, radius } => Ball { centre: *centre, radius: 1.1 * radius },
             Shape::Branches(bunch) | Shape::Leaves(bunch) => bunch.ball(),
             Shape::Tubes(rods) => Ball::around(rods.iter().map(Rod::ball)),
@@ -67,6 +70,10 @@ impl Thing {
                     return 0.75 * lumpy - 0.02;
                 }
                 0.75 * (lumpy - 0.05 * (rough(q * 9.0 + vec3(0.0, *offset, 0.0), 2) - 0.5))
+            }
+            Shape::Block { centre, half, turn } => {
+                let q = turned(p - *centre, *turn);
+                0.9 * (block(q, *half) - 0.03 * noise(p * 7.0))
             }
             Shape::Brain { centre, radius } => {
                 let q = p - *centre;
@@ -112,6 +119,11 @@ impl Thing {
                 let spots = smooth_step(0.72, 0.78, noise(p * 11.0));
                 mix(topped, vec3(0.75, 0.50, 0.55), 0.7 * spots)
             }
+            Shape::Block { .. } => {
+                let bare = body * (0.6 + 0.5 * rough(p * 9.0, 3));
+                let patches = smooth_step(0.46, 0.60, rough(p * 2.1, 4));
+                mix(bare, second * (0.7 + 0.6 * noise(p * 30.0)), patches)
+            }
             Shape::Brain { centre, radius } => {
                 let groove = grooves((p - *centre) * (1.0 / radius));
                 mix(second, body, smooth_step(-0.4, 0.5, groove))
@@ -154,6 +166,19 @@ fn grooves(q: Vec3) -> f32 {
     let warp =
         vec3(noise(q * 3.0), noise(q * 3.0 + vec3(9.0, 0.0, 0.0)), noise(q * 3.0 + vec3(0.0, 9.0, 0.0)));
     (46.0 * (noise(q * 2.2 + warp * 0.8) - 0.5)).sin()
+}
+
+/// A place seen from a body that is turned about the vertical.
+fn turned(q: Vec3, turn: f32) -> Vec3 {
+    let (sin, cos) = turn.sin_cos();
+    vec3(q.x * cos + q.z * sin, q.y, q.z * cos - q.x * sin)
+}
+
+/// Distance to a box around the origin.
+fn block(q: Vec3, half: Vec3) -> f32 {
+    let out = vec3(q.x.abs() - half.x, q.y.abs() - half.y, q.z.abs() - half.z);
+    let outside = vec3(out.x.max(0.0), out.y.max(0.0), out.z.max(0.0)).length();
+    outside + out.x.max(out.y).max(out.z).min(0.0)
 }
 
 /// Coordinates of a fish: x ahead, y up, z to its side.

@@ -5,6 +5,7 @@
 
 mod attenuation;
 mod backscatter;
+pub mod presets;
 mod statistics;
 mod veiling_light;
 

@@ -1,10 +1,11 @@
 //! All that a preset rests on, as data: every number with its unit and its source.
 
 use super::conditions::{Conditions, VEIL_FACTOR_SOURCE};
-use super::{Preset, fit, spectral, tables};
+use super::tables::{self, Curve};
+use super::{Preset, fit, spectral};
 
 /// A spectrum as published.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Spectrum {
     /// What it is, with its symbol.
@@ -14,7 +15,7 @@ pub struct Spectrum {
     /// Publication and table.
     pub source: &'static str,
     /// Wavelengths in nanometres; between them values are interpolated linearly.
-    pub wavelengths_nm: &'static [f64],
+    pub wavelengths_nm: Vec<f64>,
     /// Values at the wavelengths.
     pub values: &'static [f64],
 }
@@ -43,7 +44,7 @@ pub struct Constant {
 /// let assumed = Preset::Coastal1C.assumptions(&Conditions::default());
 /// let absorption = &assumed.spectra[0];
 /// assert_eq!((absorption.quantity, absorption.unit), ("absorption a", "1/m"));
-/// assert!(absorption.source.contains("Solonenko and Mobley 2015"));
+/// assert!(absorption.source.contains("Williamson and Hollins 2022"));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -60,41 +61,24 @@ pub struct Assumptions {
     pub conditions: Conditions,
 }
 
-static DAYLIGHT_WAVELENGTHS: [f64; tables::DAYLIGHT.len()] = {
-    let mut wavelengths = [tables::DAYLIGHT_FROM; tables::DAYLIGHT.len()];
-    let mut i = 1;
-    while i < wavelengths.len() {
-        wavelengths[i] = wavelengths[i - 1] + tables::DAYLIGHT_STEP;
-        i += 1;
-    }
-    wavelengths
-};
-
 pub(super) fn of(preset: Preset, conditions: &Conditions) -> Assumptions {
     let spectra = preset.spectra();
-    let water = |quantity, source, values| Spectrum {
+    let spectrum = |quantity, unit, curve: &Curve| Spectrum {
         quantity,
-        unit: "1/m",
-        source,
-        wavelengths_nm: &tables::WAVELENGTHS,
-        values,
-    };
-    let daylight = Spectrum {
-        quantity: "daylight at the surface",
-        unit: "relative power",
-        source: tables::DAYLIGHT_SOURCE,
-        wavelengths_nm: &DAYLIGHT_WAVELENGTHS,
-        values: &tables::DAYLIGHT,
+        unit,
+        source: curve.source,
+        wavelengths_nm: curve.wavelengths().collect(),
+        values: curve.values,
     };
     let constant = |quantity, value, unit, source| Constant { quantity, value, unit, source };
     let [at_400, power] = spectral::SEA_WATER_SCATTERING;
     Assumptions {
         preset: preset.name(),
         spectra: [
-            water("absorption a", tables::ABSORPTION_SOURCE, &spectra.absorption),
-            water("scattering b", tables::SCATTERING_SOURCE, &spectra.scattering),
-            water("diffuse attenuation K_d", tables::DOWNWELLING_SOURCE, &spectra.downwelling),
-            daylight,
+            spectrum("absorption a", "1/m", &spectra.optics.absorption),
+            spectrum("scattering b", "1/m", &spectra.optics.scattering),
+            spectrum("diffuse attenuation K_d", "1/m", spectra.downwelling),
+            spectrum("daylight at the surface", "relative power", &tables::DAYLIGHT),
         ],
         constants: [
             constant(

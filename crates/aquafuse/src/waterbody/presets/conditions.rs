@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 
-/// How a camera is balanced and exposed: what it shows of a white diffuser that faces up beside it.
+/// How a camera is balanced and exposed: what it shows of a white diffuser close by that faces it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -88,12 +88,12 @@ impl Default for Conditions {
     }
 }
 
-/// π L / (E_d b_b/(a + b_b)) of water seen level, averaged over all directions of looking.
-pub(super) const VEIL_FACTOR: f64 = 1.0;
+/// Radiance of open water seen level against a white diffuser facing the camera, in units of b_b/(a + b_b).
+const VEIL_FACTOR: f64 = 4.5;
 /// Where [`VEIL_FACTOR`] comes from.
-pub(super) const VEIL_FACTOR_SOURCE: &str = "Tyler 1958, Lake Pend Oreille, 10.4 m: \
-    level radiance is 3.1 times the upward irradiance over π, and that is .33 b_b/(a + b_b) E_d \
-    (Morel and Prieur 1977)";
+pub(super) const VEIL_FACTOR_SOURCE: &str = "Tyler 1958, Lake Pend Oreille, 10.4 m: level radiance, the mean of all \
+    directions, is 3.1 times the upward irradiance over π, which is .33 b_b/(a + b_b) E_d (Gordon et al. 1975); \
+    an upright face gets .23 E_d, the mean of facing the sun, across and away from it";
 
 impl Conditions {
     /// The same, `metres` below the surface, 0 to 100. Default: 5.
@@ -131,15 +131,16 @@ impl Conditions {
         Ok(Self { range_m: within("range of distances in metres", metres, [0.5, 100.0])?, ..self })
     }
 
-    /// The same with another share of the light coming from the side, .1 to 1. Default: 1.
+    /// The same with a brighter or darker open water, .1 to 5. Default: 4.5.
     ///
-    /// Open water seen level has the radiance `factor · b_b/(a + b_b) · E_d/π`.
+    /// Open water seen level has the radiance `factor · b_b/(a + b_b)` of a white diffuser facing the camera. Towards
+    /// the sun's side it is brighter, with the sun behind darker; molecules send about half of that sideways.
     ///
     /// # Errors
     ///
     /// [`ConditionsError`] when it is outside that range.
     pub fn with_veil_factor(self, factor: f64) -> Result<Self, ConditionsError> {
-        Ok(Self { veil_factor: within("veil factor", factor, [0.1, 1.0])?, ..self })
+        Ok(Self { veil_factor: within("veil factor", factor, [0.1, 5.0])?, ..self })
     }
 
     /// The same with another camera. Default: [`Camera::default`].
@@ -167,7 +168,7 @@ impl Conditions {
         self.range_m
     }
 
-    /// Radiance of open water seen level, in units of `b_b/(a + b_b) E_d/π`.
+    /// Radiance of open water seen level against white, in units of `b_b/(a + b_b)`.
     pub fn veil_factor(&self) -> f64 {
         self.veil_factor
     }

@@ -14,7 +14,7 @@ pub(super) const GREY: f64 = 0.18;
 /// What one channel comes to, and how far it is off.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted {
-    /// A white diffuser facing up, at z = 0, in encoding E.
+    /// A white diffuser at z = 0, in encoding E.
     pub(super) white: f64,
     /// B∞ in encoding E.
     pub(super) veil: f64,

@@ -1,7 +1,7 @@
 //! The exact image formation over the spectrum, which the coefficients of a channel stand in for.
 
 use super::conditions::{Conditions, White};
-use super::tables::{DAYLIGHT, DAYLIGHT_FROM, DAYLIGHT_STEP, Spectra, WAVELENGTHS};
+use super::tables::{DAYLIGHT, Spectra};
 use crate::image::{Encoding, Linear};
 
 /// Scattering of pure sea water at 400 nm, per metre, and the power of 400/λ it falls with.
@@ -11,7 +11,7 @@ pub(super) const SEA_WATER_SCATTERING_SOURCE: &str =
 /// Share of the scattering of particles that goes backwards.
 pub(super) const PARTICLES_BACKWARDS: f64 = 0.0183;
 pub(super) const PARTICLES_BACKWARDS_SOURCE: &str =
-    "mean of Petzold's particle phase functions, Mobley 1994, Table 3.10";
+    "the mean of Petzold's particle phase functions, Mobley et al. 1993";
 /// Molecules scatter as much backwards as forwards.
 pub(super) const MOLECULES_BACKWARDS: f64 = 0.5;
 
@@ -20,7 +20,7 @@ pub(super) const MOLECULES_BACKWARDS: f64 = 0.5;
 struct Line {
     /// What the channel shows of a white diffuser in this light.
     light: f64,
-    /// Radiance of open water, against that of a white diffuser facing up in the same light.
+    /// Radiance of open water, against that of a white diffuser in the same light.
     veil: f64,
     /// Beam attenuation c = a + b, per metre.
     beam: f64,
@@ -33,8 +33,8 @@ pub(super) struct Channel {
 }
 
 /// The three channels of a camera in a water.
-pub(super) fn channels(spectra: &Spectra, conditions: &Conditions) -> [Channel; 3] {
-    let weighed: [Vec<(f64, Line)>; 3] = std::array::from_fn(|c| weigh(spectra, conditions, c));
+pub(super) fn channels(spectra: Spectra, conditions: &Conditions) -> [Channel; 3] {
+    let weighed: [Vec<(f64, Line)>; 3] = std::array::from_fn(|c| weigh(&spectra, conditions, c));
     // Each channel's signal of a white diffuser: in daylight, and in the light that is left below.
     let daylight = weighed.each_ref().map(|lines| lines.iter().map(|(surface, _)| surface).sum::<f64>());
     let below = weighed.each_ref().map(|lines| lines.iter().map(|(_, line)| line.light).sum::<f64>());
@@ -55,19 +55,19 @@ pub(super) fn channels(spectra: &Spectra, conditions: &Conditions) -> [Channel; 
 /// All wavelengths as one channel sees them before exposure, and the light at the surface beside each.
 fn weigh(spectra: &Spectra, conditions: &Conditions, channel: usize) -> Vec<(f64, Line)> {
     let depth = conditions.depth_below_surface_m();
-    let sample = |i: usize| {
-        let wavelength = DAYLIGHT_FROM + DAYLIGHT_STEP * i as f64;
+    let last = DAYLIGHT.values.len() - 1;
+    let sample = |(i, wavelength): (usize, f64)| {
         // The first and last count half: the trapezium rule.
-        let end = if i == 0 || i + 1 == DAYLIGHT.len() { 0.5 } else { 1.0 };
-        let surface = end * DAYLIGHT[i] * conditions.camera().response(channel, wavelength);
-        let light = surface * (-at(&spectra.downwelling, wavelength) * depth).exp();
-        let absorption = at(&spectra.absorption, wavelength);
-        let scattering = at(&spectra.scattering, wavelength);
+        let end = if i == 0 || i == last { 0.5 } else { 1.0 };
+        let surface = end * DAYLIGHT.values[i] * conditions.camera().response(channel, wavelength);
+        let light = surface * (-spectra.downwelling.at(wavelength) * depth).exp();
+        let absorption = spectra.optics.absorption.at(wavelength);
+        let scattering = spectra.optics.scattering.at(wavelength);
         let backwards = backscattering(scattering, wavelength);
         let veil = conditions.veil_factor() * backwards / (absorption + backwards);
         (surface, Line { light, veil, beam: absorption + scattering })
     };
-    (0..DAYLIGHT.len()).map(sample).collect()
+    DAYLIGHT.wavelengths().enumerate().map(sample).collect()
 }
 
 impl Channel {
@@ -96,17 +96,9 @@ impl Channel {
     }
 }
 
-/// b_b: molecules scatter half backwards, particles little.
+/// b_b: molecules scatter half backwards, particles little. No table scatters less than sea water alone.
 fn backscattering(scattering: f64, wavelength: f64) -> f64 {
     let [at_400, power] = SEA_WATER_SCATTERING;
-    let molecules = (at_400 * (400.0 / wavelength).powf(power)).min(scattering);
+    let molecules = at_400 * (400.0 / wavelength).powf(power);
     MOLECULES_BACKWARDS * molecules + PARTICLES_BACKWARDS * (scattering - molecules)
-}
-
-/// A tabled spectrum at a wavelength, linear between its places.
-fn at(values: &[f64; 13], wavelength: f64) -> f64 {
-    let step = WAVELENGTHS[1] - WAVELENGTHS[0];
-    let place = ((wavelength - WAVELENGTHS[0]) / step).clamp(0.0, (values.len() - 1) as f64);
-    let left = (place as usize).min(values.len() - 2);
-    values[left] + (place - left as f64) * (values[left + 1] - values[left])
 }

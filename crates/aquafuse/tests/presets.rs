@@ -190,6 +190,16 @@ fn for_one_colour_of_light_the_water_is_the_formula() {
     }
 }
 
+#[cfg(feature = "serde")]
+#[test]
+fn all_that_is_assumed_is_data() {
+    fn data(_: &impl serde::Serialize) {}
+    let conditions = Conditions::default();
+    data(&Preset::II.assumptions(&conditions));
+    data(&Preset::II.derive::<Linear>(&conditions));
+    data(&RelativeScale::default());
+}
+
 #[test]
 fn names_are_read_back() {
     for preset in Preset::ALL {

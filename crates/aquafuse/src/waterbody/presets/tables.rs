@@ -2,6 +2,7 @@
 
 mod jerlov;
 mod solonenko;
+#[allow(clippy::approx_constant, reason = "a measured .318 is not 1/π")]
 mod williamson;
 
 /// A spectrum given in even steps.

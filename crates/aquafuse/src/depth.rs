@@ -8,12 +8,14 @@ mod eq3;
 mod map;
 mod median;
 mod model;
+mod scale;
 mod tables;
 
 pub use eq3::Eq3;
 pub use map::{DepthError, DepthKind, DepthMap};
 pub(crate) use map::{LEVELS, Quantised};
 pub use model::DepthModel;
+pub use scale::{RelativeScale, ScaleError};
 
 use crate::image::{Image, Sample};
 

@@ -5,7 +5,9 @@
 
 mod attenuation;
 mod backscatter;
+pub mod presets;
 mod statistics;
+mod unit;
 mod veiling_light;
 
 pub use attenuation::{Attenuation, AttenuationError};

@@ -8,7 +8,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 #[derive(Args)]
 pub(crate) struct DepthModelArg {
     /// How depth is estimated from colour: `eq3` is the paper's, `ratio` the logarithm of max(G, B) / R,
-    /// `ulap` and `udepth` are published lines.
+    /// `ulap` and `udepth` are published lines. `layout` puts what is higher in the picture farther away
+    /// and corrects that by colour: right for a level camera that looks ahead, wrong for a rolled or
+    /// down-looking one.
     #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model())]
     depth_model: DepthModel,
 }

@@ -5,6 +5,7 @@
 //! [`Eq3`], with our coefficients. [`DepthMap`] also holds depth from elsewhere, in metres.
 
 mod eq3;
+mod layout;
 mod map;
 mod median;
 mod model;
@@ -16,6 +17,9 @@ pub(crate) use map::{LEVELS, Quantised};
 pub use model::DepthModel;
 
 use crate::image::{Image, Sample};
+
+/// e of [`DepthModel::Ratio`]: below it, values are the camera's noise and their ratio means nothing.
+const DARK: f64 = 0.02;
 
 /// Estimates relative depth from colour: Eq. 3 with our coefficients, then the 7x7 median.
 ///

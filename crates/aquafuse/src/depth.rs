@@ -5,6 +5,7 @@
 //! [`Eq3`], with our coefficients. [`DepthMap`] also holds depth from elsewhere, in metres.
 
 mod eq3;
+pub mod fit;
 mod layout;
 mod map;
 mod median;

@@ -12,7 +12,7 @@ mod median;
 mod model;
 mod tables;
 
-pub use eq3::Eq3;
+pub use eq3::{Eq3, Eq3Error};
 pub use map::{DepthError, DepthKind, DepthMap};
 pub(crate) use map::{LEVELS, Quantised};
 pub use model::DepthModel;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse::depth::Eq3;
-use aquafuse::depth::fit::{self, Options, Scale};
+use aquafuse::depth::fit::{self, Options, Scale, Target};
 use aquafuse_data::model_file::{self, FitRecord, ModelFile, PairScore};
 use aquafuse_data::pairs::{self, Gathered, LabelKind, Message};
 use aquafuse_data::picture::FileError;
@@ -36,6 +36,9 @@ pub(crate) struct Fit {
     /// What the depths of different pictures have in common.
     #[arg(long, value_enum, default_value_t)]
     scale: ScaleArg,
+    /// What of the depths is fitted to.
+    #[arg(long, value_enum, default_value_t)]
+    target: TargetArg,
     /// Replace MODEL.toml if it exists.
     #[arg(long)]
     overwrite: bool,
@@ -48,6 +51,15 @@ enum ScaleArg {
     PerPicture,
     /// One scale and one shift: metres, in one water.
     Shared,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum TargetArg {
+    /// Their numbers.
+    #[default]
+    Distances,
+    /// Which pixel is farther than which, picture by picture.
+    Order,
 }
 
 const EXAMPLE: &str = "\
@@ -99,7 +111,7 @@ impl Fit {
     }
 
     fn gather(&self, pairs: &[pairs::Pair], quiet: bool) -> Gathered {
-        let options = Options { scale: self.scale.into(), ..Options::default() };
+        let options = Options { scale: self.scale.into(), target: self.target.into(), ..Options::default() };
         let progress = Progress::new(quiet);
         progress.start(pairs.len());
         let gathered = pairs::gather(pairs, self.depth_kind, options, &|message| match message {
@@ -118,11 +130,25 @@ impl Fit {
             data: whole.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             pairs: gathered.names.len(),
             depth_kind: self.depth_kind.name().into(),
-            scale: self.scale.to_possible_value().map(|value| value.get_name().into()).unwrap_or_default(),
+            scale: name(self.scale),
+            target: name(self.target),
             rank_score: fit.rank_score,
             loss: fit.loss,
             doubts: fit.doubts.iter().map(ToString::to_string).collect(),
             scores: scores.map(|(name, &rank_score)| PairScore { name: name.clone(), rank_score }).collect(),
+        }
+    }
+}
+
+fn name(argument: impl ValueEnum) -> String {
+    argument.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}
+
+impl From<TargetArg> for Target {
+    fn from(target: TargetArg) -> Self {
+        match target {
+            TargetArg::Distances => Self::Distances,
+            TargetArg::Order => Self::Order,
         }
     }
 }

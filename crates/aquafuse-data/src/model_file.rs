@@ -30,6 +30,8 @@ pub struct FitRecord {
     pub depth_kind: String,
     /// What the labels of different pictures have in common, as `--scale` names it.
     pub scale: String,
+    /// What of the labels was fitted to, as `--target` names it.
+    pub target: String,
     /// Mean over pairs of Spearman's correlation of model and labels.
     pub rank_score: f64,
     /// Huber's loss, mean over pairs, in units of the labels' spread squared.
@@ -174,6 +176,7 @@ mod tests {
             pairs: 1,
             depth_kind: "metres".into(),
             scale: "per-picture".into(),
+            target: "order".into(),
             rank_score: 0.75,
             loss: 0.1,
             doubts: vec!["\"so, so\"".into()],

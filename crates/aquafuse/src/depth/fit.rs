@@ -24,7 +24,7 @@ use search::Search;
 
 /// Gathers pictures with known depth, one at a time, and fits Eq. 3 to them.
 ///
-/// A picture is kept as at most 1024 colours, 20 kB, however many pixels it has: ten thousand fit in
+/// A picture is kept as at most 4096 colours, 80 kB, however many pixels it has: ten thousand fit in
 /// memory. Nothing depends on the order in which pictures are added but the order of their scores.
 ///
 /// # Examples
@@ -56,14 +56,16 @@ pub struct Fitter {
 pub struct Options {
     /// What the labels of different pictures have in common. Default: nothing but the kind of number.
     pub scale: Scale,
-    /// Residual from which on Huber's loss grows linearly, in units of the labels' own spread. Default 0.5: smaller
-    /// lets a third of honest labels count less, larger lets a wrong fifth of them bend the curve.
+    /// What of the labels is fitted to. Default: the distances.
+    pub target: Target,
+    /// Residual from which on Huber's loss grows linearly, in units of the labels' own spread. Default 0.5: at 1,
+    /// whole depths that are wrong bend the curves as they bend least squares.
     pub huber: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { scale: Scale::PerPicture, huber: 0.5 }
+        Self { scale: Scale::PerPicture, target: Target::Distances, huber: 0.5 }
     }
 }
 
@@ -75,6 +77,17 @@ pub enum Scale {
     PerPicture,
     /// One scale and one shift for all: metres in one water.
     Shared,
+}
+
+/// What of the labels is fitted to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Target {
+    /// Their distances: depth becomes as even as it can be.
+    #[default]
+    Distances,
+    /// Their order within each picture: each label counts as the share of labels below it. Whatever rising
+    /// function of distance the labels are, the fit is the same, and the rank score is higher.
+    Order,
 }
 
 /// Labels that cannot be fitted to.
@@ -161,7 +174,23 @@ impl Fitter {
     ///
     /// [`LabelError`] when the sizes differ, or there are too few labels or only one value of them.
     pub fn add<T: Sample>(&mut self, image: &Image<T>, distances: &[f32]) -> Result<(), LabelError> {
-        self.pictures.push(Picture::gather(image, distances)?);
+        self.add_weighted(image, distances, 1.0)
+    }
+
+    /// Adds a picture that counts as `weight` pictures: of three of one place, each a third, so that the place
+    /// counts once. A weight that is no number above 0 counts as nothing.
+    ///
+    /// # Errors
+    ///
+    /// As [`Fitter::add`].
+    pub fn add_weighted<T: Sample>(
+        &mut self,
+        image: &Image<T>,
+        distances: &[f32],
+        weight: f64,
+    ) -> Result<(), LabelError> {
+        let weight = if weight.is_finite() { weight.max(0.0) } else { 0.0 };
+        self.pictures.push(Picture::gather(image, distances, weight)?);
         Ok(())
     }
 

@@ -4,10 +4,11 @@ use std::cmp::Ordering;
 
 use super::LabelError;
 use crate::depth::Eq3;
+use crate::depth::median::median_7x7;
 use crate::image::{Image, Sample, SizeError};
 
 /// Cells along each side of the (R, M) plane.
-const SIDE: usize = 32;
+const SIDE: usize = 64;
 /// Labels below this number say nothing about a curve.
 const LEAST: usize = 30;
 /// Distance of the quartiles of a normal distribution of deviation 1.
@@ -20,6 +21,8 @@ pub(super) struct Picture {
     pub(super) cells: Vec<Cell>,
     /// Labelled pixels.
     pub(super) count: f64,
+    /// How many pictures it counts as.
+    pub(super) weight: f64,
     /// Distance of the quartiles of the labels, scaled so that it is the deviation if they are normally
     /// distributed: up to a quarter of them may be wrong.
     pub(super) spread: f64,
@@ -37,7 +40,7 @@ pub(super) struct Cell {
     /// Median label.
     pub(super) z: f32,
     /// Mean rank of the labels, from 0, less the mean rank of all.
-    rank: f32,
+    pub(super) rank: f32,
     /// Pixels.
     pub(super) count: u32,
 }
@@ -48,18 +51,28 @@ fn place(byte: u8) -> usize {
 }
 
 impl Picture {
-    pub(super) fn gather<T: Sample>(image: &Image<T>, distances: &[f32]) -> Result<Self, LabelError> {
+    pub(super) fn gather<T: Sample>(
+        image: &Image<T>,
+        distances: &[f32],
+        weight: f64,
+    ) -> Result<Self, LabelError> {
         let (width, height) = image.size();
         let expected = image.pixels().len();
         if distances.len() != expected {
             return Err(SizeError::Buffer { width, height, expected, found: distances.len() }.into());
         }
-        let mut labelled: Vec<Labelled> = image
-            .pixels()
+        // Depth is the median of the model over 7x7 pixels, and each term rises or falls throughout: noise
+        // that the median takes away must not bend the curves either.
+        let plane = |of: fn([u8; 3]) -> u8| {
+            let bytes: Vec<u8> = image.pixels().iter().map(|pixel| of(pixel.map(T::to_byte))).collect();
+            median_7x7(width, height, &bytes)
+        };
+        let (red, max) = (plane(|[r, _, _]| r), plane(|[_, g, b]| g.max(b)));
+        let mut labelled: Vec<Labelled> = distances
             .iter()
-            .zip(distances)
-            .filter(|(_, z)| z.is_finite())
-            .map(|(&[r, g, b], &z)| Labelled { z, red: r.to_byte(), max: g.to_byte().max(b.to_byte()) })
+            .zip(red.into_iter().zip(max))
+            .filter(|(z, _)| z.is_finite())
+            .map(|(&z, (red, max))| Labelled { z, red, max })
             .collect();
         if labelled.len() < LEAST {
             return Err(LabelError::Few { found: labelled.len(), least: LEAST });
@@ -75,7 +88,7 @@ impl Picture {
         let spread =
             if half > 0.0 { half / QUARTILES_OF_NORMAL } else { f64::from(ends.1) - f64::from(ends.0) };
         let (cells, rank_variation) = cells_of(&labelled);
-        Ok(Self { cells, count: labelled.len() as f64, spread, rank_variation })
+        Ok(Self { cells, count: labelled.len() as f64, weight, spread, rank_variation })
     }
 
     /// Spearman's correlation of a model with the labels, colours of one cell counting as equal; 0 where the
@@ -102,7 +115,7 @@ impl Picture {
     /// An order of pictures that depends on nothing but what they hold.
     pub(super) fn canonical_order(&self, other: &Self) -> Ordering {
         let key = |cell: &Cell| (cell.count, cell.red.to_bits(), cell.max.to_bits(), cell.z.to_bits());
-        self.cells.iter().map(key).cmp(other.cells.iter().map(key))
+        self.cells.iter().map(key).cmp(other.cells.iter().map(key)).then(self.weight.total_cmp(&other.weight))
     }
 }
 

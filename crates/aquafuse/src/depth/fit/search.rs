@@ -1,8 +1,8 @@
 //! The search for the exponents, with all that is linear eliminated.
 
-use super::cells::Picture;
+use super::cells::{Cell, Picture};
 use super::terms::{Table, Terms, bounded};
-use super::{Options, Scale, Start};
+use super::{Options, Scale, Start, Target};
 
 /// Where searches begin: μ2 by μ4.
 const STARTS: [[f64; 2]; 6] =
@@ -11,6 +11,9 @@ const STARTS: [[f64; 2]; 6] =
 const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
 /// Rounds of Huber's weights, at most; they hardly change after five.
 const ROUNDS: usize = 10;
+
+/// Deviation of numbers spread evenly over `[0, 1]`: 1 / sqrt(12).
+const SPREAD_OF_RANKS: f64 = 0.288_675;
 
 /// Labels of all pictures, ready to be fitted to.
 pub(super) struct Search {
@@ -26,7 +29,7 @@ struct Point {
     red: f32,
     max: f32,
     z: f64,
-    /// Share of its picture.
+    /// Share of its picture, times the weight of that.
     share: f64,
 }
 
@@ -46,21 +49,30 @@ impl Search {
         let mut ordered: Vec<&Picture> = pictures.iter().collect();
         ordered.sort_by(|a, b| a.canonical_order(b));
         let common = ordered.iter().map(|picture| picture.spread).sum::<f64>() / ordered.len() as f64;
+        let label = |picture: &Picture, cell: &Cell| match (options.target, options.scale) {
+            (Target::Distances, Scale::PerPicture) => f64::from(cell.z) / picture.spread,
+            (Target::Distances, Scale::Shared) => f64::from(cell.z) / common,
+            (Target::Order, _) => f64::from(cell.rank) / (SPREAD_OF_RANKS * picture.count),
+        };
         let (mut points, mut groups) = (Vec::new(), Vec::new());
         for picture in &ordered {
-            let spread = if options.scale == Scale::Shared { common } else { picture.spread };
             points.extend(picture.cells.iter().map(|cell| Point {
                 red: cell.red,
                 max: cell.max,
-                z: f64::from(cell.z) / spread,
-                share: f64::from(cell.count) / picture.count,
+                z: label(picture, cell),
+                share: picture.weight * f64::from(cell.count) / picture.count,
             }));
             groups.push(points.len());
         }
         if options.scale == Scale::Shared {
             groups = vec![points.len()];
         }
-        Self { points, groups, huber: options.huber, pictures: ordered.len() as f64 }
+        Self {
+            points,
+            groups,
+            huber: options.huber,
+            pictures: ordered.iter().map(|picture| picture.weight).sum(),
+        }
     }
 
     /// Searches from every start; the best, and all in order of their loss.
@@ -222,6 +234,8 @@ impl Moments {
                 *co += weight * product;
             }
         }
+        // A group of no weight has no means; any will do.
+        let total = if total > 0.0 { total } else { 1.0 };
         let [g, h, z] = sum.map(|sum| sum / total);
         let products = [g * g, g * h, h * h, g * z, h * z, z * z];
         let co = std::array::from_fn(|i| co[i] / total - products[i]);

@@ -1,4 +1,6 @@
 use super::*;
+use crate::depth::DepthModel;
+use crate::depth::median::median_7x7;
 use crate::truth::{Scene, Size, waters};
 use proptest::prelude::*;
 
@@ -12,10 +14,15 @@ fn picture(seed: u64) -> Image<u8> {
     Scene::new(seed, Size { width: 96, height: 64 }).seen_through(water).to_samples()
 }
 
-/// What the known model says of each pixel, not clipped.
+/// What a model says of each pixel, its colours filtered first.
 fn depth_of(image: &Image<u8>, model: &Eq3) -> Vec<f32> {
+    let plane = |of: fn(&[u8; 3]) -> u8| {
+        let bytes: Vec<u8> = image.pixels().iter().map(of).collect();
+        median_7x7(image.width(), image.height(), &bytes)
+    };
     let unit = |byte: u8| f64::from(byte) / 255.0;
-    image.pixels().iter().map(|&[r, g, b]| model.depth(unit(r), unit(g.max(b))) as f32).collect()
+    let (red, max) = (plane(|&[r, _, _]| r), plane(|&[_, g, b]| g.max(b)));
+    red.into_iter().zip(max).map(|(r, m)| model.depth(unit(r), unit(m)) as f32).collect()
 }
 
 /// Even numbers in [0, 1), the same each time.
@@ -53,7 +60,7 @@ fn a_known_model_is_found_again_from_clean_labels() {
             "{fit:?}"
         );
         // Smooth open water falls into few cells, and equal ranks there cost a little.
-        assert!(fit.rank_score > 0.98 && fit.doubts.is_empty(), "{fit:?}");
+        assert!(fit.rank_score > 0.95 && fit.doubts.is_empty(), "{fit:?}");
         assert!(fit.starts.iter().all(|start| start.reached == fit.starts[0].reached), "{fit:?}");
     }
 }
@@ -86,14 +93,45 @@ fn a_fifth_of_wrong_labels_hardly_moves_the_fit() {
         z.iter().zip(even(seed)).map(|(&z, chance)| if chance < 0.2 { 5.0 } else { z }).collect()
     });
     assert!(apart(&scattered.eq3, &KNOWN) < 0.03, "{scattered:?}");
-    // Whole depths that are wrong, and with them whole colours: fish taken for what is behind them.
+    // A block of each picture that is wrong as a whole, a fifth of it.
     let shifted = |seed: u64, z: Vec<f32>| -> Vec<f32> {
-        let wrong: Vec<bool> = even(seed).take(100).map(|chance| chance < 0.15).collect();
-        z.iter().map(|&z| if wrong[(z * 99.9) as usize % 100] { z + 0.5 } else { z }).collect()
+        let (left, top) = (7 * seed as usize % 53, 5 * seed as usize % 35);
+        let inside = |i: usize| (left..left + 43).contains(&(i % 96)) && (top..top + 28).contains(&(i / 96));
+        z.iter().enumerate().map(|(i, &z)| if inside(i) { z + 1.0 } else { z }).collect()
     };
     let robust = apart(&fitted(Options::default(), shifted).eq3, &KNOWN);
     let squares = apart(&fitted(Options { huber: 1e9, ..Options::default() }, shifted).eq3, &KNOWN);
     assert!(robust < 0.1 && robust < 0.7 * squares, "{robust} and {squares}");
+}
+
+#[test]
+fn the_order_of_labels_is_learnt_whatever_their_unit() {
+    let with = |label: fn(f32) -> f32| {
+        let options = Options { target: Target::Order, ..Options::default() };
+        fitted(options, |_, z| z.into_iter().map(label).collect())
+    };
+    let (even, bent) = (with(|z| z), with(|z| 3.0 + (4.0 * z).exp()));
+    // Rounding makes a few labels equal that were not.
+    assert!(apart(&even.eq3, &bent.eq3) < 1e-3 && (even.rank_score - bent.rank_score).abs() < 1e-6);
+    assert!(even.rank_score > 0.95, "{even:?}");
+}
+
+#[test]
+fn a_picture_in_two_halves_counts_as_one() {
+    let weighted = |copies: &[f64]| {
+        let mut fitter = Fitter::default();
+        for seed in 0..3 {
+            let image = picture(seed);
+            let labels: Vec<f32> =
+                depth_of(&image, &KNOWN).iter().zip(even(seed)).map(|(z, n)| z + n).collect();
+            for &weight in if seed == 0 { copies } else { &[1.0] } {
+                fitter.add_weighted(&image, &labels, weight).unwrap();
+            }
+        }
+        fitter.solve().unwrap()
+    };
+    let (whole, halves, twice) = (weighted(&[1.0]), weighted(&[0.5, 0.5]), weighted(&[1.0, 1.0]));
+    assert!(apart(&whole.eq3, &halves.eq3) < 1e-3 && apart(&whole.eq3, &twice.eq3) > 1e-3);
 }
 
 #[test]
@@ -129,7 +167,7 @@ fn what_is_kept_does_not_grow_with_the_pixels() {
             )
             .unwrap();
         let kept = &fitter.pictures[0].cells;
-        assert!(kept.len() <= 1024 && kept.capacity() <= 1024 && size_of_val(&kept[0]) == 20);
+        assert!(kept.len() <= 4096 && kept.capacity() <= 4096 && size_of_val(&kept[0]) == 20);
     }
 }
 
@@ -138,14 +176,12 @@ fn labels_of_a_linear_model_are_reported_and_their_coefficients_bounded() {
     let mut fitter = Fitter::default();
     for seed in 0..5 {
         let image = picture(seed);
-        let line =
-            |&[r, g, b]: &[u8; 3]| 0.53 + 0.51 * f32::from(g.max(b)) / 255.0 - 0.91 * f32::from(r) / 255.0;
-        let labels: Vec<f32> = image.pixels().iter().map(line).collect();
+        let labels = DepthModel::Ulap.estimate(&image).distances();
         fitter.add(&image, &labels).unwrap();
     }
     let fit = fitter.solve().unwrap();
     assert_eq!(fit.doubts, [Doubt::Straight { red: true }, Doubt::Straight { red: false }], "{fit:?}");
-    assert!(fit.eq3.mu.iter().all(|mu| mu.abs() < 30.0) && fit.rank_score > 0.95, "{fit:?}");
+    assert!(fit.eq3.mu.iter().all(|mu| mu.abs() < 30.0) && fit.rank_score > 0.9, "{fit:?}");
 }
 
 #[test]

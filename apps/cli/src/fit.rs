@@ -130,8 +130,8 @@ impl Fit {
             data: whole.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             pairs: gathered.names.len(),
             depth_kind: self.depth_kind.name().into(),
-            scale: name(self.scale),
-            target: name(self.target),
+            scale: name(&self.scale),
+            target: name(&self.target),
             rank_score: fit.rank_score,
             loss: fit.loss,
             doubts: fit.doubts.iter().map(ToString::to_string).collect(),
@@ -140,7 +140,7 @@ impl Fit {
     }
 }
 
-fn name(argument: impl ValueEnum) -> String {
+fn name(argument: &impl ValueEnum) -> String {
     argument.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 

@@ -8,7 +8,7 @@
 //! is Eq. 3 with depth spanning `[0, 1]` over the colour cube. Scale and shift of the labels and w are linear
 //! and eliminated in closed form (variable projection, Golub and Pereyra 1973); what is searched is (μ2, μ4), from
 //! several starts. Outliers are held off twice: each colour of a picture is represented by the median of its
-//! labels, and colours that disagree with the rest count by Huber's weights.
+//! labels, and colours that disagree with the rest count by Huber's weights (Huber 1964).
 
 mod cells;
 mod doubt;
@@ -204,7 +204,8 @@ impl Fitter {
         self.pictures.len()
     }
 
-    /// Spearman's correlation of a model with the labels of each picture, in the order of adding.
+    /// Spearman's correlation of a model with the labels of each picture, in the order of adding. Nearly equal
+    /// colours count as equal here, so that it comes out a few hundredths low.
     pub fn rank_scores(&self, eq3: &Eq3) -> Vec<f64> {
         self.pictures.iter().map(|picture| picture.rank_score(eq3)).collect()
     }

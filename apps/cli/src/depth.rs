@@ -33,7 +33,8 @@ impl Depth {
         let picture = Picture::read(&self.image)?;
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
         output::make_folder_of(&self.output)?;
-        depth_file::write(&self.output, &self.model.get().estimate(&picture.image), &options)?;
+        let depth = self.model.get().estimate_seen(&picture.image, picture.top_edge());
+        depth_file::write(&self.output, &depth, &options)?;
         if quiet { Ok(()) } else { output::print(&format!("{}: written\n", self.output.display())) }
     }
 }

@@ -1,15 +1,22 @@
 //! `--depth-model`, wherever depth is estimated.
 
+use std::path::Path;
+
+use anyhow::anyhow;
 use aquafuse::depth::DepthModel;
+use aquafuse_data::model_file::{self, ModelFile};
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// The way from colour to depth.
 #[derive(Args)]
 pub(crate) struct DepthModelArg {
-    /// How depth is estimated from colour: `eq3` is the paper's, `ratio` the logarithm of max(G, B) / R,
-    /// `ulap` and `udepth` are published lines.
-    #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model())]
+    /// How depth is estimated from colour: eq3, ratio, ulap, udepth, layout, or FILE.toml from `fit`.
+    ///
+    /// `eq3` is the paper's, `ratio` the logarithm of max(G, B) / R, `ulap` and `udepth` are published lines.
+    /// `layout` puts what is higher in the picture farther away and corrects that by colour: right for a
+    /// level camera that looks ahead, wrong for a rolled or down-looking one. FILE.toml is `eq3` with the
+    /// coefficients of that file.
+    #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model)]
     depth_model: DepthModel,
 }
 
@@ -19,7 +26,15 @@ impl DepthModelArg {
     }
 }
 
-fn model() -> impl TypedValueParser<Value = DepthModel> {
-    PossibleValuesParser::new(DepthModel::ALL.map(|model| model.name()))
-        .map(|name| DepthModel::from_name(&name).unwrap_or_default())
+fn model(name: &str) -> anyhow::Result<DepthModel> {
+    if let Some(model) = DepthModel::from_name(name) {
+        return Ok(model);
+    }
+    if model_file::check_name(Path::new(name)).is_err() {
+        let names = DepthModel::ALL.map(|model| model.name()).join(", ");
+        return Err(anyhow!(
+            "there is no such model; give one of {names}, or a FILE.toml made by `aquafuse fit`"
+        ));
+    }
+    Ok(DepthModel::Eq3(ModelFile::read(Path::new(name))?.eq3))
 }

@@ -4,6 +4,7 @@ mod demo;
 mod depth;
 mod depth_model;
 mod failure;
+mod fit;
 mod fuse;
 mod inspect;
 mod output;
@@ -36,6 +37,7 @@ enum Command {
     Fuse(fuse::Fuse),
     Inspect(inspect::Inspect),
     Depth(depth::Depth),
+    Fit(fit::Fit),
 }
 
 const EXAMPLES: &str = "\
@@ -46,6 +48,7 @@ Examples:
   aquafuse fuse photos/ green.jpg -o fused/          every picture of a folder, subtly
   aquafuse inspect reef.jpg                          what the picture tells about its water
   aquafuse depth reef.jpg -o depth.png
+  aquafuse fit pairs/ -o mine.toml                   a depth model from pictures with known depth
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),
@@ -71,6 +74,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Fuse(fuse) => fuse.run(cli.quiet),
         Command::Inspect(inspect) => inspect.run(),
         Command::Depth(depth) => depth.run(cli.quiet),
+        Command::Fit(fit) => fit.run(cli.quiet),
     }
 }
 

@@ -28,18 +28,26 @@ impl Progress {
 
     pub(crate) fn show(&self, message: &Message<'_>) {
         match message {
-            Message::Started { total } => self.bar.set_length(*total as u64),
-            Message::Done { item, .. } => {
-                self.bar.set_message(item.output.display().to_string());
-                self.bar.inc(1);
-            }
-            Message::Failed { error, .. } => {
-                // `println` of the bar would swallow the line where there is no terminal.
-                self.bar.suspend(|| output::complain(error));
-                self.bar.inc(1);
-            }
+            Message::Started { total } => self.start(*total),
+            Message::Done { item, .. } => self.done(item.output.display().to_string()),
+            Message::Failed { error, .. } => self.failed(error),
             _ => {}
         }
+    }
+
+    pub(crate) fn start(&self, total: usize) {
+        self.bar.set_length(total as u64);
+    }
+
+    pub(crate) fn done(&self, what: String) {
+        self.bar.set_message(what);
+        self.bar.inc(1);
+    }
+
+    pub(crate) fn failed(&self, error: &impl std::fmt::Display) {
+        // `println` of the bar would swallow the line where there is no terminal.
+        self.bar.suspend(|| output::complain(error));
+        self.bar.inc(1);
     }
 
     pub(crate) fn finish(&self) {

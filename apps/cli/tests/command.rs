@@ -174,7 +174,7 @@ fn every_command_takes_the_depth_model_it_is_told() {
     scene(&run.path("content.png"), 1, "turbid");
     scene(&run.path("water.png"), 2, "green");
     let mut outputs = Vec::new();
-    for model in ["eq3", "ratio", "ulap", "udepth"] {
+    for model in ["eq3", "ratio", "ulap", "udepth", "layout"] {
         let depth = format!("z_{model}.png");
         run.ok(&["depth", "content.png", "-o", &depth, "--depth-model", model]);
         let fused = format!("f_{model}.png");

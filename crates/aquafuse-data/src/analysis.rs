@@ -19,7 +19,7 @@ pub struct Analysis {
 
 /// Estimates depth and water of a picture. Every command that needs either calls this.
 pub fn analyse(picture: &Picture, depth_model: DepthModel) -> Analysis {
-    let depth = depth_model.estimate(&picture.image);
+    let depth = depth_model.estimate_seen(&picture.image, picture.top_edge());
     let options = EstimateOptions { top: picture.top_edge(), ..EstimateOptions::default() };
     let estimate = waterbody::estimate(&picture.image, &depth, &options)
         .expect("the depth map was made from this picture");

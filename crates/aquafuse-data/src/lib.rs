@@ -36,6 +36,8 @@
 //! | [`analysis`] | what a picture tells about its depth and water: the one estimator of every command |
 //! | [`folder`] | which pictures a folder holds |
 //! | [`job`] | a long run as a stream of messages |
+//! | [`pairs`] | pictures with known depth, to fit a depth model to |
+//! | [`model_file`] | fitted depth models as TOML |
 //! | [`sheet`] | pictures side by side with captions |
 //!
 //! # Out of scope
@@ -46,5 +48,7 @@ pub mod analysis;
 pub mod depth_file;
 pub mod folder;
 pub mod job;
+pub mod model_file;
+pub mod pairs;
 pub mod picture;
 pub mod sheet;

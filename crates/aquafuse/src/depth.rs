@@ -5,19 +5,24 @@
 //! [`Eq3`], with our coefficients. [`DepthMap`] also holds depth from elsewhere, in metres.
 
 mod eq3;
+pub mod fit;
+mod layout;
 mod map;
 mod median;
 mod model;
 mod scale;
 mod tables;
 
-pub use eq3::Eq3;
+pub use eq3::{Eq3, Eq3Error};
 pub use map::{DepthError, DepthKind, DepthMap};
 pub(crate) use map::{LEVELS, Quantised};
 pub use model::DepthModel;
 pub use scale::{RelativeScale, ScaleError};
 
 use crate::image::{Image, Sample};
+
+/// e of [`DepthModel::Ratio`]: below it, values are the camera's noise and their ratio means nothing.
+const DARK: f64 = 0.02;
 
 /// Estimates relative depth from colour: Eq. 3 with our coefficients, then the 7x7 median.
 ///

@@ -1,35 +1,42 @@
-//! Pictures with measured depth (FLSea): 8-bit RGB and metres in 32-bit float TIFF, 0 where there is none.
+//! Pictures with measured depth (FLSea): what a way to depth says at the pixels whose depth is known.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use aquafuse::depth::DepthModel;
 use aquafuse::image::Image;
-use aquafuse::metrics::spearman;
-use tiff::decoder::{Decoder, DecodingResult};
+use aquafuse_data::pairs::{LabelKind, PairError, list};
 
-type Error = Box<dyn std::error::Error>;
-
-/// One picture at the pixels whose depth was measured.
+/// One picture with its depth in metres.
 pub(crate) struct Pair {
     pub(crate) name: String,
     pub(crate) image: Image<u8>,
+    /// One distance a pixel, NaN where it is not known.
+    pub(crate) distances: Vec<f32>,
     /// Places of the measured pixels, row by row.
-    measured: Vec<usize>,
-    /// Their depth.
-    pub(crate) metres: Vec<f32>,
-    /// Rows from the bottom: the prior that the top is far.
-    pub(crate) rows: Vec<f32>,
+    pub(crate) measured: Vec<usize>,
 }
 
 impl Pair {
-    /// Rank correlation of a model's depth with the measured one.
-    pub(crate) fn score(&self, model: DepthModel) -> Option<f64> {
+    /// What a model says at the measured pixels.
+    pub(crate) fn estimated(&self, model: DepthModel) -> Vec<f32> {
         let distances = model.estimate(&self.image).distances();
-        let estimated: Vec<f32> = self.measured.iter().map(|&place| distances[place]).collect();
-        spearman(&estimated, &self.metres)
+        self.measured.iter().map(|&place| distances[place]).collect()
+    }
+
+    /// Depth at the measured pixels.
+    pub(crate) fn metres(&self) -> Vec<f32> {
+        self.measured.iter().map(|&place| self.distances[place]).collect()
+    }
+
+    /// One over the number of pictures of this place: each place counts once.
+    pub(crate) fn share_of_place(&self, pairs: &[Pair]) -> f64 {
+        1.0 / pairs.iter().filter(|pair| pair.place() == self.place()).count() as f64
+    }
+
+    /// Three of the pictures show one place.
+    pub(crate) fn place(&self) -> &str {
+        if matches!(self.name.as_str(), "flsea_0010" | "flsea_0011") { "flsea_0007" } else { &self.name }
     }
 }
 
@@ -37,45 +44,18 @@ impl Pair {
 pub(crate) fn by_place(pairs: &[Pair], scores: &[f64]) -> f64 {
     let mut places: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (pair, score) in pairs.iter().zip(scores) {
-        places.entry(place(&pair.name)).or_default().push(*score);
+        places.entry(pair.place()).or_default().push(*score);
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     mean(&places.values().map(|scores| mean(scores)).collect::<Vec<_>>())
 }
 
-/// Three of the pictures show one place.
-fn place(name: &str) -> &str {
-    if matches!(name, "flsea_0010" | "flsea_0011") { "flsea_0007" } else { name }
-}
-
 /// All pairs, by name.
-pub(crate) fn read_all(data: &Path) -> Result<Vec<Pair>, Error> {
-    let folder = data.join("depth_pairs");
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(folder.join("rgb"))? {
-        names.push(entry?.path().file_stem().unwrap_or_default().to_string_lossy().into_owned());
-    }
-    names.sort();
-    names.into_iter().map(|name| read(&folder, name)).collect()
-}
-
-fn read(folder: &Path, name: String) -> Result<Pair, Error> {
-    let decode = |path: std::path::PathBuf| -> Result<_, Error> {
-        let mut decoder = Decoder::new(BufReader::new(File::open(path)?))?;
-        let (width, height) = decoder.dimensions()?;
-        Ok((width as usize, height as usize, decoder.read_image()?))
+pub(crate) fn read_all(data: &Path) -> Result<Vec<Pair>, PairError> {
+    let read = |pair: aquafuse_data::pairs::Pair| {
+        let (image, labels) = pair.read(LabelKind::Metres)?;
+        let measured = (0..labels.distances.len()).filter(|&i| labels.distances[i].is_finite()).collect();
+        Ok(Pair { name: pair.name, image, distances: labels.distances, measured })
     };
-    let (width, height, rgb) = decode(folder.join("rgb").join(format!("{name}.tiff")))?;
-    let (_, _, depth) = decode(folder.join("depth").join(format!("{name}.tif")))?;
-    let (DecodingResult::U8(rgb), DecodingResult::F32(depth)) = (rgb, depth) else {
-        return Err(format!("{name} is no pair of 8-bit RGB and 32-bit depth").into());
-    };
-    let measured: Vec<usize> = (0..depth.len()).filter(|&place| depth[place] > 0.0).collect();
-    Ok(Pair {
-        name,
-        image: Image::from_raw(width, height, rgb)?,
-        metres: measured.iter().map(|&place| depth[place]).collect(),
-        rows: measured.iter().map(|&place| (height - place / width) as f32).collect(),
-        measured,
-    })
+    list(&data.join("depth_pairs"))?.pairs.into_iter().map(read).collect()
 }

@@ -1,13 +1,15 @@
 //! The ways from colour to depth.
 
 use super::tables::Tables;
-use super::{DepthMap, Eq3, median};
+use super::{DARK, DepthMap, Eq3, layout, median};
 use crate::image::{Image, Sample};
+use crate::waterbody::TopEdge;
 
 /// A way from colour to relative depth.
 ///
-/// All read `R` and `M = max(G, B)`, **encoded**, to 8 bits, give 256 levels in `[0, 1]`, 0 near, never rise
-/// with R nor fall with M, and fail where red is dead: everything then looks far.
+/// All read **encoded** values to 8 bits, give 256 levels in `[0, 1]`, 0 near, and fail where red is dead:
+/// everything then looks far. All but `Layout` read `R` and `M = max(G, B)` of one pixel, and never rise with R
+/// nor fall with M; `Layout` reads the whole picture, and no such law holds for a pixel of it.
 ///
 /// | model | depth | use it |
 /// |---|---|---|
@@ -15,6 +17,7 @@ use crate::image::{Image, Sample};
 /// | [`Ratio`](Self::Ratio) | logarithm of M / R: illumination cancels | in turbid water, and on red things near by |
 /// | [`Ulap`](Self::Ulap) | a line | to compare with |
 /// | [`UDepth`](Self::UDepth) | a line | to compare with |
+/// | [`Layout`](Self::Layout) | height in the picture, corrected by colour | only where the camera looked ahead and was held level |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DepthModel {
@@ -27,6 +30,15 @@ pub enum DepthModel {
     /// `1 - (0.46353632 + 0.49598983 R - 0.38875134 M)`: the line of UDepth (Yu et al. 2022), whose larger
     /// values are nearer, turned round.
     UDepth,
+    /// `1.3 n(l) + n(c) + 2 n(y)`, stretched from its 1st to its 99th percentile.
+    ///
+    /// `l` is the ratio before it is clipped at 0, `c` the likeness of a pixel's hue to the median colour of
+    /// the top tenth of the picture, both smoothed by a box of 1/16 of the width; `y` is 1 at the top and 0 at
+    /// the bottom; `n` takes mean and deviation over the picture away.
+    ///
+    /// **Wrong for a rolled camera and for one that looks down or up**: it takes for granted that what is
+    /// higher in the picture is farther. [`DepthModel::estimate_seen`] is told which edge is the top.
+    Layout,
 }
 
 impl Default for DepthModel {
@@ -35,20 +47,20 @@ impl Default for DepthModel {
     }
 }
 
-/// e of [`DepthModel::Ratio`]: below it, values are the camera's noise and their ratio means nothing.
-const DARK: f64 = 0.02;
-
 impl DepthModel {
     /// All models with our coefficients, in the order of the table above.
-    pub const ALL: [Self; 4] = [Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth];
+    pub const ALL: [Self; 5] = [Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
 
-    /// The name used on the command line and in reports.
+    /// The name used on the command line and in reports; Eq. 3 with other coefficients than ours is `fitted`,
+    /// which the command line calls by its file.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Eq3(_) => "eq3",
+            Self::Eq3(eq3) if *eq3 == Eq3::OURS => "eq3",
+            Self::Eq3(_) => "fitted",
             Self::Ratio => "ratio",
             Self::Ulap => "ulap",
             Self::UDepth => "udepth",
+            Self::Layout => "layout",
         }
     }
 
@@ -57,7 +69,7 @@ impl DepthModel {
         Self::ALL.into_iter().find(|model| model.name() == name)
     }
 
-    /// Depth of a picture: the model at each pixel, then the paper's 7x7 median.
+    /// Depth of a picture whose first row is up: the model at each pixel, then the paper's 7x7 median.
     ///
     /// # Examples
     ///
@@ -70,19 +82,44 @@ impl DepthModel {
     /// # Ok::<(), aquafuse::image::SizeError>(())
     /// ```
     pub fn estimate<T: Sample>(&self, image: &Image<T>) -> DepthMap {
+        self.estimate_seen(image, TopEdge::First)
+    }
+
+    /// Depth of a picture whose edge `top` is up as seen. Only [`DepthModel::Layout`] asks which it is.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::{depth::DepthModel, image::Image, waterbody::TopEdge};
+    ///
+    /// // One colour tells nothing: what is left is height, here from the right to the left.
+    /// let image = Image::<u8>::from_raw(64, 8, vec![90; 64 * 8 * 3])?;
+    /// let z = DepthModel::Layout.estimate_seen(&image, TopEdge::Right);
+    /// assert!(z.at(60, 4) > 0.9 && z.at(3, 4) < 0.1);
+    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// ```
+    pub fn estimate_seen<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> DepthMap {
         let (width, height) = image.size();
-        let levels = median::median_7x7(width, height, &self.tables().levels(image));
+        let levels = median::median_7x7(width, height, &self.levels(image, top));
         DepthMap::from_levels(width, height, levels).expect("one level a pixel")
     }
 
-    /// Depth of a picture pixel by pixel, before the median.
+    /// Depth of a picture whose first row is up, before the median.
     pub fn estimate_unfiltered<T: Sample>(&self, image: &Image<T>) -> DepthMap {
         let (width, height) = image.size();
-        DepthMap::from_levels(width, height, self.tables().levels(image)).expect("one level a pixel")
+        DepthMap::from_levels(width, height, self.levels(image, TopEdge::First)).expect("one level a pixel")
     }
 
-    fn tables(&self) -> Tables {
-        match self {
+    fn levels<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> Vec<u8> {
+        match self.tables() {
+            Some(tables) => tables.levels(image),
+            None => layout::levels(image, top),
+        }
+    }
+
+    /// The model as tables; none if it is no function of one pixel.
+    fn tables(&self) -> Option<Tables> {
+        Some(match self {
             Self::Eq3(eq3) => eq3.tables(),
             Self::Ratio => {
                 let whole_range = ((1.0 + DARK) / DARK).ln();
@@ -92,7 +129,8 @@ impl DepthModel {
             Self::UDepth => {
                 Tables::of_terms(|red| 0.536_463_68 - 0.495_989_83 * red, |max| 0.388_751_34 * max)
             }
-        }
+            Self::Layout => return None,
+        })
     }
 }
 
@@ -103,11 +141,12 @@ mod tests {
 
     fn levels_of(model: DepthModel, pixels: &[[u8; 3]]) -> Vec<u8> {
         let image = Image::<u8>::from_raw(pixels.len(), 1, pixels.concat()).unwrap();
-        model.tables().levels(&image)
+        model.tables().unwrap().levels(&image)
     }
 
     fn model() -> impl Strategy<Value = DepthModel> {
-        prop::sample::select(&DepthModel::ALL[..])
+        let pixelwise = DepthModel::ALL.into_iter().filter(|model| model.tables().is_some());
+        prop::sample::select(pixelwise.collect::<Vec<_>>())
     }
 
     #[test]

@@ -1,0 +1,195 @@
+//! `aquafuse fit`: a depth model from pictures whose depth is known.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use aquafuse::depth::Eq3;
+use aquafuse::depth::fit::{self, Options, Scale, Target};
+use aquafuse_data::model_file::{self, FitRecord, ModelFile, PairScore};
+use aquafuse_data::pairs::{self, Gathered, LabelKind, Message};
+use aquafuse_data::picture::FileError;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+
+use crate::failure::Failure;
+use crate::output;
+use crate::progress::Progress;
+
+/// Fit the depth model `eq3` to pictures with known depth, for `--depth-model FILE.toml`.
+///
+/// PAIRS holds a folder `rgb` of pictures (PNG, JPEG, 8-bit TIFF) and a folder `depth` of one-channel files
+/// (TIFF, PNG) of the same stems. Depth never rises with red nor falls with max(G, B) in the fitted model, and
+/// spans 0 to 1 over all colours. A few pairs of one place make a model of that place: look at pairs it was
+/// not fitted to.
+#[derive(Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Fit {
+    /// A folder with `rgb` and `depth` in it.
+    pairs: PathBuf,
+    /// Where to write: .toml; a missing folder is made.
+    #[arg(short, long, value_name = "MODEL.toml")]
+    output: PathBuf,
+    /// What the numbers in the depth files are. Except for `relative`, 0 is unknown depth.
+    #[arg(long, value_name = "KIND", value_parser = kind())]
+    depth_kind: LabelKind,
+    /// What the depths of different pictures have in common.
+    #[arg(long, value_enum, default_value_t)]
+    scale: ScaleArg,
+    /// What of the depths is fitted to.
+    #[arg(long, value_enum, default_value_t)]
+    target: TargetArg,
+    /// Replace MODEL.toml if it exists.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum ScaleArg {
+    /// Nothing: each picture has a scale and a shift of its own.
+    #[default]
+    PerPicture,
+    /// One scale and one shift: metres, in one water.
+    Shared,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum TargetArg {
+    /// Their numbers.
+    #[default]
+    Distances,
+    /// Which pixel is farther than which, picture by picture.
+    Order,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  aquafuse fit reef/ -o reef.toml --depth-kind metres
+  aquafuse fuse dive.jpg green.jpg -o fused.jpg --depth-model reef.toml";
+
+fn kind() -> impl TypedValueParser<Value = LabelKind> {
+    PossibleValuesParser::new(LabelKind::ALL.map(LabelKind::name))
+        .map(|name| LabelKind::from_name(&name).unwrap_or(LabelKind::Relative))
+}
+
+impl Fit {
+    pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
+        model_file::check_name(&self.output)?;
+        if !self.overwrite && self.output.symlink_metadata().is_ok() {
+            return Err(FileError::Exists { path: self.output.clone() }.into());
+        }
+        let listing = pairs::list(&self.pairs).map_err(Failure::usage)?;
+        if listing.pairs.is_empty() {
+            let others = listing.without_partner.len();
+            return Err(Failure::usage(anyhow!(
+                "{} holds no pair: {others} files of rgb/ and depth/ have no partner of the same stem. Name \
+                 the two files of a pair alike",
+                self.pairs.display()
+            )));
+        }
+        if !quiet && !listing.without_partner.is_empty() {
+            let names = listing.without_partner.join(", ");
+            output::complain(&format!("passed over for want of a partner: {names}"));
+        }
+        output::make_folder_of(&self.output)?;
+        let gathered = self.gather(&listing.pairs, quiet);
+        let fit = gathered.fitter.solve().map_err(|error| {
+            Failure::work(anyhow!("cannot fit a model to {}: {error}", self.pairs.display()))
+        })?;
+        let file = ModelFile { eq3: fit.eq3, fit: Some(self.record(&gathered, &fit)) };
+        file.write(&self.output, self.overwrite)?;
+        if !quiet {
+            output::print(&report(&self.output, &gathered, &fit))?;
+        }
+        match listing.pairs.len() - gathered.names.len() {
+            0 => Ok(()),
+            failed => Err(Failure::work(anyhow!(
+                "{failed} of {} pairs failed and were left out; the messages above say why",
+                listing.pairs.len()
+            ))),
+        }
+    }
+
+    fn gather(&self, pairs: &[pairs::Pair], quiet: bool) -> Gathered {
+        let options = Options { scale: self.scale.into(), target: self.target.into(), ..Options::default() };
+        let progress = Progress::new(quiet);
+        progress.start(pairs.len());
+        let gathered = pairs::gather(pairs, self.depth_kind, options, &|message| match message {
+            Message::Done { pair } => progress.done(pair.name.clone()),
+            Message::Failed { error, .. } => progress.failed(&error),
+            _ => {}
+        });
+        progress.finish();
+        gathered
+    }
+
+    fn record(&self, gathered: &Gathered, fit: &fit::Fit) -> FitRecord {
+        let whole = self.pairs.canonicalize().unwrap_or_else(|_| self.pairs.clone());
+        let scores = gathered.names.iter().zip(&fit.rank_scores);
+        FitRecord {
+            data: whole.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            pairs: gathered.names.len(),
+            depth_kind: self.depth_kind.name().into(),
+            scale: name(&self.scale),
+            target: name(&self.target),
+            rank_score: fit.rank_score,
+            loss: fit.loss,
+            doubts: fit.doubts.iter().map(ToString::to_string).collect(),
+            scores: scores.map(|(name, &rank_score)| PairScore { name: name.clone(), rank_score }).collect(),
+        }
+    }
+}
+
+fn name(argument: &impl ValueEnum) -> String {
+    argument.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}
+
+impl From<TargetArg> for Target {
+    fn from(target: TargetArg) -> Self {
+        match target {
+            TargetArg::Distances => Self::Distances,
+            TargetArg::Order => Self::Order,
+        }
+    }
+}
+
+impl From<ScaleArg> for Scale {
+    fn from(scale: ScaleArg) -> Self {
+        match scale {
+            ScaleArg::PerPicture => Self::PerPicture,
+            ScaleArg::Shared => Self::Shared,
+        }
+    }
+}
+
+/// Pairs named one by one; of more, the worst.
+const NAMED: usize = 12;
+
+fn report(output: &Path, gathered: &Gathered, fit: &fit::Fit) -> String {
+    let [mu0, mu1, mu2, mu3, mu4] = fit.eq3.mu;
+    let ours = gathered.fitter.rank_scores(&Eq3::OURS);
+    let mean = |scores: &[f64]| scores.iter().sum::<f64>() / scores.len() as f64;
+    let mut text = String::new();
+    let mut line = |line: String| {
+        let _ = writeln!(text, "{line}");
+    };
+    line(format!("{}: written, fitted to {} pairs", output.display(), gathered.names.len()));
+    line(format!("  d = {mu0:.6} + {mu1:.6} e^({mu2:.3} R) + {mu3:.6} e^({mu4:.3} M)"));
+    line(format!(
+        "  order of depth (rank correlation, 1 is right)  fitted {:.3}, eq3 {:.3}",
+        fit.rank_score,
+        mean(&ours)
+    ));
+    let mut pairs: Vec<_> = gathered.names.iter().zip(fit.rank_scores.iter().zip(&ours)).collect();
+    pairs.sort_by(|a, b| a.1.0.total_cmp(b.1.0));
+    for (name, (fitted, ours)) in pairs.iter().take(NAMED) {
+        line(format!("    {name:<42} fitted {fitted:.3}, eq3 {ours:.3}"));
+    }
+    if pairs.len() > NAMED {
+        line(format!("    and {} pairs whose order is better", pairs.len() - NAMED));
+    }
+    for doubt in &fit.doubts {
+        line(format!("  doubtful: {doubt}"));
+    }
+    text
+}

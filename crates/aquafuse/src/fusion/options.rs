@@ -10,17 +10,22 @@ pub enum Model {
     Aquafuse,
     /// The whole backscatter: open water takes the reference's colour.
     Physical,
+    /// The whole water: backscatter, and how the scene's own light fades. Strongest and most fragile, for it
+    /// needs β_D of both waters, and what is noise in a faint channel grows with the rest, up to
+    /// [`MAX_GAIN`](crate::formation::MAX_GAIN) times.
+    Exchange,
 }
 
 impl Model {
     /// All models, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::Aquafuse, Self::Physical];
+    pub const ALL: [Self; 3] = [Self::Aquafuse, Self::Physical, Self::Exchange];
 
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Aquafuse => "aquafuse",
             Self::Physical => "physical",
+            Self::Exchange => "exchange",
         }
     }
 
@@ -29,11 +34,11 @@ impl Model {
         Self::ALL.into_iter().find(|model| model.name() == name)
     }
 
-    /// Share of the veil difference that is added at depth factor `f` in `[0, 1]`.
-    pub(super) fn weight(self, f: f32) -> f32 {
+    /// Whether it adds the same to all pixels of one depth and channel; [`Model::Exchange`] also scales them.
+    pub fn is_shift(self) -> bool {
         match self {
-            Self::Aquafuse => f * (1.0 - f),
-            Self::Physical => 1.0 - f,
+            Self::Aquafuse | Self::Physical => true,
+            Self::Exchange => false,
         }
     }
 }
@@ -51,11 +56,11 @@ pub struct Options {
 
 impl Options {
     /// The defaults of a model: α = 1, and θ = 45° for [`Model::Aquafuse`] (the middle of the 30-60° the
-    /// paper finds natural), 0° for [`Model::Physical`] (the whole exchange).
+    /// paper finds natural), 0° for [`Model::Physical`] and [`Model::Exchange`] (the whole exchange).
     pub fn for_model(model: Model) -> Self {
         let degrees = match model {
             Model::Aquafuse => 45.0,
-            Model::Physical => 0.0,
+            Model::Physical | Model::Exchange => 0.0,
         };
         Self { model, incidence: Incidence { degrees }, gain: Gain::default() }
     }

@@ -64,6 +64,14 @@ impl Options {
         };
         Self { model, incidence: Incidence { degrees }, gain: Gain::default() }
     }
+
+    /// What comes near the paper's published scores: [`Model::Aquafuse`], θ = 45°, α = 1.5.
+    ///
+    /// Our fit, not the authors' settings. Depth by Eq. 3 and
+    /// [`Smoothing::Bilateral`](crate::smooth::Smoothing::Bilateral) belong to it.
+    pub fn as_published() -> Self {
+        Self { gain: Gain(1.5), ..Self::for_model(Model::Aquafuse) }
+    }
 }
 
 impl Default for Options {

@@ -52,22 +52,17 @@ pub fn form<T: Sample, E: Encoding>(
     Ok(seen)
 }
 
-/// How often a faint signal is strengthened at most, in restoration and in the fusion that needs it.
-///
-/// Where light is all but gone, what is left is noise: 8 turns one byte's step into three percent of the
-/// range, which still looks like grain and not like confetti.
-pub const MAX_GAIN: f32 = 8.0;
-
 /// How far [`restore`] may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestoreOptions {
-    /// Bound on the gain e^τ, >= 1. Default: [`MAX_GAIN`].
+    /// Bound on the gain e^τ, >= 1. Where light is all but gone, what is left is noise: 8 turns one byte's
+    /// step into three percent of the range, which still looks like grain and not like confetti.
     pub max_gain: f32,
 }
 
 impl Default for RestoreOptions {
     fn default() -> Self {
-        Self { max_gain: MAX_GAIN }
+        Self { max_gain: 8.0 }
     }
 }
 

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
 use aquafuse::depth::{self, DepthKind, DepthMap};
-use aquafuse::formation::{MAX_GAIN, restore};
+use aquafuse::formation::restore;
 use aquafuse::fusion::{Incidence, Model, Options, Waters, fuse};
 use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
@@ -138,14 +138,14 @@ fn with_everything_given_exchange_is_the_scene_in_the_whole_other_water() {
         let (own, other) = (waters[from].water, waters[to].water);
         let truth_b = scene.seen_through(&other);
         let exchanged = Waters { content: &own, reference: &other };
-        let options = Options::for_model(Model::Exchange);
+        let options = Options { max_gain: 8.0, ..Options::for_model(Model::Exchange) };
         let fused = fuse(&scene.seen_through(&own), &scene.depth, exchanged, &options).unwrap().image;
         let mut bounded = 0;
         for ((found, truth), z) in fused.pixels().iter().zip(truth_b.pixels()).zip(scene.depth.distances()) {
             for c in 0..3 {
                 let gain =
                     (own.attenuation[c].optical_depth(z) - other.attenuation[c].optical_depth(z)).exp();
-                if gain > MAX_GAIN {
+                if gain > options.max_gain {
                     bounded += 1;
                 } else {
                     let truth = truth[c].clamp(0.0, 1.0);

@@ -16,7 +16,8 @@ F falls with distance from 1 at the camera to 0 in open water:
   physical   adds cos(theta) (1 - F) D: the whole veil; open water takes the other water's colour
   exchange   takes CONTENT's water out and puts the scene into WATER's, fading included, and goes
              cos(theta) of the way there: strongest, and the first to suffer from wrong estimates.
-             What has faded more in CONTENT's water is strengthened, noise with it, 8 times at most
+             What has faded more in CONTENT's water is strengthened, noise with it, 2 times at most;
+             depth from colour is hardly good enough for it
 
 --as-published stands for --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral --depth-model eq3:
 our fit to the paper's scores, which names no settings.

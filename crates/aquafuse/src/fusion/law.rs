@@ -1,7 +1,6 @@
 //! What fusion does to a pixel, as a function of its depth: the whole method in one place.
 
 use super::{Model, Options, Waters};
-use crate::formation::MAX_GAIN;
 use crate::image::{Encoded, Encoding};
 use crate::waterbody::Waterbody;
 
@@ -12,7 +11,7 @@ use crate::waterbody::Waterbody;
 ///
 /// [`Model::Exchange`] takes the content's water out and puts the scene into the reference's, which for one
 /// depth is a line: `U + cosθ ((U - B1) g + B2 - U)`, B2 with the veil α B2∞ and `g = e^(τ1 - τ2)` bounded by
-/// [`MAX_GAIN`]. Both optical depths are read at the content's z.
+/// [`Options::max_gain`]. Both optical depths are read at the content's z.
 ///
 /// # Examples
 ///
@@ -41,6 +40,8 @@ pub struct Law<E: Encoding = Encoded> {
     reference: Waterbody<E>,
     /// α B2∞, which may exceed 1.
     veil: [f32; 3],
+    /// At least 1: less would dim a picture in its own water.
+    max_gain: f32,
 }
 
 /// What happens to red, green and blue at one depth: `gain · value + offset`.
@@ -48,7 +49,7 @@ pub struct Law<E: Encoding = Encoded> {
 /// A gain of 1 is a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// Factors, in `[0, MAX_GAIN]`, so that no order of values is turned round.
+    /// Factors, from 0 to [`Options::max_gain`], so that no order of values is turned round.
     pub gain: [f32; 3],
     /// What is added, in units of `[0, 1]`.
     pub offset: [f32; 3],
@@ -70,6 +71,8 @@ impl<E: Encoding> Law<E> {
             content: *waters.content,
             reference: *waters.reference,
             veil: waters.reference.veiling_light.rgb().map(|veil| options.gain.get() * veil),
+            // `max` also takes a NaN to the safe side.
+            max_gain: options.max_gain.max(1.0),
         }
     }
 
@@ -92,8 +95,8 @@ impl<E: Encoding> Law<E> {
     /// The whole water.
     ///
     /// The bound acts on the gain of both waters together, not on e^τ1 before the reference dims it again:
-    /// noise comes out at most [`MAX_GAIN`] times as strong either way, but a bound on e^τ1 would also
-    /// dim what lies far away in a picture that is fused with its own water.
+    /// noise comes out at most that much stronger either way, but a bound on e^τ1 would also dim what
+    /// lies far away in a picture that is fused with its own water.
     ///
     /// A direct signal U1 - B1 below 0 is noise, or the backscatter was taken too bright. It is kept and
     /// changed as any other: cut off at 0, one's own water would no longer give the picture back, and noise
@@ -104,18 +107,18 @@ impl<E: Encoding> Law<E> {
         let mut change = Change { gain: [1.0; 3], offset: [0.0; 3] };
         for c in 0..3 {
             let other = self.veil[c] * (1.0 - factor[c]);
-            let gain = net_gain(&self.content, &self.reference, c, z);
+            let gain = self.net_gain(c, z);
             change.gain[c] = 1.0 + self.cosine * (gain - 1.0);
             change.offset[c] = self.cosine * (other - own[c] * gain);
         }
         change
     }
-}
 
-/// e^(τ1 - τ2) of one channel, bounded.
-fn net_gain<E: Encoding>(content: &Waterbody<E>, reference: &Waterbody<E>, c: usize, z: f32) -> f32 {
-    let [own, other] = [content, reference].map(|water| water.attenuation[c].coefficient(z));
-    // The difference first: of equal curves nothing is left however far away, where τ would be infinite.
-    let difference = (own - other) * z;
-    if difference.is_nan() { 1.0 } else { difference.exp().min(MAX_GAIN) }
+    /// e^(τ1 - τ2) of one channel, bounded.
+    fn net_gain(&self, c: usize, z: f32) -> f32 {
+        let [own, other] = [&self.content, &self.reference].map(|water| water.attenuation[c].coefficient(z));
+        // The difference first: of equal curves nothing is left however far away, where τ would be infinite.
+        let difference = (own - other) * z;
+        if difference.is_nan() { 1.0 } else { difference.exp().min(self.max_gain) }
+    }
 }

@@ -1,4 +1,4 @@
-//! The project's habits, one command each: `cargo xtask check | test | truth | depth | bench`.
+//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | bench`.
 
 mod bench;
 mod checks;
@@ -12,11 +12,12 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 cargo xtask COMMAND
 
-  check   format, spelling, lints, documentation, licences: what a reviewer would say first
-  test    sets up what is missing, then `check` and every test: what CI runs
-  truth   how much of the true change is made on scenes of known truth, into docs/results.md
-  depth   how well depth from colour orders measured depth, into docs/results.md
-  bench   a whole frame against the same algorithm in OpenCV, into docs/results.md
+  check      format, spelling, lints, documentation, licences: what a reviewer would say first
+  test       sets up what is missing, then `check` and every test: what CI runs
+  truth      how much of the true change is made on scenes of known truth, into docs/results.md
+  depth      how well depth from colour orders measured depth, into docs/results.md
+  published  real pictures scored beside the paper's tables, into docs/results.md
+  bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
 Tools are kept in AQUAFUSE_CACHE (default ~/.cache/aquafuse), Python packages under target/.
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
         ["check"] => setup::set_up().and_then(|tools| checks::run(&tools)),
         ["test"] => tests::run(),
         ["depth"] => results::depth(),
+        ["published"] => results::published(),
         ["truth"] => results::truth(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {

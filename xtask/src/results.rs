@@ -16,22 +16,24 @@ pub(crate) fn truth() -> Result<()> {
 /// `cargo xtask depth`: how well each way from colour orders measured depth.
 pub(crate) fn depth() -> Result<()> {
     say("Comparing depth from colour with measured depth");
+    of_real_pictures("depth", "depth_table")
+}
+
+/// `cargo xtask published`: scores on real pictures beside those the paper prints.
+pub(crate) fn published() -> Result<()> {
+    say("Fusing real pictures, each with eight others (minutes)");
+    of_real_pictures("published", "published_table")
+}
+
+/// Writes a section that an example makes from the folder of real pictures.
+fn of_real_pictures(section: &str, example: &str) -> Result<()> {
     let data = std::env::var("AQUAFUSE_TEST_DATA")
-        .context("AQUAFUSE_TEST_DATA must name the folder of real pictures; depth_pairs/ in it is read")?;
-    let table = [
-        "run",
-        "--release",
-        "--quiet",
-        "--package",
-        "aquafuse-data",
-        "--example",
-        "depth_table",
-        "--",
-        &data,
-    ];
-    let table = output(cargo(&table))?;
+        .context("AQUAFUSE_TEST_DATA must name the folder of real pictures")?;
+    let run =
+        ["run", "--release", "--quiet", "--package", "aquafuse-data", "--example", example, "--", &data];
+    let table = output(cargo(&run))?;
     println!("{table}");
-    write_section("depth", &table)
+    write_section(section, &table)
 }
 
 /// Replaces what stands between `<!-- name -->` and `<!-- /name -->` in `docs/results.md`.

@@ -40,7 +40,7 @@ fn at_ninety_degrees_the_content_comes_back() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
     scene(&run.path("water.png"), 2, "green");
-    for model in ["aquafuse", "physical"] {
+    for model in ["aquafuse", "physical", "exchange"] {
         run.ok(&[
             "fuse",
             "content.png",
@@ -191,6 +191,56 @@ fn every_command_takes_the_depth_model_it_is_told() {
 }
 
 #[test]
+fn exchange_changes_more_than_the_veil_and_leaves_a_picture_in_its_own_water() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scene(&run.path("water.png"), 2, "green");
+    let fuse = |water: &str, output: &str, model: &str| {
+        run.ok(&["fuse", "content.png", water, "-o", output, "--model", model]);
+        pixels(&run.path(output))
+    };
+    assert_eq!(fuse("content.png", "same.png", "exchange"), pixels(&run.path("content.png")));
+    let (whole, veil) =
+        (fuse("water.png", "whole.png", "exchange"), fuse("water.png", "veil.png", "physical"));
+    let apart = whole.iter().zip(&veil).map(|(a, b)| u32::from(a.abs_diff(*b))).max();
+    assert!(apart > Some(10), "exchange and physical differ by {apart:?}");
+}
+
+#[test]
+fn smoothing_wears_fine_texture_down_and_nothing_is_smoothed_unasked() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    let fuse = |output: &str, more: &[&str]| {
+        run.ok(&[&["fuse", "content.png", "content.png", "-o", output], more].concat());
+        pixels(&run.path(output))
+    };
+    let plain = fuse("plain.png", &[]);
+    assert_eq!(plain, fuse("none.png", &["--smooth", "none"]));
+    let roughness =
+        |pixels: &[u8]| -> u32 { pixels.windows(4).map(|p| u32::from(p[0].abs_diff(p[3]))).sum() };
+    let smooth = fuse("smooth.png", &["--smooth", "bilateral"]);
+    assert!(roughness(&smooth) < roughness(&plain), "{} {}", roughness(&smooth), roughness(&plain));
+}
+
+#[test]
+fn as_published_is_a_name_for_five_settings_and_allows_none_beside_it() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scene(&run.path("water.png"), 2, "green");
+    let fuse = ["fuse", "content.png", "water.png", "-o", "named.png", "--as-published"];
+    run.ok(&fuse);
+    let spelt = "fuse content.png water.png -o spelt.png --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral \
+                 --depth-model eq3";
+    run.ok(&spelt.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.bytes("named.png"), run.bytes("spelt.png"));
+    for setting in ["--model aquafuse", "--theta 45", "--alpha 1", "--smooth none", "--depth-model eq3"] {
+        let words: Vec<&str> = setting.split(' ').collect();
+        let refused = run.fails(2, &[&fuse[..], &words, &["--overwrite"]].concat());
+        assert!(refused.stderr.contains("--as-published"), "{setting}: {}", refused.stderr);
+    }
+}
+
+#[test]
 fn depth_is_a_sixteen_bit_picture_of_the_same_size() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
@@ -257,7 +307,7 @@ fn every_real_scene_can_be_fused() {
     let count = std::fs::read_dir(&scenes).unwrap().count();
     let run = Run::new();
     let (scenes, water) = (scenes.to_str().unwrap(), scenes.join("greenish_07.jpg"));
-    for model in ["aquafuse", "physical"] {
+    for model in ["aquafuse", "physical", "exchange"] {
         run.ok(&["fuse", scenes, water.to_str().unwrap(), "-o", model, "--model", model]);
         assert_eq!(std::fs::read_dir(run.path(model)).unwrap().count(), count);
     }

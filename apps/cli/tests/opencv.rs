@@ -28,6 +28,39 @@ fn fusion_and_depth_equal_the_same_algorithm_in_opencv() {
     compare(&run, Path::new(&python), "floor.png", "green.jpg", "physical");
 }
 
+#[test]
+fn smoothing_equals_the_bilateral_filter_of_opencv() {
+    let Some(python) = std::env::var_os("AQUAFUSE_PYTHON") else {
+        eprintln!("skipped: AQUAFUSE_PYTHON names no Python with OpenCV; `cargo xtask test` sets one up");
+        return;
+    };
+    let run = Run::new();
+    scene(&run.path("scene.png"), 1, "turbid");
+    // Colours without order: every difference of colour occurs, and every border pixel has its own window.
+    let mut state = 1_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    };
+    let colours = image::RgbImage::from_fn(61, 43, |_, _| image::Rgb([noise(), noise(), noise()]));
+    colours.save(run.path("noise.png")).unwrap();
+    image::imageops::crop_imm(&colours, 0, 0, 2, 1).to_image().save(run.path("tiny.png")).unwrap();
+    let script =
+        "import cv2, sys; cv2.imwrite(sys.argv[2], cv2.bilateralFilter(cv2.imread(sys.argv[1]), 5, 75, 75))";
+    for name in ["scene.png", "noise.png", "tiny.png"] {
+        let mut command = Command::new(&python);
+        command.current_dir(run.path("")).args(["-c", script, name, "theirs.png"]);
+        let ended = command.output().unwrap();
+        assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+        // In its own water the picture itself is what is smoothed.
+        run.ok(&["fuse", name, name, "-o", "ours.png", "--smooth", "bilateral", "--overwrite"]);
+        let pixels = |name: &str| image::open(run.path(name)).unwrap().into_rgb8().into_raw();
+        let off = pixels("ours.png").iter().zip(&pixels("theirs.png")).map(|(a, b)| a.abs_diff(*b)).max();
+        // One step: halves are rounded another way, and its weights are floats.
+        assert!(off <= Some(1), "{name}: off by {off:?}");
+    }
+}
+
 fn compare(run: &Run, python: &Path, content: &str, reference: &str, model: &str) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/opencv_pipeline.py");
     let fused = |output: &str, more: &[&str]| {

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
+use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::{VeilingLightSource, Waterbody};
 use rayon::prelude::*;
 
@@ -22,6 +23,8 @@ pub struct Fuse {
     pub depth_model: DepthModel,
     /// How to fuse.
     pub options: Options,
+    /// How to smooth what was fused.
+    pub smoothing: Smoothing,
     /// How to write.
     pub writing: WriteOptions,
 }
@@ -103,6 +106,7 @@ impl Fuse {
         let waters = Waters { content: &found.estimate.water, reference: &self.water };
         let clipping = fuse_mut(&mut picture.image, &found.depth, waters, &self.options)
             .expect("the depth map was made from this picture");
+        picture.image = self.smoothing.apply(picture.image);
         picture.write(output, &self.writing)?;
         Ok(Report { clipping, veiling_light_source: found.estimate.veiling_light_source })
     }

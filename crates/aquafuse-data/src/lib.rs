@@ -3,7 +3,7 @@
 //! # Where do I start?
 //!
 //! ```
-//! use aquafuse::{depth::DepthModel, fusion::Options};
+//! use aquafuse::{depth::DepthModel, fusion::Options, smooth::Smoothing};
 //! use aquafuse_data::{analysis::analyse, job, picture::{Picture, WriteOptions}};
 //! # use aquafuse::truth::{Scene, Size, waters};
 //! # let folder = tempfile::tempdir()?;
@@ -20,6 +20,7 @@
 //!     water: analyse(&reference, DepthModel::default()).estimate.water,
 //!     depth_model: DepthModel::default(),
 //!     options: Options::default(),
+//!     smoothing: Smoothing::default(),
 //!     writing: WriteOptions::default(),
 //! };
 //! let summary = job.run(&|message| println!("{message:?}"));

@@ -3,8 +3,9 @@
 //! cargo bench -p aquafuse
 
 use aquafuse::depth::{self, DepthMap, DepthModel};
-use aquafuse::fusion::{Options, Waters, fuse_mut};
+use aquafuse::fusion::{Model, Options, Waters, fuse_mut};
 use aquafuse::image::{Encoded, Image};
+use aquafuse::smooth::bilateral;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::{EstimateOptions, Waterbody, estimate};
 use divan::Bencher;
@@ -63,6 +64,20 @@ fn fusion_in_place(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     let reference = waters()[1].water;
     let exchanged = Waters { content: &water, reference: &reference };
     bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::default()));
+}
+
+#[divan::bench(args = SIZES)]
+fn exchange_in_place(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+    let (mut image, z, water) = prepared(size);
+    let reference = waters()[1].water;
+    let exchanged = Waters { content: &water, reference: &reference };
+    bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::for_model(Model::Exchange)));
+}
+
+#[divan::bench(args = SIZES)]
+fn smoothing(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
+    let image = picture(width, height);
+    bencher.bench_local(|| bilateral(&image));
 }
 
 #[divan::bench(args = SIZES)]

@@ -7,7 +7,7 @@
 //! truth, 0 the content, less than 0 farther from the truth than the content was.
 
 use aquafuse::depth::{DepthMap, DepthModel, Eq3};
-use aquafuse::fusion::{Model, Options, Shift, Waters};
+use aquafuse::fusion::{Law, Model, Options, Waters};
 use aquafuse::image::{Image, SizeError};
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::{EstimateOptions, VeilingLight, VeilingLightMethod, Waterbody, estimate};
@@ -147,7 +147,7 @@ impl Case {
         let own = Waterbody { veiling_light: own, backscatter_coefficient: coefficient, ..self.own };
         let other = Waterbody { veiling_light: other, ..self.other };
         let waters = Waters { content: &own, reference: &other };
-        let share = |model| self.share(&z, &Shift::new(waters, &Options::for_model(model)));
+        let share = |model| self.share(&z, &Law::new(waters, &Options::for_model(model)));
         Ok(Shares {
             physical: share(Model::Physical),
             aquafuse: share(Model::Aquafuse),
@@ -155,16 +155,16 @@ impl Case {
         })
     }
 
-    fn share(&self, z: &DepthMap, shift: &Shift) -> f32 {
+    fn share(&self, z: &DepthMap, law: &Law) -> f32 {
         let exchanged = Waterbody { veiling_light: self.other.veiling_light, ..self.own };
         let truth = self.scene.seen_through(&exchanged);
         let (mut fused, mut content) = (0.0_f64, 0.0_f64);
         for ((pixel, truth), z) in self.content.pixels().iter().zip(truth.pixels()).zip(z.distances()) {
-            let added = shift.at(z);
+            let before = pixel.map(|value| f32::from(value) / 255.0);
+            let after = law.at(z).of(before);
             for c in 0..3 {
-                let before = f32::from(pixel[c]) / 255.0;
-                fused += f64::from(before + added[c] - truth[c]).powi(2);
-                content += f64::from(before - truth[c]).powi(2);
+                fused += f64::from(after[c] - truth[c]).powi(2);
+                content += f64::from(before[c] - truth[c]).powi(2);
             }
         }
         1.0 - (fused / content).sqrt() as f32

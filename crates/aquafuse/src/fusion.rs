@@ -1,15 +1,18 @@
 //! A scene in another picture's water (Eq. 9-11).
 //!
-//! Both models add to each pixel a **shift** that depends on its depth and channel alone: a weight of the
-//! depth factor times the difference of the veiling lights. What differs is the weight:
+//! What happens to a pixel depends on its depth and channel alone. Two models add a **shift**, a weight of
+//! the depth factor F times the difference of the veiling lights; the third changes the direct signal too:
 //!
-//! | model | weight at depth factor F | at the camera | in open water |
+//! | model | what happens | at the camera | in open water |
 //! |---|---|---|---|
-//! | [`Model::Aquafuse`] | `F (1 - F)`, at most 1/4 | 0 | 0 |
-//! | [`Model::Physical`] | `1 - F` | 0 | 1 |
+//! | [`Model::Aquafuse`] | shift of weight `F (1 - F)`, at most 1/4 | nothing | nothing |
+//! | [`Model::Physical`] | shift of weight `1 - F` | nothing | the reference's veil |
+//! | [`Model::Exchange`] | the water is taken out, the other put in | nothing | the reference's veil |
 
+mod law;
 mod options;
 
+pub use law::{Change, Law};
 pub use options::{Gain, Incidence, Model, OptionError, Options};
 
 use crate::depth::DepthMap;
@@ -47,67 +50,16 @@ impl Clipping {
 pub struct Waters<'a, E: Encoding> {
     /// The content's own water, estimated with the depth map it is fused with.
     pub content: &'a Waterbody<E>,
-    /// The water it is to be seen in; of it, only the veiling light is used.
+    /// The water it is to be seen in. Of it, only [`Model::Exchange`] uses more than the veiling light: its
+    /// coefficients must then be per the same unit of z as the content's. Metres and metres are, and so
+    /// are depths from colour by one [`DepthModel`](crate::depth::DepthModel).
     pub reference: &'a Waterbody<E>,
-}
-
-/// What fusion adds to a pixel, as a function of its depth: the whole method in one line.
-///
-/// `shift(z) = cosθ · w(F) · (α B2∞ - B1∞)` with `F = e^(-β_B1 z)` and the model's weight w.
-/// β_D has no part in it: the direct signal is left as it is.
-///
-/// # Examples
-///
-/// ```
-/// use aquafuse::fusion::{Options, Shift, Waters};
-/// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
-///
-/// let blue: Waterbody = Waterbody {
-///     veiling_light: VeilingLight::new([0.0, 0.2, 0.6]),
-///     backscatter_coefficient: [1.0; 3],
-///     attenuation: [Attenuation::constant(0.5)?; 3],
-/// };
-/// let green = Waterbody { veiling_light: VeilingLight::new([0.0, 0.6, 0.2]), ..blue };
-/// let shift = Shift::new(Waters { content: &blue, reference: &green }, &Options::default());
-/// assert_eq!(shift.at(0.0), [0.0; 3]);
-/// // It peaks at β_B z = ln 2, at a quarter of the difference times cos 45°.
-/// let peak = shift.at(2.0_f32.ln());
-/// assert!((peak[1] - 0.25 * 0.4 * 0.5_f32.sqrt()).abs() < 1e-6);
-/// # Ok::<(), aquafuse::waterbody::AttenuationError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
-    model: Model,
-    /// cosθ (α B2∞ - B1∞)
-    amplitude: [f32; 3],
-    backscatter_coefficient: [f32; 3],
-}
-
-impl Shift {
-    /// The shift that takes a picture from the content's water towards the reference's.
-    pub fn new<E: Encoding>(waters: Waters<'_, E>, options: &Options) -> Self {
-        let (from, to) = (waters.content.veiling_light.rgb(), waters.reference.veiling_light.rgb());
-        let (cosine, gain) = (options.incidence.cosine(), options.gain.get());
-        Self {
-            model: options.model,
-            amplitude: std::array::from_fn(|c| cosine * (gain * to[c] - from[c])),
-            backscatter_coefficient: waters.content.backscatter_coefficient,
-        }
-    }
-
-    /// What is added to red, green and blue at distance `z`.
-    pub fn at(&self, z: f32) -> [f32; 3] {
-        std::array::from_fn(|c| {
-            let depth_factor = (-self.backscatter_coefficient[c] * z).exp();
-            self.model.weight(depth_factor) * self.amplitude[c]
-        })
-    }
 }
 
 /// Moves the water of one picture into another.
 ///
-/// Evaluates `U12 = U1 + shift(z)` at every pixel (see [`Shift`]; Eq. 9-11 of the paper with the direct
-/// signal I1 e^(-τ) taken as U1*, so that β_D cancels). The picture keeps its size, sample type and
+/// Evaluates the [`Law`] of the model at every pixel (Eq. 9-11 of the paper with the direct signal
+/// I1 e^(-τ) taken as U1*, so that β_D cancels; [`Model::Exchange`]: Eq. 2, then Eq. 1). The picture keeps its size, sample type and
 /// encoding; values are rounded once and clipped, and clipping is counted.
 ///
 /// # Errors
@@ -153,19 +105,27 @@ pub fn fuse_mut<T: Sample, E: Encoding>(
     options: &Options,
 ) -> Result<Clipping, SizeError> {
     depth.check_fits(content.size())?;
-    let shift = Shift::new(waters, options);
+    let law = Law::new(waters, options);
     let pixels = content.pixels_mut();
     let mut clipping = Clipping { values: [0; 3], pixels: pixels.len() as u64 };
-    depth.for_each_pixel(
-        pixels,
-        |z| shift.at(z).map(T::shift_from_unit),
-        |pixel, shift| {
-            for c in 0..3 {
-                let (value, clipped) = pixel[c].shifted(shift[c]);
-                pixel[c] = value;
-                clipping.values[c] += u64::from(clipped);
-            }
-        },
-    );
+    let mut store = |pixel: &mut [T; 3], c: usize, (value, clipped): (T, bool)| {
+        pixel[c] = value;
+        clipping.values[c] += u64::from(clipped);
+    };
+    if options.model.is_shift() {
+        // In whole steps of the samples, which is exact and rounds once a depth.
+        let steps = |z| law.at(z).offset.map(T::shift_from_unit);
+        depth.for_each_pixel(pixels, steps, |pixel, shift| {
+            (0..3).for_each(|c| store(pixel, c, pixel[c].shifted(shift[c])));
+        });
+    } else {
+        depth.for_each_pixel(
+            pixels,
+            |z| law.at(z),
+            |pixel, change| {
+                (0..3).for_each(|c| store(pixel, c, pixel[c].changed(change.gain[c], change.offset[c])));
+            },
+        );
+    }
     Ok(clipping)
 }

@@ -33,7 +33,8 @@
 //! | [`waterbody`] | picture + depth → [`Waterbody`](waterbody::Waterbody) {B∞, β_B, β_D} | Eq. 5-8 |
 //! | [`formation`] | the image formation model, forwards and back | Eq. 1-2 |
 //! | [`fusion`] | scene + reference water → fused picture | Eq. 9-11 |
-//! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth, rank correlation | |
+//! | [`smooth`] | the bilateral filter the paper ends with; off by default | |
+//! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth, rank correlation, UCIQE, UIQM | |
 //! | [`truth`] | a ray-marched scene whose clear image, depth and water are known | |
 //!
 //! Colours are RGB in `[0, 1]`, whatever the sample type. Encoded (sRGB) values are the default, as in the
@@ -41,7 +42,7 @@
 //!
 //! # Features
 //!
-//! - `threads` (default): several cores for ray marching. Off, no thread is started; no bit changes.
+//! - `threads` (default): several cores for ray marching and smoothing. Off, no thread is started; no bit changes.
 //! - `serde`: `Serialize` for the types that describe water and depth.
 //!
 //! # Out of scope
@@ -54,5 +55,6 @@ pub mod formation;
 pub mod fusion;
 pub mod image;
 pub mod metrics;
+pub mod smooth;
 pub mod truth;
 pub mod waterbody;

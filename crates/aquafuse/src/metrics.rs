@@ -5,17 +5,23 @@
 //! | [`psnr`] | values, pixel by pixel | ∞ dB | how far a picture is from its truth |
 //! | [`ssim`] | local structure of luma | 1 | whether objects keep their look |
 //! | [`depth_rmse`] | depth estimated again from each | 0 | whether geometry survived fusion |
+//! | [`uciqe`] | nothing: colour and contrast of one picture | higher | how far an enhanced picture has come |
+//! | [`uiqm`] | nothing: colour, sharpness and contrast | higher | the same, by another recipe |
 //! | [`spearman`] | the order of two series | 1 | whether relative depth is right |
 //!
 //! As in the paper, a fused picture is compared with its content: a high score says that little was lost,
-//! not that the water is right.
+//! not that the water is right. The two scores without a reference are fooled by oversaturation and noise.
 
 mod depth_rmse;
 mod psnr;
 mod spearman;
 mod ssim;
+mod uciqe;
+mod uiqm;
 
 pub use depth_rmse::{DepthRmse, depth_rmse};
 pub use psnr::psnr;
 pub use spearman::spearman;
 pub use ssim::ssim;
+pub use uciqe::{Uciqe, uciqe};
+pub use uiqm::{Uiqm, uiqm};

@@ -131,6 +131,34 @@ fn with_everything_given_physical_is_the_truth_and_aquafuse_its_closed_form() {
 }
 
 #[test]
+fn with_everything_given_exchange_is_the_scene_in_the_whole_other_water() {
+    let waters = waters();
+    for (seed, (from, to)) in [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)].into_iter().enumerate() {
+        let scene = Scene::new(seed as u64, SIZE);
+        let (own, other) = (waters[from].water, waters[to].water);
+        let truth_b = scene.seen_through(&other);
+        let exchanged = Waters { content: &own, reference: &other };
+        let options = Options { max_gain: 8.0, ..Options::for_model(Model::Exchange) };
+        let fused = fuse(&scene.seen_through(&own), &scene.depth, exchanged, &options).unwrap().image;
+        let mut bounded = 0;
+        for ((found, truth), z) in fused.pixels().iter().zip(truth_b.pixels()).zip(scene.depth.distances()) {
+            for c in 0..3 {
+                let gain =
+                    (own.attenuation[c].optical_depth(z) - other.attenuation[c].optical_depth(z)).exp();
+                if gain > options.max_gain {
+                    bounded += 1;
+                } else {
+                    let truth = truth[c].clamp(0.0, 1.0);
+                    assert!((found[c] - truth).abs() < 1e-5, "{} is not {truth} at {z}", found[c]);
+                }
+            }
+        }
+        // In thick water the bound acts on what is far; a test of such values alone would be none.
+        assert!(bounded < fused.as_raw().len() / 2, "{bounded}");
+    }
+}
+
+#[test]
 fn bytes_are_the_exact_fusion_rounded_once() {
     let waters = waters();
     let scene = Scene::new(5, SIZE);

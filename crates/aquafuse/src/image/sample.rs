@@ -15,6 +15,9 @@ pub trait Sample: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + S
     /// This value plus `shift`, rounded to the nearest storable value and clipped to `[0, 1]`,
     /// and whether clipping changed it.
     fn shifted(self, shift: Self::Shift) -> (Self, bool);
+    /// `gain` times this value plus `offset` in units of `[0, 1]`, rounded to the nearest storable value and
+    /// clipped to `[0, 1]`, and whether clipping changed it.
+    fn changed(self, gain: f32, offset: f32) -> (Self, bool);
     /// A difference of two values in steps of the stored type, so that adding it is exact.
     type Shift: Copy + Default + Send + Sync;
     /// Rounds a difference in units of `[0, 1]` to steps: halves go up, towards positive infinity.
@@ -46,6 +49,13 @@ macro_rules! integer_sample {
                 let moved = <$step>::from(self) + shift;
                 let clipped = moved.clamp(0, <$step>::from(Self::MAX));
                 (clipped as Self, moved != clipped)
+            }
+
+            #[inline]
+            fn changed(self, gain: f32, offset: f32) -> (Self, bool) {
+                let most = f32::from(Self::MAX);
+                let steps = (gain * f32::from(self) + most * offset + 0.5).floor();
+                (steps.clamp(0.0, most) as Self, !(0.0..=most).contains(&steps))
             }
 
             fn shift_from_unit(shift: f32) -> $step {
@@ -83,6 +93,10 @@ impl Sample for f32 {
         (clipped, moved != clipped)
     }
 
+    fn changed(self, gain: f32, offset: f32) -> (Self, bool) {
+        (gain * self).shifted(offset)
+    }
+
     fn shift_from_unit(shift: f32) -> f32 {
         shift
     }
@@ -116,6 +130,15 @@ mod tests {
         assert_eq!(250_u8.shifted(6), (255, true));
         assert_eq!(3_u8.shifted(-3), (0, false));
         assert_eq!(3_u8.shifted(-4), (0, true));
+    }
+
+    #[test]
+    fn a_change_is_rounded_and_clipped_once() {
+        assert_eq!(100_u8.changed(1.5, 0.1), (176, false));
+        assert_eq!(200_u8.changed(1.0, 0.0), (200, false));
+        assert_eq!(200_u8.changed(1.5, 0.0), (255, true));
+        assert_eq!(60_000_u16.changed(1.0, -0.5), (27_233, false));
+        assert_eq!(0.5_f32.changed(2.0, -1.5), (0.0, true));
     }
 
     #[test]

@@ -1,0 +1,124 @@
+//! What fusion does to a pixel, as a function of its depth: the whole method in one place.
+
+use super::{Model, Options, Waters};
+use crate::image::{Encoded, Encoding};
+use crate::waterbody::Waterbody;
+
+/// What fusion does to the pixels of each depth.
+///
+/// [`Model::Aquafuse`] and [`Model::Physical`] add a shift, `cosθ · w(F) · (α B2∞ - B1∞)` with
+/// `F = e^(-β_B1 z)` and the model's weight w; β_D has no part in it, for the direct signal stays as it is.
+///
+/// [`Model::Exchange`] takes the content's water out and puts the scene into the reference's, which for one
+/// depth is a line: `U + cosθ ((U - B1) g + B2 - U)`, B2 with the veil α B2∞ and `g = e^(τ1 - τ2)` bounded by
+/// [`Options::max_gain`]. Both optical depths are read at the content's z.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::fusion::{Law, Options, Waters};
+/// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
+///
+/// let blue: Waterbody = Waterbody {
+///     veiling_light: VeilingLight::new([0.0, 0.2, 0.6]),
+///     backscatter_coefficient: [1.0; 3],
+///     attenuation: [Attenuation::constant(0.5)?; 3],
+/// };
+/// let green = Waterbody { veiling_light: VeilingLight::new([0.0, 0.6, 0.2]), ..blue };
+/// let law = Law::new(Waters { content: &blue, reference: &green }, &Options::default());
+/// assert_eq!(law.at(0.0).of([0.1, 0.5, 0.9]), [0.1, 0.5, 0.9]);
+/// // The shift peaks at β_B z = ln 2, at a quarter of the difference times cos 45°.
+/// let peak = law.at(2.0_f32.ln()).offset;
+/// assert!((peak[1] - 0.25 * 0.4 * 0.5_f32.sqrt()).abs() < 1e-6);
+/// # Ok::<(), aquafuse::waterbody::AttenuationError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law<E: Encoding = Encoded> {
+    model: Model,
+    cosine: f32,
+    content: Waterbody<E>,
+    reference: Waterbody<E>,
+    /// α B2∞, which may exceed 1.
+    veil: [f32; 3],
+    /// At least 1: less would dim a picture in its own water.
+    max_gain: f32,
+}
+
+/// What happens to red, green and blue at one depth: `gain · value + offset`.
+///
+/// A gain of 1 is a shift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// Factors, from 0 to [`Options::max_gain`], so that no order of values is turned round.
+    pub gain: [f32; 3],
+    /// What is added, in units of `[0, 1]`.
+    pub offset: [f32; 3],
+}
+
+impl Change {
+    /// A colour after the change, not clipped.
+    pub fn of(&self, rgb: [f32; 3]) -> [f32; 3] {
+        std::array::from_fn(|c| self.gain[c] * rgb[c] + self.offset[c])
+    }
+}
+
+impl<E: Encoding> Law<E> {
+    /// The law that takes a picture from the content's water towards the reference's.
+    pub fn new(waters: Waters<'_, E>, options: &Options) -> Self {
+        Self {
+            model: options.model,
+            cosine: options.incidence.cosine(),
+            content: *waters.content,
+            reference: *waters.reference,
+            veil: waters.reference.veiling_light.rgb().map(|veil| options.gain.get() * veil),
+            // `max` also takes a NaN to the safe side.
+            max_gain: options.max_gain.max(1.0),
+        }
+    }
+
+    /// What happens at distance `z`.
+    pub fn at(&self, z: f32) -> Change {
+        match self.model {
+            Model::Aquafuse => self.shift(z, |factor| factor * (1.0 - factor)),
+            Model::Physical => self.shift(z, |factor| 1.0 - factor),
+            Model::Exchange => self.exchange(z),
+        }
+    }
+
+    /// Adds a share of the veils' difference, which depends on the content's depth factor.
+    fn shift(&self, z: f32, weight: impl Fn(f32) -> f32) -> Change {
+        let (own, factor) = (self.content.veiling_light.rgb(), self.content.depth_factor(z));
+        let offset = |c: usize| weight(factor[c]) * (self.cosine * (self.veil[c] - own[c]));
+        Change { gain: [1.0; 3], offset: std::array::from_fn(offset) }
+    }
+
+    /// The whole water.
+    ///
+    /// The bound acts on the gain of both waters together, not on e^τ1 before the reference dims it again:
+    /// noise comes out at most that much stronger either way, but a bound on e^τ1 would also dim what
+    /// lies far away in a picture that is fused with its own water.
+    ///
+    /// A direct signal U1 - B1 below 0 is noise, or the backscatter was taken too bright. It is kept and
+    /// changed as any other: cut off at 0, one's own water would no longer give the picture back, and noise
+    /// around 0 would lighten the picture on average.
+    fn exchange(&self, z: f32) -> Change {
+        let own = self.content.backscatter(z);
+        let factor = self.reference.depth_factor(z);
+        let mut change = Change { gain: [1.0; 3], offset: [0.0; 3] };
+        for c in 0..3 {
+            let other = self.veil[c] * (1.0 - factor[c]);
+            let gain = self.net_gain(c, z);
+            change.gain[c] = 1.0 + self.cosine * (gain - 1.0);
+            change.offset[c] = self.cosine * (other - own[c] * gain);
+        }
+        change
+    }
+
+    /// e^(τ1 - τ2) of one channel, bounded.
+    fn net_gain(&self, c: usize, z: f32) -> f32 {
+        let [own, other] = [&self.content, &self.reference].map(|water| water.attenuation[c].coefficient(z));
+        // The difference first: of equal curves nothing is left however far away, where τ would be infinite.
+        let difference = (own - other) * z;
+        if difference.is_nan() { 1.0 } else { difference.exp().min(self.max_gain) }
+    }
+}

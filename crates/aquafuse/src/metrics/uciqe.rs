@@ -1,0 +1,147 @@
+//! UCIQE, underwater colour image quality without a reference.
+
+use crate::image::{Encoding, Image, Linear, Sample};
+
+/// The three parts of UCIQE.
+///
+/// M. Yang and A. Sowmya, "An underwater color image quality evaluation metric" (2015). The publication leaves
+/// units open, and implementations differ in them (L, a, b over 255 or not at all, saturation of HSV, extremes
+/// for percentiles): compare only numbers of one implementation. Ours, from encoded sRGB to CIELab (D65, 2°):
+///
+/// - L* and C* = √(a*² + b*²) are taken over 100;
+/// - saturation is C* / √(C*² + L*²), M. Lübbe's, and 0 for black;
+/// - the top and bottom 1 % of L* are its values at these ranks, not means over them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uciqe {
+    /// σ_c, standard deviation of chroma; 0 for grey, hardly above .5.
+    pub chroma_deviation: f64,
+    /// con_l, lightness that 1 % of the pixels reach less that 1 % do not exceed, in `[0, 1]`.
+    pub luminance_contrast: f64,
+    /// μ_s, mean saturation, in `[0, 1]`.
+    pub saturation: f64,
+}
+
+impl Uciqe {
+    /// `.4680 σ_c + .2745 con_l + .2576 μ_s`, most often .3 to .6, higher for more colour and contrast.
+    pub fn score(&self) -> f64 {
+        0.4680 * self.chroma_deviation + 0.2745 * self.luminance_contrast + 0.2576 * self.saturation
+    }
+}
+
+/// Underwater colour image quality of one picture; see [`Uciqe`] for what is summed.
+///
+/// It rewards colour and contrast, whether true or not: an oversaturated picture scores high.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{image::Image, metrics::uciqe};
+///
+/// let greys: Image<u8> = Image::from_raw(2, 1, [[0; 3], [255; 3]].concat())?;
+/// let found = uciqe(&greys);
+/// // From black to white, and no colour (the matrix of sRGB is rounded, so white is not quite).
+/// assert!((found.luminance_contrast - 1.0).abs() < 1e-6 && found.saturation < 1e-4);
+/// # Ok::<(), aquafuse::image::SizeError>(())
+/// ```
+pub fn uciqe<T: Sample>(image: &Image<T>) -> Uciqe {
+    let lab: Vec<[f64; 3]> = image.pixels().iter().map(|pixel| lab(pixel.map(T::to_unit))).collect();
+    let count = lab.len() as f64;
+    let chroma: Vec<f64> = lab.iter().map(|[_, a, b]| a.hypot(*b) / 100.0).collect();
+    let mean = chroma.iter().sum::<f64>() / count;
+    let variance = chroma.iter().map(|chroma| (chroma - mean).powi(2)).sum::<f64>() / count;
+
+    let mut lightness: Vec<f64> = lab.iter().map(|[l, ..]| l / 100.0).collect();
+    let saturation = |(c, l): (&f64, &f64)| if *c > 0.0 { c / c.hypot(*l) } else { 0.0 };
+    let saturation = chroma.iter().zip(&lightness).map(saturation).sum::<f64>() / count;
+    lightness.sort_by(f64::total_cmp);
+    let percent = lab.len().div_ceil(100);
+    Uciqe {
+        chroma_deviation: variance.sqrt(),
+        luminance_contrast: lightness[lab.len() - percent] - lightness[percent - 1],
+        saturation,
+    }
+}
+
+/// From linear light to XYZ: the primaries of sRGB (IEC 61966-2-1), and the white they add up to.
+const TO_XYZ: [[f64; 3]; 3] =
+    [[0.412453, 0.357580, 0.180423], [0.212671, 0.715160, 0.072169], [0.019334, 0.119193, 0.950227]];
+const WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
+
+/// CIE 1976 L*a*b* of an encoded colour.
+fn lab(encoded: [f32; 3]) -> [f64; 3] {
+    let linear = encoded.map(|value| f64::from(Linear::from_encoded(value)));
+    let [x, y, z]: [f64; 3] = std::array::from_fn(|i| {
+        let sum: f64 = TO_XYZ[i].iter().zip(linear).map(|(weight, light)| weight * light).sum();
+        compressed(sum / WHITE[i])
+    });
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// The cube root, with a line where it would be too steep.
+fn compressed(light: f64) -> f64 {
+    if light > 0.008856 { light.cbrt() } else { 7.787 * light + 16.0 / 116.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn image(pixels: &[[u8; 3]]) -> Image<u8> {
+        Image::from_raw(pixels.len(), 1, pixels.concat()).unwrap()
+    }
+
+    #[test]
+    fn the_primaries_have_their_tabled_colours() {
+        // B. Lindbloom's values for D65, which is as far off as the rounding of the matrix.
+        for (rgb, expected) in [
+            ([1.0, 0.0, 0.0], [53.24, 80.09, 67.20]),
+            ([0.0, 1.0, 0.0], [87.73, -86.18, 83.18]),
+            ([0.0, 0.0, 1.0], [32.30, 79.19, -107.86]),
+        ] {
+            for (found, expected) in lab(rgb).iter().zip(expected) {
+                assert!((found - expected).abs() < 0.02, "{found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_pixel_in_a_hundred_may_be_anything() {
+        let mut pixels = vec![[100; 3]; 99];
+        pixels.extend([[200; 3]; 99]);
+        let before = uciqe(&image(&pixels)).luminance_contrast;
+        pixels.extend([[0; 3], [255; 3]]);
+        assert_eq!(uciqe(&image(&pixels)).luminance_contrast, before);
+    }
+
+    proptest! {
+        #[test]
+        fn grey_has_no_colour(greys: [u8; 16]) {
+            let found = uciqe(&image(&greys.map(|grey| [grey; 3])));
+            prop_assert!(found.chroma_deviation < 1e-4 && found.saturation < 1e-3, "{:?}", found);
+        }
+
+        #[test]
+        fn more_contrast_never_lowers_con_l(greys: [u8; 16]) {
+            // All values drawn half the way to grey.
+            let of = |greys: [u8; 16]| uciqe(&image(&greys.map(|grey| [grey; 3]))).luminance_contrast;
+            let (full, half) = (of(greys), of(greys.map(|grey| 64 + grey / 2)));
+            // Halves of odd steps are rounded: a step of a byte is at most .004 of lightness.
+            prop_assert!(half <= full + 0.004, "{half} of {full}");
+        }
+
+        #[test]
+        fn the_order_of_the_pixels_does_not_matter(pixels: [[u8; 3]; 16]) {
+            let mut turned = pixels;
+            turned.reverse();
+            prop_assert!((uciqe(&image(&pixels)).score() - uciqe(&image(&turned)).score()).abs() < 1e-12);
+        }
+
+        #[test]
+        fn the_parts_lie_in_their_ranges(pixels: [[u8; 3]; 16]) {
+            let found = uciqe(&image(&pixels));
+            prop_assert!((0.0..0.7).contains(&found.chroma_deviation));
+            prop_assert!((0.0..=1.0).contains(&found.luminance_contrast) && (0.0..=1.0).contains(&found.saturation));
+        }
+    }
+}

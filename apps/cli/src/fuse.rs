@@ -8,12 +8,13 @@ use std::sync::Mutex;
 
 use anyhow::anyhow;
 use aquafuse::fusion::{Gain, Incidence, Model, Options};
-use aquafuse_data::analysis::analyse;
+use aquafuse_data::analysis::{DepthSource, analyse};
 use aquafuse_data::job::{self, Message};
 use aquafuse_data::picture::{Picture, WriteOptions};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::depth_arguments::DepthArguments;
 use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::inspect::veiling_light;
@@ -41,6 +42,8 @@ pub(crate) struct Fuse {
     /// Gain on the reference's water, 0 or more; above 1 it is brighter than it was [default: 1].
     #[arg(long, value_name = "A", value_parser = gain, allow_negative_numbers = true)]
     alpha: Option<Gain>,
+    #[command(flatten)]
+    depth: DepthArguments,
     #[command(flatten)]
     depth_model: DepthModelArg,
     /// JPEG quality, 1 to 100.
@@ -75,11 +78,13 @@ fn gain(text: &str) -> anyhow::Result<Gain> {
 
 impl Fuse {
     pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
-        let items = plan::items(&self.content, &self.water, &self.output).map_err(Failure::usage)?;
+        let model = self.depth_model.get();
+        let supply = self.depth.supply(self.content.is_dir(), model).map_err(Failure::usage)?;
+        let items = plan::items(&self.content, &self.water, &self.output, &supply).map_err(Failure::usage)?;
         if !self.overwrite {
             plan::refuse_existing(&items).map_err(Failure::usage)?;
         }
-        let reference = analyse(&Picture::read(&self.water)?, self.depth_model.get()).estimate;
+        let reference = analyse(&Picture::read(&self.water)?, &DepthSource::Estimated(model))?.estimate;
         // All outputs of a run stand in one folder.
         if let Some(first) = items.first() {
             output::make_folder_of(&first.output)?;
@@ -87,7 +92,6 @@ impl Fuse {
         let job = job::Fuse {
             items,
             water: reference.water,
-            depth_model: self.depth_model.get(),
             options: self.options(),
             writing: WriteOptions { overwrite: self.overwrite, quality: self.quality },
         };

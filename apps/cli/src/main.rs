@@ -2,6 +2,7 @@
 
 mod demo;
 mod depth;
+mod depth_arguments;
 mod depth_model;
 mod failure;
 mod fuse;
@@ -45,6 +46,8 @@ Examples:
                                                      reef.jpg in green.jpg's water
   aquafuse fuse photos/ green.jpg -o fused/          every picture of a folder, subtly
   aquafuse inspect reef.jpg                          what the picture tells about its water
+  aquafuse fuse reef.jpg green.jpg -o fused.jpg --depth reef.tiff --depth-kind metres
+                                                     with depth that was measured
   aquafuse depth reef.jpg -o depth.png
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried

@@ -17,5 +17,6 @@ mod ssim;
 
 pub use depth_rmse::{DepthRmse, depth_rmse};
 pub use psnr::psnr;
+pub(crate) use spearman::ranks;
 pub use spearman::spearman;
 pub use ssim::ssim;

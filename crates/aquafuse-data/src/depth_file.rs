@@ -43,8 +43,7 @@ struct Raster {
 enum Fault {
     Read(std::io::Error),
     Damaged(String),
-    /// Columns, rows and bytes a place.
-    TooLarge(u64, u64),
+    TooLarge(String),
     Unsupported(String, &'static str),
     UnknownFormat,
 }
@@ -66,7 +65,7 @@ const MOST_BYTES: u64 = 512 << 20;
 fn check_size(width: u64, height: u64, bytes_a_place: u64) -> Result<(usize, usize), Fault> {
     let bytes = width.checked_mul(height).and_then(|places| places.checked_mul(bytes_a_place.max(4)));
     if bytes.is_none_or(|bytes| bytes > MOST_BYTES) {
-        return Err(Fault::TooLarge(width, height));
+        return Err(Fault::TooLarge(format!("{width}x{height} values are too many")));
     }
     match (usize::try_from(width), usize::try_from(height)) {
         (Ok(width @ 1..), Ok(height @ 1..)) => Ok((width, height)),
@@ -131,9 +130,7 @@ fn named(path: &Path, fault: Fault) -> FileError {
     match fault {
         Fault::Read(error) => FileError::Read { path, error },
         Fault::Damaged(cause) => FileError::Damaged { path, cause },
-        Fault::TooLarge(width, height) => {
-            FileError::TooLarge { path, cause: format!("{width}x{height} values are too many") }
-        }
+        Fault::TooLarge(cause) => FileError::TooLarge { path, cause },
         Fault::Unsupported(found, remedy) => FileError::UnsupportedDepth { path, found, remedy },
         Fault::UnknownFormat => FileError::UnknownDepthFormat { path },
     }

@@ -59,7 +59,7 @@ fn check(header: &Header) -> Result<(), Fault> {
     let Vec2(columns, rows) = header.max_block_pixel_size();
     let block = whole(columns).checked_mul(whole(rows)).and_then(|pixels| pixels.checked_mul(bytes.max(4)));
     if block.is_none_or(|block| block > MOST_BYTES) {
-        return Err(Fault::TooLarge(whole(columns), whole(rows)));
+        return Err(Fault::TooLarge(format!("blocks of {columns}x{rows} values are too many")));
     }
     Ok(())
 }

@@ -28,7 +28,7 @@ impl From<ImageError> for Fault {
     fn from(error: ImageError) -> Self {
         match error {
             ImageError::IoError(error) => error.into(),
-            ImageError::Limits(_) => Self::Damaged("it asks for more memory than a depth map takes".into()),
+            ImageError::Limits(limit) => Self::TooLarge(limit.to_string()),
             other => Self::Damaged(other.to_string()),
         }
     }

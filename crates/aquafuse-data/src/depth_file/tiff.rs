@@ -53,6 +53,7 @@ impl From<TiffError> for Fault {
         match error {
             TiffError::IoError(error) => error.into(),
             TiffError::UnsupportedError(found) => Self::Unsupported(found.to_string(), REMEDY),
+            TiffError::LimitsExceeded => Self::TooLarge(error.to_string()),
             other => Self::Damaged(other.to_string()),
         }
     }

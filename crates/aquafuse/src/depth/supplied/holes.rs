@@ -54,7 +54,7 @@ fn curve(distances: &[f32], valid: &[bool], levels: &[u8]) -> [f32; LEVELS] {
     knots.retain(|knot| knot.0 < farthest);
     knots.iter_mut().for_each(|knot| knot.1 = knot.1.min(far));
     knots.push((farthest, far));
-    knots.push((farthest + RAMP, far * OPEN_WATER));
+    knots.push((farthest + RAMP, (far * OPEN_WATER).min(f32::MAX)));
     std::array::from_fn(|level| along(&knots, level))
 }
 

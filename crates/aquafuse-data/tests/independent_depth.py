@@ -1,4 +1,4 @@
-"""Writes and reads depth maps with NumPy, OpenCV and tifffile, for independent_depth.rs.
+"""Writes and reads depth maps with NumPy, OpenCV, tifffile and OpenEXR, for independent_depth.rs.
 
 `check FOLDER`: what is in FOLDER/ours.* must be the floats of FOLDER/truth.f32 (7 columns).
 `write FOLDER`: writes those floats in every form we claim to read, one file each.
@@ -7,9 +7,9 @@
 import os
 import sys
 
-os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
 import cv2
 import numpy as np
+import OpenEXR
 import tifffile
 
 what, folder = sys.argv[1:]
@@ -23,7 +23,7 @@ if what == "check":
         "numpy npy": np.load(path("ours.npy")),
         "tifffile tiff": tifffile.imread(path("ours.tiff")),
         "opencv tiff": plain("ours.tiff"),
-        "opencv exr": plain("ours.exr"),
+        "openexr exr": OpenEXR.File(path("ours.exr")).channels()["Z"].pixels,
         "opencv pfm": plain("ours.pfm"),
     }
     for name, found in seen.items():
@@ -47,8 +47,12 @@ else:
     tifffile.imwrite(path("whole.tif"), bytes_)
     assert cv2.imwrite(path("millimetres.png"), words)
     assert cv2.imwrite(path("whole.png"), bytes_)
-    assert cv2.imwrite(path("metres.exr"), truth)
-    assert cv2.imwrite(path("half.exr"), truth, [cv2.IMWRITE_EXR_TYPE, cv2.IMWRITE_EXR_TYPE_HALF])
+    compressions = {"none": OpenEXR.NO_COMPRESSION, "zip": OpenEXR.ZIP_COMPRESSION, "piz": OpenEXR.PIZ_COMPRESSION}
+    for name, code in compressions.items():
+        header = {"compression": code, "type": OpenEXR.scanlineimage}
+        OpenEXR.File(header, {"Z": truth}).write(path(f"metres_{name}.exr"))
+        OpenEXR.File(header, {"Y": truth.astype(np.float16)}).write(path(f"half_{name}.exr"))
+    OpenEXR.File(header, {"A": truth * 0, "Z": truth, "R": truth * 0}).write(path("metres_among.exr"))
     assert cv2.imwrite(path("metres.pfm"), truth)
     with open(path("metres_big.pfm"), "wb") as file:
         file.write(b"Pf\n7 %d\n1.0\n" % len(truth) + truth[::-1].astype(">f4").tobytes())

@@ -6,7 +6,7 @@ mod run;
 
 use std::path::{Path, PathBuf};
 
-use aquafuse::depth::{DepthKind, DepthMap};
+use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
 use aquafuse::image::Image;
 use aquafuse::truth::{Scene, Size};
 use aquafuse_data::depth_file;
@@ -194,14 +194,27 @@ fn open_water_without_measured_depth_is_far_in_real_pictures() {
         let arguments = ["--depth", map.to_str().unwrap(), "--depth-kind", "metres"];
         let inspect = [&["inspect", picture.to_str().unwrap(), "--json"][..], &arguments].concat();
         let report = json(&run.ok(&inspect).stdout);
-        let values = depth_file::read(&map, aquafuse::depth::SuppliedKind::Metres).unwrap();
-        let picture = Picture::read(&picture).unwrap();
-        let z = values.seen_with(&picture.image, picture.top_edge()).unwrap();
         let invalid = report["depth"]["supplied"]["invalid_share"].as_f64().unwrap();
-        assert!((invalid - z.report.invalid_share()).abs() < 1e-12 && invalid > 0.1);
-        // Two thirds of what has no depth is as far as the far end of the rest, or farther.
-        let far = z.depth.percentile((1.0 - 0.5 * invalid) as f32);
-        let measured_far = z.depth.percentile((0.95 * (1.0 - invalid)) as f32);
-        assert!(far >= measured_far, "{}: {far} {measured_far}", map.display());
+        let file = std::io::BufReader::new(std::fs::File::open(&map).unwrap());
+        let tiff::decoder::DecodingResult::F32(stored) =
+            tiff::decoder::Decoder::new(file).unwrap().read_image().unwrap()
+        else {
+            panic!("{} is not of floats", map.display())
+        };
+        let holes = stored.iter().filter(|z| **z == 0.0).count();
+        assert!((invalid - holes as f64 / stored.len() as f64).abs() < 1e-12, "{}", map.display());
+
+        let picture = Picture::read(&picture).unwrap();
+        let found = depth_file::read(&map, SuppliedKind::Metres).unwrap();
+        let z = found.seen_with(&picture.image, picture.top_edge()).unwrap().depth.distances();
+        let mut measured: Vec<f32> = stored.iter().copied().filter(|z| *z > 0.0).collect();
+        measured.sort_by(f32::total_cmp);
+        let far_end = measured[measured.len() * 98 / 100];
+        // The top tenth of these pictures is open water, with pillars in some.
+        let top = &z[..z.len() / 10];
+        let open: Vec<f32> = top.iter().zip(&stored).filter(|(_, z)| **z == 0.0).map(|(z, _)| *z).collect();
+        let far = open.iter().filter(|z| **z >= far_end).count() as f64 / open.len() as f64;
+        println!("{}: {:.1} % of the open water is as far as the far end", map.display(), 100.0 * far);
+        assert!(far >= 0.9, "{}: {far}", map.display());
     }
 }

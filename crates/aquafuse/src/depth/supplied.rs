@@ -62,7 +62,7 @@ pub struct SuppliedReport {
     pub agreement: Option<f64>,
 }
 
-/// Agreement below this looks like a map turned round. On 26 real pairs maps declared rightly lie above .04, so
+/// Agreement below this looks like a map turned round. On 26 real pairs maps declared rightly lie at .09 or above, so
 /// they stay quiet with room to spare; nearer to 0 more turned maps would be caught, and level or down-looking views
 /// would be blamed.
 const TURNED_ROUND: f64 = -0.2;

@@ -3,10 +3,12 @@
 use std::io::{BufRead, Cursor, Seek};
 
 use ::exr::block;
+use ::exr::compression::Compression;
 use ::exr::error::Error;
 use ::exr::image::write::WritableImage;
-use ::exr::image::{Image, SpecificChannels};
+use ::exr::image::{Blocks, Encoding, Image, SpecificChannels};
 use ::exr::math::Vec2;
+use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::header::Header;
 use ::exr::prelude::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, Text, read};
 use aquafuse::depth::DepthMap;
@@ -78,7 +80,13 @@ pub(super) fn encode(depth: &DepthMap) -> Result<Vec<u8>, String> {
         .with_channel(CHANNELS[0])
         .with_pixel_fn(|at: Vec2<usize>| (distances[at.1 * width + at.0],));
     let mut file = Cursor::new(Vec::new());
-    Image::from_channels((width, height), channels)
+    // Scan lines and ZIP: what every reader can.
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    Image::from_encoded_channels((width, height), encoding, channels)
         .write()
         .non_parallel()
         .to_buffered(&mut file)

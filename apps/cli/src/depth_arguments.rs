@@ -13,7 +13,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 #[derive(Args)]
 pub(crate) struct DepthArguments {
     /// Take depth from this file (PNG, TIFF, OpenEXR, NPY, PFM), of the picture's size; for a folder of pictures, a
-    /// folder of such files with the same stems. Where it holds no valid value, colour tells.
+    /// folder of such files with the same stems. Where it holds no valid value, colour tells. The depth
+    /// of a reference always comes from colour.
     #[arg(long, value_name = "FILE")]
     depth: Option<PathBuf>,
     /// What the values of --depth are, which no file says. Larger is farther in the first three, nearer in the last

@@ -73,7 +73,6 @@ struct Depth {
     mean: f32,
     p05: f32,
     p95: f32,
-    #[serde(skip_serializing_if = "Option::is_none")]
     supplied: Option<Supplied>,
 }
 

@@ -4,10 +4,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::anyhow;
-use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Model, Options, Waters, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
-use aquafuse_data::analysis::{Analysis, analyse};
+use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
 use aquafuse_data::picture::{Picture, WriteOptions};
 use aquafuse_data::sheet::{Cell, lay_out};
 use clap::Args;
@@ -53,14 +52,14 @@ impl Demo {
         let mut references = Vec::new();
         for (i, water) in [green, clear, deep].into_iter().enumerate() {
             let scene = Scene::new(self.seed.wrapping_add(10 + i as u64), REFERENCE);
-            let made = Made::new(&scene, water);
+            let made = Made::new(&scene, water)?;
             let path = self.write(&format!("reference_{}.png", water.name), &made.picture)?;
             say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
             references.push(made);
         }
         let mut rows = vec![heading(&references)];
         for (i, water) in [blue, turbid].into_iter().enumerate() {
-            let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water);
+            let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water)?;
             let name = format!("content_{}", water.name);
             let path = self.write(&format!("{name}.png"), &content.picture)?;
             say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
@@ -104,10 +103,10 @@ struct Made {
 }
 
 impl Made {
-    fn new(scene: &Scene, water: NamedWater) -> Self {
+    fn new(scene: &Scene, water: NamedWater) -> Result<Self, Failure> {
         let picture = Picture::new(scene.seen_through(&water.water).to_samples());
-        let found = analyse(&picture, DepthModel::default());
-        Self { picture, water, found }
+        let found = analyse(&picture, &DepthSource::default())?;
+        Ok(Self { picture, water, found })
     }
 
     fn fused(&self, reference: &Made, model: Model) -> Picture {

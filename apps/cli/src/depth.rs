@@ -10,7 +10,7 @@ use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::output;
 
-/// Estimate depth from colour and write it as a picture.
+/// Estimate depth from colour and write it as a file.
 ///
 /// The model at each pixel, then a 7x7 median: relative depth, 0 near, larger farther. All models fail
 /// where red is dead: everything then looks far.
@@ -18,7 +18,8 @@ use crate::output;
 pub(crate) struct Depth {
     /// PNG or JPEG, 8 bits a channel, without transparency.
     image: PathBuf,
-    /// Where to write: .png, 16-bit grey, 65535 = farthest possible; a missing folder is made.
+    /// Where to write: .png (16-bit grey, 65535 = farthest possible), .tiff, .exr, .npy or .pfm (floats, 1 =
+    /// farthest possible); a missing folder is made.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]

@@ -8,12 +8,13 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use anyhow::anyhow;
-use aquafuse_data::analysis::analyse;
+use aquafuse_data::analysis::{DepthSource, analyse};
 use aquafuse_data::job::{self, Message};
 use aquafuse_data::picture::{Picture, WriteOptions};
 use clap::Args;
 use settings::SettingsArgs;
 
+use crate::depth_arguments::DepthArguments;
 use crate::failure::Failure;
 use crate::inspect::veiling_light;
 use crate::output;
@@ -32,6 +33,8 @@ pub(crate) struct Fuse {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
+    depth: DepthArguments,
+    #[command(flatten)]
     settings: SettingsArgs,
     /// JPEG quality, 1 to 100.
     #[arg(long, value_name = "Q", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
@@ -43,12 +46,15 @@ pub(crate) struct Fuse {
 
 impl Fuse {
     pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
-        let items = plan::items(&self.content, &self.water, &self.output).map_err(Failure::usage)?;
+        let settings = self.settings.get();
+        let supply =
+            self.depth.supply(self.content.is_dir(), settings.depth_model).map_err(Failure::usage)?;
+        let items = plan::items(&self.content, &self.water, &self.output, &supply).map_err(Failure::usage)?;
         if !self.overwrite {
             plan::refuse_existing(&items).map_err(Failure::usage)?;
         }
-        let settings = self.settings.get();
-        let reference = analyse(&Picture::read(&self.water)?, settings.depth_model).estimate;
+        let reference =
+            analyse(&Picture::read(&self.water)?, &DepthSource::Estimated(settings.depth_model))?.estimate;
         // All outputs of a run stand in one folder.
         if let Some(first) = items.first() {
             output::make_folder_of(&first.output)?;
@@ -56,7 +62,6 @@ impl Fuse {
         let job = job::Fuse {
             items,
             water: reference.water,
-            depth_model: settings.depth_model,
             options: settings.options,
             smoothing: settings.smoothing,
             writing: WriteOptions { overwrite: self.overwrite, quality: self.quality },

@@ -3,13 +3,14 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use aquafuse::depth::DepthKind;
+use aquafuse::depth::{DepthKind, SuppliedKind};
 use aquafuse::waterbody::{Estimate, VeilingLight, VeilingLightSource};
-use aquafuse_data::analysis::{Analysis, analyse};
+use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
 use aquafuse_data::picture::Picture;
 use clap::Args;
 use serde::Serialize;
 
+use crate::depth_arguments::{DepthArguments, turned_round};
 use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::output;
@@ -24,6 +25,8 @@ pub(crate) struct Inspect {
     /// PNG or JPEG, 8 bits a channel, without transparency.
     image: PathBuf,
     #[command(flatten)]
+    depth: DepthArguments,
+    #[command(flatten)]
     model: DepthModelArg,
     /// Print JSON for programs.
     #[arg(long)]
@@ -33,7 +36,9 @@ pub(crate) struct Inspect {
 impl Inspect {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let picture = Picture::read(&self.image)?;
-        let found = analyse(&picture, self.model.get());
+        let supply = self.depth.supply(false, self.model.get()).map_err(Failure::usage)?;
+        let source = supply.of(&self.image).map_err(Failure::usage)?;
+        let found = analyse(&picture, &source)?;
         if self.json {
             let report = Report::new(&picture, &found);
             let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
@@ -68,6 +73,17 @@ struct Depth {
     mean: f32,
     p05: f32,
     p95: f32,
+    supplied: Option<Supplied>,
+}
+
+/// Where depth was supplied.
+#[derive(Serialize)]
+struct Supplied {
+    file: String,
+    kind: SuppliedKind,
+    invalid_share: f64,
+    agreement: Option<f64>,
+    warnings: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -110,7 +126,19 @@ fn text(picture: &Picture, found: &Analysis) -> String {
         let _ = writeln!(text, "{name:<28}{value}");
     };
     line("size", format!("{} x {}", picture.image.width(), picture.image.height()));
-    line("depth z", format!("{}, relative: 0 near, 1 far; it has no unit", depth.source));
+    let unit = match depth.kind {
+        DepthKind::Metres => "metres",
+        _ => "relative: 0 near, 1 far; it has no unit",
+    };
+    line("depth z", format!("{}, {unit}", depth.source));
+    if let Some(supplied) = &depth.supplied {
+        let invalid = 100.0 * supplied.invalid_share;
+        line("  file", format!("{}, {}", supplied.file, supplied.kind.name()));
+        line("  without a value", format!("{invalid:.1} % of the pixels: depth from colour there"));
+        for warning in &supplied.warnings {
+            line("  WARNING", format!("the map {warning}"));
+        }
+    }
     line("  mean, 5 %, 95 %", format!("{:.2} {:.2} {:.2}", depth.mean, depth.p05, depth.p95));
     line("veiling light B∞", format!("{r:.3} {g:.3} {b:.3} (red, green, blue)   {}", hex([r, g, b])));
     line("  read from", source(&found.estimate));
@@ -151,11 +179,29 @@ impl Depth {
     fn new(found: &Analysis) -> Self {
         let depth = &found.depth;
         Self {
-            source: found.depth_model.name(),
+            source: found.depth_source.name(),
             kind: depth.kind(),
             mean: depth.mean(),
             p05: depth.percentile(0.05),
             p95: depth.percentile(0.95),
+            supplied: Supplied::new(found),
         }
+    }
+}
+
+impl Supplied {
+    fn new(found: &Analysis) -> Option<Self> {
+        let (DepthSource::Supplied { path, kind }, Some(report)) = (&found.depth_source, &found.supplied)
+        else {
+            return None;
+        };
+        let warning = report.looks_turned_round().then(|| turned_round(report));
+        Some(Self {
+            file: path.display().to_string(),
+            kind: *kind,
+            invalid_share: report.invalid_share(),
+            agreement: report.agreement,
+            warnings: warning.into_iter().collect(),
+        })
     }
 }

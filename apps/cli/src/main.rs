@@ -2,6 +2,7 @@
 
 mod demo;
 mod depth;
+mod depth_arguments;
 mod depth_model;
 mod failure;
 mod fit;
@@ -47,6 +48,8 @@ Examples:
                                                      reef.jpg in green.jpg's water
   aquafuse fuse photos/ green.jpg -o fused/          every picture of a folder, subtly
   aquafuse inspect reef.jpg                          what the picture tells about its water
+  aquafuse fuse reef.jpg green.jpg -o fused.jpg --depth reef.tiff --depth-kind metres
+                                                     with depth that was measured
   aquafuse depth reef.jpg -o depth.png
   aquafuse fit pairs/ -o mine.toml                   a depth model from pictures with known depth
 

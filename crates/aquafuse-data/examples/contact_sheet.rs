@@ -6,9 +6,8 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Model, Options, Waters, fuse};
-use aquafuse_data::analysis::analyse;
+use aquafuse_data::analysis::{DepthSource, analyse};
 use aquafuse_data::picture::{Picture, WriteOptions};
 use aquafuse_data::sheet::{Cell, lay_out};
 
@@ -26,10 +25,10 @@ fn main() -> Result<(), Error> {
     let heading = references.iter().map(|(name, picture)| cell(name, picture));
     let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(blank).chain(heading).collect()];
     for (name, content) in read_all(&pictures[..dashes])? {
-        let found = analyse(&content, DepthModel::default());
+        let found = analyse(&content, &DepthSource::default())?;
         let mut row = vec![cell(&name, &content)];
         for (reference_name, reference) in &references {
-            let water = analyse(reference, DepthModel::default()).estimate.water;
+            let water = analyse(reference, &DepthSource::default())?.estimate.water;
             let options = Options::for_model(model);
             let waters = Waters { content: &found.estimate.water, reference: &water };
             let fused = fuse(&content.image, &found.depth, waters, &options)?;

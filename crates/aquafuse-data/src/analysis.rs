@@ -1,27 +1,98 @@
 //! What a picture tells about its depth and its water.
 
-use aquafuse::depth::{DepthMap, DepthModel};
+use std::path::PathBuf;
+
+use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse::image::Encoded;
 use aquafuse::waterbody::{self, Estimate, EstimateOptions};
 
-use crate::picture::Picture;
+use crate::depth_file;
+use crate::picture::{FileError, Picture};
+
+/// How to come by a picture's depth.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DepthSource {
+    /// From colour.
+    Estimated(DepthModel),
+    /// From a file.
+    Supplied {
+        /// The file, of the picture's size in stored order.
+        path: PathBuf,
+        /// What its values are.
+        kind: SuppliedKind,
+    },
+}
+
+impl Default for DepthSource {
+    /// The default model.
+    fn default() -> Self {
+        Self::Estimated(DepthModel::default())
+    }
+}
+
+impl DepthSource {
+    /// The name used in reports: that of the model, or `supplied`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Estimated(model) => model.name(),
+            Self::Supplied { .. } => "supplied",
+        }
+    }
+}
 
 /// A picture's depth and water, estimated.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// Depth from colour.
+    /// Depth from colour, or as supplied.
     pub depth: DepthMap,
     /// The way it was come by.
-    pub depth_model: DepthModel,
+    pub depth_source: DepthSource,
+    /// What is worth knowing about supplied depth, warnings among it; none for depth from colour.
+    pub supplied: Option<SuppliedReport>,
     /// Its water, and how that was found.
     pub estimate: Estimate<Encoded>,
 }
 
 /// Estimates depth and water of a picture. Every command that needs either calls this.
-pub fn analyse(picture: &Picture, depth_model: DepthModel) -> Analysis {
-    let depth = depth_model.estimate_seen(&picture.image, picture.top_edge());
-    let options = EstimateOptions { top: picture.top_edge(), ..EstimateOptions::default() };
+///
+/// # Errors
+///
+/// [`FileError`] when supplied depth cannot be read or does not suit the picture; depth from colour never fails.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::depth::SuppliedKind;
+/// use aquafuse::image::Image;
+/// use aquafuse_data::analysis::{DepthSource, analyse};
+/// use aquafuse_data::picture::Picture;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("z.pfm");
+/// let distances = [2.0_f32, 3.0];
+/// std::fs::write(&path, [&b"Pf 2 1 -1\n"[..], &distances.map(f32::to_le_bytes).concat()].concat())?;
+///
+/// let picture = Picture::new(Image::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
+/// let found = analyse(&picture, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
+/// assert_eq!(found.depth.distances(), distances);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn analyse(picture: &Picture, source: &DepthSource) -> Result<Analysis, FileError> {
+    let top = picture.top_edge();
+    let (depth, supplied) = match source {
+        DepthSource::Estimated(model) => (model.estimate_seen(&picture.image, top), None),
+        DepthSource::Supplied { path, kind } => {
+            let map = depth_file::read(path, *kind)?;
+            let found = map.seen_with(&picture.image, top).map_err(|error| FileError::UnfitDepth {
+                path: path.clone(),
+                error,
+                turned: picture.metadata.orientation > 4,
+            })?;
+            (found.depth, Some(found.report))
+        }
+    };
+    let options = EstimateOptions { top, ..EstimateOptions::default() };
     let estimate = waterbody::estimate(&picture.image, &depth, &options)
-        .expect("the depth map was made from this picture");
-    Analysis { depth, depth_model, estimate }
+        .expect("the depth map was made for this picture");
+    Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
 }

@@ -1,53 +1,201 @@
-//! Depth maps as files.
+//! Depth maps as files: PNG, TIFF, OpenEXR, NPY and PFM, one channel.
+//!
+//! | format | read | written |
+//! |---|---|---|
+//! | PNG | grey, 8 and 16 bits | 16 bits: relative 65535 = 1, metres in millimetres |
+//! | TIFF | grey, 8 and 16 bits, 32- and 64-bit float; plain, LZW, deflate | 32-bit float |
+//! | OpenEXR | channel Z, Y, R or the only one; half, float | 32-bit float, channel Z |
+//! | NPY | two-dimensional `u1`, `u2`, `f4`, `f8`, either byte and memory order | `<f4` |
+//! | PFM | `Pf`, either byte order; the size of its scale is not applied | little-endian |
+//!
+//! What the numbers mean is not in the file: see [`SuppliedKind`].
 
+mod exr;
+mod folder;
+mod npy;
+mod pfm;
+mod png;
+mod tiff;
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use aquafuse::depth::{DepthKind, DepthMap};
+pub use folder::DepthFolder;
 
-use crate::picture::{FileError, Format, WriteOptions, write_atomically};
+use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedKind};
 
-/// Writes a depth map as 16-bit grey PNG, whole or not at all: relative depth with 65535 = 1, metres in
-/// millimetres (65.535 m at most; what is farther is written as that).
+use crate::picture::{FileError, WriteOptions, write_atomically};
+
+/// Values of a file, row by row from the top, in its own unit.
+#[derive(Clone, Debug, PartialEq)]
+struct Raster {
+    width: usize,
+    height: usize,
+    values: Vec<f32>,
+    /// The largest whole number its type holds; none for floats.
+    full_range: Option<f32>,
+}
+
+/// Why a file cannot be read, before its name is known.
+#[derive(Debug)]
+enum Fault {
+    Read(std::io::Error),
+    Damaged(String),
+    TooLarge(String),
+    Unsupported(String, &'static str),
+    UnknownFormat,
+}
+
+impl From<std::io::Error> for Fault {
+    fn from(error: std::io::Error) -> Self {
+        match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => Self::Damaged("it ends too early".into()),
+            std::io::ErrorKind::InvalidData => Self::Damaged(error.to_string()),
+            _ => Self::Read(error),
+        }
+    }
+}
+
+/// What a decoded file may take, as for pictures.
+const MOST_BYTES: u64 = 512 << 20;
+
+/// Refuses, from the header, sizes that would take more memory than allowed, or none at all.
+fn check_size(width: u64, height: u64, bytes_a_place: u64) -> Result<(usize, usize), Fault> {
+    let bytes = width.checked_mul(height).and_then(|places| places.checked_mul(bytes_a_place.max(4)));
+    if bytes.is_none_or(|bytes| bytes > MOST_BYTES) {
+        return Err(Fault::TooLarge(format!("{width}x{height} values are too many")));
+    }
+    match (usize::try_from(width), usize::try_from(height)) {
+        (Ok(width @ 1..), Ok(height @ 1..)) => Ok((width, height)),
+        _ => Err(Fault::Damaged(format!("it says that it holds {width}x{height} values"))),
+    }
+}
+
+/// Reads `count` values of `N` bytes: the buffer grows with what is there, not with what the header promises.
+fn read_values<const N: usize>(
+    mut reader: impl Read,
+    count: usize,
+    value: impl Fn([u8; N]) -> f32,
+) -> Result<Vec<f32>, Fault> {
+    const AT_ONCE: usize = 1 << 16;
+    let mut values = Vec::new();
+    let mut bytes = vec![0; AT_ONCE.min(count) * N];
+    while values.len() < count {
+        let wanted = &mut bytes[..AT_ONCE.min(count - values.len()) * N];
+        reader.read_exact(wanted)?;
+        values.extend(wanted.as_chunks().0.iter().map(|&bytes| value(bytes)));
+    }
+    Ok(values)
+}
+
+/// Reads a depth map of a declared kind. The format is told by the content.
 ///
 /// # Errors
 ///
-/// [`FileError`] when the name does not end in `.png`, the file exists and may not be replaced, or the
-/// system refuses.
-pub fn write(path: &Path, depth: &DepthMap, options: &WriteOptions) -> Result<(), FileError> {
-    if Format::of(path) != Some(Format::Png) {
-        return Err(FileError::UnknownExtension { path: path.to_owned(), expected: ".png" });
+/// [`FileError`] when the file cannot be opened, is damaged, takes more than 512 MiB, or holds another format or
+/// kind of values.
+pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
+    let file = File::open(path).map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+    if file.metadata().is_ok_and(|about| about.is_file() && about.len() == 0) {
+        return Err(FileError::Empty { path: path.to_owned() });
     }
+    let raster = decode(BufReader::new(file)).map_err(|fault| named(path, fault))?;
+    let map = Supplied::new(raster.width, raster.height, raster.values, kind)
+        .map_err(|size| named(path, Fault::Damaged(size.to_string())))?;
+    Ok(match raster.full_range {
+        Some(most) => map.with_full_range(most),
+        None => map,
+    })
+}
+
+fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+    let head = reader.fill_buf()?;
+    let decoder = match head {
+        [0x89, b'P', b'N', b'G', ..] => png::decode,
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => tiff::decode,
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode,
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::decode,
+        [b'P', b'f' | b'F', b' ' | b'\t' | b'\r' | b'\n', ..] => pfm::decode,
+        _ => return Err(Fault::UnknownFormat),
+    };
+    // A decoder that panics is a bug of its own, but it must not take a folder of pictures with it.
+    catch_unwind(AssertUnwindSafe(|| decoder(reader)))
+        .unwrap_or_else(|_| Err(Fault::Damaged("the decoder gave up on it".into())))
+}
+
+fn named(path: &Path, fault: Fault) -> FileError {
+    let path = path.to_owned();
+    match fault {
+        Fault::Read(error) => FileError::Read { path, error },
+        Fault::Damaged(cause) => FileError::Damaged { path, cause },
+        Fault::TooLarge(cause) => FileError::TooLarge { path, cause },
+        Fault::Unsupported(found, remedy) => FileError::UnsupportedDepth { path, found, remedy },
+        Fault::UnknownFormat => FileError::UnknownDepthFormat { path },
+    }
+}
+
+/// A format depth is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Tiff,
+    Exr,
+    Npy,
+    Pfm,
+}
+
+/// What the names of depth maps end in.
+const EXTENSIONS: [(&str, Format); 6] = [
+    ("png", Format::Png),
+    ("tif", Format::Tiff),
+    ("tiff", Format::Tiff),
+    ("exr", Format::Exr),
+    ("npy", Format::Npy),
+    ("pfm", Format::Pfm),
+];
+
+fn format_of(path: &Path) -> Option<Format> {
+    let extension = path.extension()?.to_str()?;
+    EXTENSIONS.into_iter().find(|(known, _)| extension.eq_ignore_ascii_case(known)).map(|(_, format)| format)
+}
+
+/// Writes a depth map in the format its extension names, whole or not at all: PNG of 16 bits, relative depth with
+/// 65535 = 1 and metres in millimetres (65.535 m at most; what is farther is written as that), the others in
+/// 32-bit floats.
+///
+/// # Errors
+///
+/// [`FileError`] when the name has another extension, the file exists and may not be replaced, or the system
+/// refuses.
+pub fn write(path: &Path, depth: &DepthMap, options: &WriteOptions) -> Result<(), FileError> {
+    let Some(format) = format_of(path) else {
+        return Err(FileError::UnknownExtension {
+            path: path.to_owned(),
+            expected: ".png, .tif, .tiff, .exr, .npy or .pfm",
+        });
+    };
+    let (width, height) = depth.size();
+    write_atomically(path, options.overwrite, |out| match format {
+        Format::Png => crate::picture::encode_grey16(out, width, height, &steps(depth))
+            .map_err(|error| error.to_string()),
+        Format::Tiff => out.write_all(&tiff::encode(depth)?).map_err(|error| error.to_string()),
+        Format::Exr => out.write_all(&exr::encode(depth)?).map_err(|error| error.to_string()),
+        Format::Npy => npy::encode(out, depth).map_err(|error| error.to_string()),
+        Format::Pfm => pfm::encode(out, depth).map_err(|error| error.to_string()),
+    })
+}
+
+/// Depth in whole numbers of 16 bits.
+fn steps(depth: &DepthMap) -> Vec<u16> {
     let steps_per_unit = match depth.kind() {
         DepthKind::Metres => 1000.0,
         _ => 65535.0,
     };
     let stored = |z: f32| (z * steps_per_unit).round().clamp(0.0, 65535.0) as u16;
-    let values: Vec<u16> = depth.distances().into_iter().map(stored).collect();
-    write_atomically(path, options.overwrite, |out| {
-        crate::picture::encode_grey16(out, depth.width(), depth.height(), &values)
-    })
+    depth.distances().into_iter().map(stored).collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn written(depth: &DepthMap) -> Vec<u16> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("z.png");
-        write(&path, depth, &WriteOptions::default()).unwrap();
-        ::image::open(&path).unwrap().into_luma16().into_raw()
-    }
-
-    #[test]
-    fn relative_depth_spans_sixteen_bits() {
-        let depth = DepthMap::from_levels(3, 1, vec![0, 1, 255]).unwrap();
-        assert_eq!(written(&depth), [0, 257, 65535]);
-    }
-
-    #[test]
-    fn metres_are_written_as_millimetres() {
-        let depth = DepthMap::from_distances(3, 1, DepthKind::Metres, vec![0.0, 1.5, 100.0]).unwrap();
-        assert_eq!(written(&depth), [0, 1500, 65535]);
-    }
-}
+mod tests;

@@ -1,15 +1,15 @@
 //! A long run as a stream of messages: whoever started it decides what to show.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use aquafuse::depth::DepthModel;
+use aquafuse::depth::SuppliedReport;
 use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::{VeilingLightSource, Waterbody};
 use rayon::prelude::*;
 
-use crate::analysis::analyse;
+use crate::analysis::{DepthSource, analyse};
 use crate::picture::{FileError, Picture, WriteOptions};
 
 /// Fuses pictures with one water.
@@ -19,8 +19,6 @@ pub struct Fuse {
     pub items: Vec<Item>,
     /// The reference's water.
     pub water: Waterbody,
-    /// How to come by the contents' depth.
-    pub depth_model: DepthModel,
     /// How to fuse.
     pub options: Options,
     /// How to smooth what was fused.
@@ -30,12 +28,14 @@ pub struct Fuse {
 }
 
 /// One picture of a job.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Item {
     /// The content.
     pub input: PathBuf,
     /// The fused picture.
     pub output: PathBuf,
+    /// How to come by the content's depth.
+    pub depth: DepthSource,
 }
 
 /// What a running job says.
@@ -70,6 +70,8 @@ pub struct Report {
     pub clipping: Clipping,
     /// Where the content's veiling light was read.
     pub veiling_light_source: VeilingLightSource,
+    /// What is worth knowing about its depth, where that was supplied.
+    pub supplied: Option<SuppliedReport>,
 }
 
 /// How a job ended.
@@ -87,7 +89,7 @@ impl Fuse {
     pub fn run(&self, listener: &(dyn Fn(Message<'_>) + Sync)) -> Summary {
         listener(Message::Started { total: self.items.len() });
         let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        self.items.par_iter().for_each(|item| match self.fuse_file(&item.input, &item.output) {
+        self.items.par_iter().for_each(|item| match self.fuse_file(item) {
             Ok(report) => {
                 done.fetch_add(1, Ordering::Relaxed);
                 listener(Message::Done { item, report });
@@ -100,14 +102,15 @@ impl Fuse {
         Summary { done: done.into_inner(), failed: failed.into_inner() }
     }
 
-    fn fuse_file(&self, input: &Path, output: &Path) -> Result<Report, FileError> {
-        let mut picture = Picture::read(input)?;
-        let found = analyse(&picture, self.depth_model);
+    fn fuse_file(&self, item: &Item) -> Result<Report, FileError> {
+        let mut picture = Picture::read(&item.input)?;
+        let found = analyse(&picture, &item.depth)?;
         let waters = Waters { content: &found.estimate.water, reference: &self.water };
         let clipping = fuse_mut(&mut picture.image, &found.depth, waters, &self.options)
-            .expect("the depth map was made from this picture");
+            .expect("the depth map was made for this picture");
         picture.image = self.smoothing.apply(picture.image);
-        picture.write(output, &self.writing)?;
-        Ok(Report { clipping, veiling_light_source: found.estimate.veiling_light_source })
+        picture.write(&item.output, &self.writing)?;
+        let veiling_light_source = found.estimate.veiling_light_source;
+        Ok(Report { clipping, veiling_light_source, supplied: found.supplied })
     }
 }

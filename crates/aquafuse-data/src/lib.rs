@@ -3,8 +3,9 @@
 //! # Where do I start?
 //!
 //! ```
-//! use aquafuse::{depth::DepthModel, fusion::Options, smooth::Smoothing};
-//! use aquafuse_data::{analysis::analyse, job, picture::{Picture, WriteOptions}};
+//! use aquafuse::{fusion::Options, smooth::Smoothing};
+//! use aquafuse_data::analysis::{DepthSource, analyse};
+//! use aquafuse_data::{job, picture::{Picture, WriteOptions}};
 //! # use aquafuse::truth::{Scene, Size, waters};
 //! # let folder = tempfile::tempdir()?;
 //! # let path = |name: &str| folder.path().join(name);
@@ -16,9 +17,12 @@
 //!
 //! let reference = Picture::read(&path("reference.png"))?;
 //! let job = job::Fuse {
-//!     items: vec![job::Item { input: path("content.png"), output: path("fused.png") }],
-//!     water: analyse(&reference, DepthModel::default()).estimate.water,
-//!     depth_model: DepthModel::default(),
+//!     items: vec![job::Item {
+//!         input: path("content.png"),
+//!         output: path("fused.png"),
+//!         depth: DepthSource::default(),
+//!     }],
+//!     water: analyse(&reference, &DepthSource::default())?.estimate.water,
 //!     options: Options::default(),
 //!     smoothing: Smoothing::default(),
 //!     writing: WriteOptions::default(),
@@ -33,7 +37,7 @@
 //! | module | does |
 //! |---|---|
 //! | [`picture`] | PNG and JPEG files, 8 bit, with their colour profile and EXIF; written all or nothing |
-//! | [`depth_file`] | depth maps as 16-bit PNG |
+//! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM |
 //! | [`analysis`] | what a picture tells about its depth and water: the one estimator of every command |
 //! | [`folder`] | which pictures a folder holds |
 //! | [`job`] | a long run as a stream of messages |

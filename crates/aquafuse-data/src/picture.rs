@@ -1,15 +1,17 @@
 //! Picture files: what is read, and what is written back with it.
 
 mod atomic;
+mod error;
 mod read;
 mod write;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use aquafuse::image::Image;
 use aquafuse::waterbody::TopEdge;
 
 pub(crate) use atomic::write_atomically;
+pub use error::FileError;
 pub(crate) use write::encode_grey16;
 
 /// A picture with what its file said about it.
@@ -74,90 +76,6 @@ pub struct WriteOptions {
 impl Default for WriteOptions {
     fn default() -> Self {
         Self { overwrite: false, quality: 95 }
-    }
-}
-
-/// A file could not be read or written. Its message names the file, the cause and what to do.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FileError {
-    /// The file cannot be opened or read.
-    #[error("cannot read {}: {error}. {}", path.display(), remedy(error))]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        error: std::io::Error,
-    },
-    /// There is nothing in the file.
-    #[error("cannot read {}: the file is empty. Get a whole copy of it", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The content is none of our formats.
-    #[error("cannot read {}: it is neither PNG nor JPEG. If it is a picture, convert it first", path.display())]
-    UnknownFormat {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The pixels are of a kind we do not read yet.
-    #[error("cannot read {}: its pixels are {found}; 8-bit RGB or grey is read. {remedy}", path.display())]
-    UnsupportedPixels {
-        /// The file.
-        path: PathBuf,
-        /// What they are.
-        found: String,
-        /// What to do.
-        remedy: &'static str,
-    },
-    /// The file is damaged.
-    #[error("cannot decode {}: {cause}. The file seems damaged; get a whole copy of it", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What the decoder said.
-        cause: String,
-    },
-    /// The picture is larger than we take on.
-    #[error("cannot decode {}: {cause}; a decoded picture may take 512 MiB. Scale it down or cut it into parts", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// What the decoder said.
-        cause: String,
-    },
-    /// The output's extension names no format we write.
-    #[error("cannot write {}: its name must end in {expected}", path.display())]
-    UnknownExtension {
-        /// The file.
-        path: PathBuf,
-        /// What is written.
-        expected: &'static str,
-    },
-    /// There is already a file of that name.
-    #[error("{} exists and was not touched; give another output, or --overwrite to replace it", path.display())]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file cannot be written.
-    #[error("cannot write {}: {cause}. Whatever was there before is still there", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system or the encoder said.
-        cause: String,
-    },
-}
-
-/// What to do about an input that cannot be read.
-fn remedy(error: &std::io::Error) -> &'static str {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "Check the name",
-        std::io::ErrorKind::PermissionDenied => "Ask for the right to read it",
-        std::io::ErrorKind::IsADirectory => "Name a picture in it instead",
-        _ => "Check that it is a file on a disk that works",
     }
 }
 

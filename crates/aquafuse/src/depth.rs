@@ -2,7 +2,8 @@
 //!
 //! Water takes red away first, so red against the stronger of green and blue tells how much water a
 //! pixel was seen through. [`DepthModel`] holds the ways from colour to depth; [`estimate`] takes the paper's,
-//! [`Eq3`], with our coefficients. [`DepthMap`] also holds depth from elsewhere, in metres.
+//! [`Eq3`], with our coefficients. Depth from elsewhere comes in as
+//! [`Supplied`], of a declared kind, and [`DepthMap`] holds it in metres or relative.
 
 mod eq3;
 pub mod fit;
@@ -11,6 +12,7 @@ mod map;
 mod median;
 mod model;
 mod scale;
+mod supplied;
 mod tables;
 
 pub use eq3::{Eq3, Eq3Error};
@@ -18,6 +20,7 @@ pub use map::{DepthError, DepthKind, DepthMap};
 pub(crate) use map::{LEVELS, Quantised};
 pub use model::DepthModel;
 pub use scale::{RelativeScale, ScaleError};
+pub use supplied::{Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport};
 
 use crate::image::{Image, Sample};
 

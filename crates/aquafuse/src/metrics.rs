@@ -21,6 +21,7 @@ mod uiqm;
 
 pub use depth_rmse::{DepthRmse, depth_rmse};
 pub use psnr::psnr;
+pub(crate) use spearman::ranks;
 pub use spearman::spearman;
 pub use ssim::ssim;
 pub use uciqe::{Uciqe, uciqe};

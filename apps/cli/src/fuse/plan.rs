@@ -1,16 +1,34 @@
 //! What is to be read and written: everything that can be refused before work begins is refused here.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, anyhow};
+use anyhow::{Error, Result, anyhow};
+use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::folder;
 use aquafuse_data::job::Item;
 use aquafuse_data::picture::{FileError, Format};
 
+use crate::depth_arguments::Supply;
+
 /// The pictures to fuse: one, or those of a folder.
-pub(super) fn items(content: &Path, water: &Path, output: &Path) -> Result<Vec<Item>> {
+pub(super) fn items(content: &Path, water: &Path, output: &Path, supply: &Supply) -> Result<Vec<Item>> {
     let about = content.metadata().map_err(|error| FileError::Read { path: content.to_owned(), error })?;
-    if about.is_dir() { of_folder(content, output) } else { Ok(vec![of_file(content, water, output)?]) }
+    let files =
+        if about.is_dir() { of_folder(content, output)? } else { vec![of_file(content, water, output)?] };
+    let item = |(input, output): (PathBuf, PathBuf)| {
+        let depth = supply.of(&input)?;
+        if let DepthSource::Supplied { path, .. } = &depth
+            && same(path, &output)
+        {
+            return Err(written_over(&output));
+        }
+        Ok(Item { input, output, depth })
+    };
+    files.into_iter().map(item).collect()
+}
+
+fn written_over(input: &Path) -> Error {
+    anyhow!("{} is an input, not to be written over; give another output", input.display())
 }
 
 /// Refuses outputs that are there already.
@@ -24,7 +42,8 @@ pub(super) fn refuse_existing(items: &[Item]) -> Result<()> {
     }
 }
 
-fn of_file(content: &Path, water: &Path, output: &Path) -> Result<Item> {
+/// Input and output.
+fn of_file(content: &Path, water: &Path, output: &Path) -> Result<(PathBuf, PathBuf)> {
     let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
     let output = match content.file_name() {
         Some(name) if is_folder => output.join(name),
@@ -34,12 +53,13 @@ fn of_file(content: &Path, water: &Path, output: &Path) -> Result<Item> {
         return Err(FileError::UnknownExtension { path: output, expected: ".png, .jpg or .jpeg" }.into());
     }
     if [content, water].into_iter().any(|input| same(input, &output)) {
-        return Err(anyhow!("{} is an input, not to be written over; give another output", output.display()));
+        return Err(written_over(&output));
     }
-    Ok(Item { input: content.to_owned(), output })
+    Ok((content.to_owned(), output))
 }
 
-fn of_folder(content: &Path, output: &Path) -> Result<Vec<Item>> {
+/// Input and output of each picture.
+fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     if same(content, output) {
         return Err(anyhow!("{} is both content and output; give another output folder", content.display()));
     }
@@ -61,7 +81,7 @@ fn of_folder(content: &Path, output: &Path) -> Result<Vec<Item>> {
         ));
     }
     let output = |input: &Path| output.join(input.file_name().unwrap_or_default());
-    Ok(listing.pictures.into_iter().map(|input| Item { output: output(&input), input }).collect())
+    Ok(listing.pictures.into_iter().map(|input| (input.clone(), output(&input))).collect())
 }
 
 fn same(a: &Path, b: &Path) -> bool {

@@ -2,8 +2,11 @@
 
 use std::fmt::Write;
 
+use aquafuse::depth::SuppliedReport;
 use aquafuse::waterbody::VeilingLightSource;
 use aquafuse_data::job::{Item, Report};
+
+use crate::depth_arguments::turned_round;
 
 /// More clipping than this share of the values is worth a word.
 const MUCH: f64 = 0.05;
@@ -28,6 +31,16 @@ pub(super) fn of(reports: &[(Item, Report)]) -> String {
     let with_share =
         |(item, report): &&(Item, Report)| format!("{} {:.0} %", name(item), 100.0 * report.clipping.share());
     list(&mut text, "much clipped (try a larger --theta or another WATER)", clipped.iter().map(with_share));
+    let supplied = reports.iter().filter_map(|(item, report)| Some((item, report.supplied?)));
+    for (item, supplied) in supplied.clone().filter(|(_, supplied)| supplied.looks_turned_round()).take(NAMED)
+    {
+        let _ = writeln!(text, "  WARNING: the depth map of {} {}", name(item), turned_round(&supplied));
+    }
+    let holes = supplied.filter(|(_, supplied)| supplied.invalid > 0);
+    let with_share = |(item, supplied): (&Item, SuppliedReport)| {
+        format!("{} {:.1} %", name(item), 100.0 * supplied.invalid_share())
+    };
+    list(&mut text, "pixels without a valid depth, told from colour", holes.map(with_share));
     let fell_back = |(_, report): &&(Item, Report)| {
         !matches!(report.veiling_light_source, VeilingLightSource::OpenWater | VeilingLightSource::Farthest)
     };

@@ -7,7 +7,7 @@ use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Options, Waters, fuse};
 use aquafuse::metrics::{DepthRmse, depth_rmse, psnr, ssim};
 use aquafuse::smooth::Smoothing;
-use aquafuse_data::analysis::{Analysis, analyse};
+use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
 use aquafuse_data::folder;
 use aquafuse_data::picture::Picture;
 use rayon::prelude::*;
@@ -40,7 +40,7 @@ pub(crate) struct Scores {
 pub(crate) fn read_all(folder: &Path) -> Result<Vec<Scene>, Box<dyn Error>> {
     let read = |path: &std::path::PathBuf| {
         let picture = Picture::read(path)?;
-        let found = analyse(&picture, DepthModel::default());
+        let found = analyse(&picture, &DepthSource::default())?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Scene { name, picture, found })
     };

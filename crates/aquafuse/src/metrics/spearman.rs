@@ -32,7 +32,7 @@ pub fn spearman(a: &[f32], b: &[f32]) -> Option<f64> {
 }
 
 /// Ranks from 1, equal values sharing the mean of theirs.
-fn ranks(values: &[f32]) -> Vec<f64> {
+pub(crate) fn ranks(values: &[f32]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
     let mut ranks = vec![0.0; values.len()];

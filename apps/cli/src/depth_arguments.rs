@@ -1,0 +1,88 @@
+//! `--depth` and `--depth-kind`: depth that comes with a picture.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, anyhow};
+use aquafuse::depth::{DepthModel, SuppliedKind, SuppliedReport};
+use aquafuse_data::analysis::DepthSource;
+use aquafuse_data::depth_file::DepthFolder;
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+/// Where depth comes from, if not from colour.
+#[derive(Args)]
+pub(crate) struct DepthArguments {
+    /// Take depth from this file (PNG, TIFF, OpenEXR, NPY, PFM), of the picture's size; for a folder of pictures, a
+    /// folder of such files with the same stems. Where it holds no valid value, colour tells. The depth
+    /// of a reference always comes from colour.
+    #[arg(long, value_name = "FILE")]
+    depth: Option<PathBuf>,
+    /// What the values of --depth are, which no file says. Larger is farther in the first three, nearer in the last
+    /// two; `inverse` is what monocular networks give, `disparity` has a true zero.
+    #[arg(long, value_name = "KIND", value_parser = kind())]
+    depth_kind: Option<SuppliedKind>,
+}
+
+fn kind() -> impl TypedValueParser<Value = SuppliedKind> {
+    PossibleValuesParser::new(SuppliedKind::ALL.map(SuppliedKind::name)).try_map(|name| {
+        SuppliedKind::from_name(&name).ok_or_else(|| anyhow!("there is no kind of that name"))
+    })
+}
+
+/// Where the depth of each picture of a run comes from.
+pub(crate) enum Supply {
+    Colour(DepthModel),
+    File(PathBuf, SuppliedKind),
+    Folder(DepthFolder, SuppliedKind),
+}
+
+impl DepthArguments {
+    /// Where depth comes from; `in_folder` where it is that of a folder's pictures. Errors are wrong usage.
+    pub(crate) fn supply(&self, in_folder: bool, model: DepthModel) -> Result<Supply> {
+        let (depth, kind) = match (&self.depth, self.depth_kind) {
+            (None, None) => return Ok(Supply::Colour(model)),
+            (Some(depth), Some(kind)) => (depth, kind),
+            (Some(depth), None) => {
+                return Err(anyhow!(
+                    "{} does not say what its values are; add --depth-kind metres, millimetres or relative (larger \
+                     is farther), inverse (larger is nearer, as monocular networks give it) or disparity",
+                    depth.display()
+                ));
+            }
+            (None, Some(_)) => return Err(anyhow!("--depth-kind says what --depth is; add --depth FILE")),
+        };
+        match (in_folder, depth.is_dir()) {
+            (true, true) => Ok(Supply::Folder(DepthFolder::list(depth)?, kind)),
+            (true, false) => Err(anyhow!(
+                "the pictures stand in a folder, so --depth must be a folder too, with a map of the same stem for \
+                 each; {} is none",
+                depth.display()
+            )),
+            (false, _) => Ok(Supply::File(depth.clone(), kind)),
+        }
+    }
+}
+
+impl Supply {
+    /// The depth of one picture.
+    pub(crate) fn of(&self, picture: &Path) -> Result<DepthSource> {
+        Ok(match self {
+            Self::Colour(model) => DepthSource::Estimated(*model),
+            Self::File(path, kind) => DepthSource::Supplied { path: path.clone(), kind: *kind },
+            Self::Folder(folder, kind) => {
+                DepthSource::Supplied { path: folder.map_of(picture)?.to_owned(), kind: *kind }
+            }
+        })
+    }
+}
+
+/// What to say of a map that looks turned round.
+pub(crate) fn turned_round(report: &SuppliedReport) -> String {
+    let other = match report.kind {
+        SuppliedKind::Inverse | SuppliedKind::Disparity => "relative",
+        _ => "inverse",
+    };
+    format!(
+        "looks turned round: what colour and height in the picture call near is far in it; is it rather `{other}`?"
+    )
+}

@@ -1,0 +1,220 @@
+//! Depth that comes with a picture, as a user runs the command.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
+mod run;
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
+use aquafuse::image::Image;
+use aquafuse::truth::{Scene, Size};
+use aquafuse_data::depth_file;
+use aquafuse_data::picture::{Picture, WriteOptions};
+use run::{Run, scene};
+use serde_json::Value;
+
+/// Measured depth of the picture that `scene` makes of this seed, nothing beyond 30 m.
+fn depth_of_scene(path: &Path, seed: u64) {
+    let z = Scene::new(seed, Size { width: 96, height: 64 }).depth;
+    let measured = z.distances().into_iter().map(|z| if z > 30.0 { 0.0 } else { z }).collect();
+    let z = DepthMap::from_distances(96, 64, DepthKind::Metres, measured).unwrap();
+    depth_file::write(path, &z, &WriteOptions::default()).unwrap();
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn supplied_depth_is_used_and_told() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scene(&run.path("water.png"), 2, "green");
+    for (name, kind) in
+        [("z.tiff", "metres"), ("z.png", "millimetres"), ("z.exr", "metres"), ("z.npy", "metres")]
+    {
+        depth_of_scene(&run.path(name), 1);
+        let with = ["--depth", name, "--depth-kind", kind];
+        let report = json(&run.ok(&[&["inspect", "content.png", "--json"][..], &with].concat()).stdout);
+        let depth = &report["depth"];
+        assert_eq!((&depth["source"], &depth["kind"]), (&"supplied".into(), &"metres".into()), "{name}");
+        let supplied = &depth["supplied"];
+        assert_eq!((&supplied["file"], &supplied["kind"]), (&name.into(), &kind.into()));
+        assert!(
+            supplied["invalid_share"].as_f64().unwrap() > 0.05
+                && supplied["warnings"] == serde_json::json!([])
+        );
+        let fuse = ["fuse", "content.png", "water.png", "-o", "out.png", "--overwrite"];
+        let said = run.ok(&[&fuse[..], &with].concat()).stdout;
+        assert!(said.contains("pixels without a valid depth"), "{said}");
+        let with_depth = run.bytes("out.png");
+        run.ok(&fuse);
+        assert_ne!(with_depth, run.bytes("out.png"), "{name} made no difference");
+    }
+}
+
+#[test]
+fn a_folder_takes_its_depth_from_a_folder() {
+    let run = Run::new();
+    run::scenes_folder(&run.path("photos"));
+    scene(&run.path("water.png"), 9, "turbid");
+    std::fs::create_dir(run.path("depth")).unwrap();
+    for (seed, name) in ["a.tiff", "b.npy", "c.png"].iter().enumerate() {
+        depth_of_scene(&run.path("depth").join(name), seed as u64);
+    }
+    let fuse = ["fuse", "photos", "water.png", "-o", "out", "--depth", "depth", "--depth-kind", "metres"];
+    run.ok(&fuse);
+    std::fs::remove_file(run.path("depth/b.npy")).unwrap();
+    let refused = run.fails(2, &[&fuse[..], &["--overwrite"]].concat()).stderr;
+    assert!(refused.contains("holds 0 depth maps named as") && refused.contains("b.png"), "{refused}");
+    let one =
+        ["fuse", "photos", "water.png", "-o", "o2", "--depth", "depth/a.tiff", "--depth-kind", "metres"];
+    assert!(run.fails(2, &one).stderr.contains("must be a folder too"));
+}
+
+#[test]
+fn wrong_declarations_are_refused_with_what_to_do() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    depth_of_scene(&run.path("z.tiff"), 1);
+    let other = DepthMap::from_levels(64, 96, vec![9; 64 * 96]).unwrap();
+    depth_file::write(&run.path("turned.npy"), &other, &WriteOptions::default()).unwrap();
+    std::fs::write(run.path("text.pfm"), "no depth").unwrap();
+    let inspect = |code, arguments: &[&str]| {
+        run.fails(code, &[&["inspect", "content.png"][..], arguments].concat()).stderr
+    };
+    assert!(inspect(2, &["--depth", "z.tiff"]).contains("add --depth-kind metres"));
+    assert!(inspect(2, &["--depth-kind", "metres"]).contains("add --depth FILE"));
+    assert!(inspect(2, &["--depth", "z.tiff", "--depth-kind", "feet"]).contains("millimetres"));
+    assert!(inspect(2, &["--depth", "no.tiff", "--depth-kind", "metres"]).contains("cannot read no.tiff"));
+    let relative = inspect(1, &["--depth", "z.tiff", "--depth-kind", "relative"]);
+    assert!(
+        relative.contains("lies between 0 and 1") && relative.contains("declare what it is"),
+        "{relative}"
+    );
+    let turned = inspect(1, &["--depth", "turned.npy", "--depth-kind", "relative"]);
+    assert!(turned.contains("64x96, the picture 96x64; turned by 90°"), "{turned}");
+    assert!(inspect(1, &["--depth", "text.pfm", "--depth-kind", "metres"]).contains("is no depth map"));
+    let over = ["fuse", "content.png", "content.png", "-o", "z.png", "--overwrite"];
+    depth_of_scene(&run.path("z.png"), 1);
+    let over = run.fails(2, &[&over[..], &["--depth", "z.png", "--depth-kind", "millimetres"]].concat());
+    assert!(over.stderr.contains("is an input"), "{}", over.stderr);
+}
+
+#[test]
+fn a_picture_on_its_side_says_that_the_map_must_be_turned_back() {
+    let run = Run::new();
+    let mut picture = Picture::new(Image::from_raw(8, 4, vec![90; 96]).unwrap());
+    // Little-endian EXIF of one entry: orientation 6.
+    picture.metadata.exif = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec());
+    picture.write(&run.path("side.jpg"), &WriteOptions::default()).unwrap();
+    let map = DepthMap::from_levels(4, 8, vec![9; 32]).unwrap();
+    depth_file::write(&run.path("z.npy"), &map, &WriteOptions::default()).unwrap();
+    let said = run.fails(1, &["inspect", "side.jpg", "--depth", "z.npy", "--depth-kind", "relative"]).stderr;
+    assert!(said.contains("turned by its EXIF orientation"), "{said}");
+}
+
+/// Real pairs as the command reads them: picture, map, what it is.
+fn pairs(run: &Run) -> Option<Vec<(PathBuf, PathBuf, bool)>> {
+    let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA").map(PathBuf::from) else {
+        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real pictures");
+        return None;
+    };
+    let mut pairs = Vec::new();
+    for (folder, measured) in [("depth_pairs", true), ("depth_pairs_estimated", false)] {
+        let mut maps: Vec<_> = std::fs::read_dir(data.join(folder).join("depth")).unwrap().collect();
+        maps.sort_by_key(|entry| entry.as_ref().unwrap().path());
+        let pictures: Vec<_> = std::fs::read_dir(data.join(folder).join("rgb")).unwrap().collect();
+        for map in maps {
+            let map = map.unwrap().path();
+            let stem = map.file_stem().unwrap().to_owned();
+            let of_stem = pictures.iter().map(|entry| entry.as_ref().unwrap().path());
+            let picture = of_stem.into_iter().find(|path| path.file_stem() == Some(&stem)).unwrap();
+            pairs.push((as_png(run, &picture, &stem, true), as_png(run, &map, &stem, false), measured));
+        }
+    }
+    Some(pairs)
+}
+
+/// Pictures in TIFF and maps in JPEG are not read: the same pixels in PNG.
+fn as_png(run: &Run, path: &Path, stem: &std::ffi::OsStr, colour: bool) -> PathBuf {
+    let extension = path.extension().unwrap().to_str().unwrap();
+    let png = run.path(&format!("{}_{}.png", stem.to_str().unwrap(), if colour { "rgb" } else { "depth" }));
+    match (extension, colour) {
+        ("tiff", true) => {
+            let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+            let mut decoder = tiff::decoder::Decoder::new(file).unwrap();
+            let (width, height) = decoder.dimensions().unwrap();
+            let tiff::decoder::DecodingResult::U8(rgb) = decoder.read_image().unwrap() else {
+                panic!("{} is not of 8 bits", path.display())
+            };
+            image::RgbImage::from_raw(width, height, rgb).unwrap().save(&png).unwrap();
+        }
+        ("jpg", false) => image::open(path).unwrap().into_luma8().save(&png).unwrap(),
+        _ => return path.to_owned(),
+    }
+    png
+}
+
+#[test]
+fn real_maps_are_quiet_when_declared_rightly_and_most_are_told_when_not() {
+    let run = Run::new();
+    let Some(pairs) = pairs(&run) else { return };
+    let (mut told, mut falsely, mut agreements) = (0, 0, Vec::new());
+    for (picture, map, measured) in &pairs {
+        let (right, wrong) = if *measured { ("metres", "disparity") } else { ("inverse", "relative") };
+        let report = |kind| {
+            let (picture, map) = (picture.to_str().unwrap(), map.to_str().unwrap());
+            let said = run.ok(&["inspect", picture, "--json", "--depth", map, "--depth-kind", kind]).stdout;
+            json(&said)["depth"]["supplied"].clone()
+        };
+        let warned = |report: &Value| !report["warnings"].as_array().unwrap().is_empty();
+        let right = report(right);
+        agreements.push(right["agreement"].as_f64().unwrap());
+        falsely += usize::from(warned(&right));
+        let caught = warned(&report(wrong));
+        told += usize::from(caught);
+        assert!(caught || !measured, "{} turned round", map.display());
+    }
+    println!("{told} of {} turned maps told, {falsely} others; agreements {agreements:.2?}", pairs.len());
+    assert_eq!((pairs.len(), falsely), (26, 0));
+    assert!(told >= 24, "{told}");
+}
+
+#[test]
+fn open_water_without_measured_depth_is_far_in_real_pictures() {
+    let run = Run::new();
+    let Some(pairs) = pairs(&run) else { return };
+    for (picture, map, measured) in pairs {
+        // In the first picture the holes are dark rock, and no open water is seen.
+        if !measured || map.ends_with("flsea_0000.tif") {
+            continue;
+        }
+        let arguments = ["--depth", map.to_str().unwrap(), "--depth-kind", "metres"];
+        let inspect = [&["inspect", picture.to_str().unwrap(), "--json"][..], &arguments].concat();
+        let report = json(&run.ok(&inspect).stdout);
+        let invalid = report["depth"]["supplied"]["invalid_share"].as_f64().unwrap();
+        let file = std::io::BufReader::new(std::fs::File::open(&map).unwrap());
+        let tiff::decoder::DecodingResult::F32(stored) =
+            tiff::decoder::Decoder::new(file).unwrap().read_image().unwrap()
+        else {
+            panic!("{} is not of floats", map.display())
+        };
+        let holes = stored.iter().filter(|z| **z == 0.0).count();
+        assert!((invalid - holes as f64 / stored.len() as f64).abs() < 1e-12, "{}", map.display());
+
+        let picture = Picture::read(&picture).unwrap();
+        let found = depth_file::read(&map, SuppliedKind::Metres).unwrap();
+        let z = found.seen_with(&picture.image, picture.top_edge()).unwrap().depth.distances();
+        let mut measured: Vec<f32> = stored.iter().copied().filter(|z| *z > 0.0).collect();
+        measured.sort_by(f32::total_cmp);
+        let far_end = measured[measured.len() * 98 / 100];
+        // The top tenth of these pictures is open water, with pillars in some.
+        let top = &z[..z.len() / 10];
+        let open: Vec<f32> = top.iter().zip(&stored).filter(|(_, z)| **z == 0.0).map(|(z, _)| *z).collect();
+        let far = open.iter().filter(|z| **z >= far_end).count() as f64 / open.len() as f64;
+        println!("{}: {:.1} % of the open water is as far as the far end", map.display(), 100.0 * far);
+        assert!(far >= 0.9, "{}: {far}", map.display());
+    }
+}

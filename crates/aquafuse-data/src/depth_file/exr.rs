@@ -1,0 +1,107 @@
+//! OpenEXR: one channel of one flat layer.
+
+use std::io::{BufRead, Cursor, Seek};
+
+use ::exr::block;
+use ::exr::compression::Compression;
+use ::exr::error::Error;
+use ::exr::image::write::WritableImage;
+use ::exr::image::{Blocks, Encoding, Image, SpecificChannels};
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::LineOrder;
+use ::exr::meta::header::Header;
+use ::exr::prelude::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, Text, read};
+use aquafuse::depth::DepthMap;
+
+use super::{Fault, MOST_BYTES, Raster, check_size};
+
+/// The names of depth, in the order in which they are looked for.
+const CHANNELS: [&str; 3] = ["Z", "Y", "R"];
+
+pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+    let chunks = block::read(reader, false)?;
+    for header in chunks.headers() {
+        check(header)?;
+    }
+    let name = chunks.headers().first().and_then(channel).ok_or_else(|| {
+        Fault::Unsupported(
+            "several channels, none of them Z, Y or R".into(),
+            "Save the one channel that is depth, named Z",
+        )
+    })?;
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required(name)
+        .collect_pixels(
+            |size: Vec2<usize>, _| Raster {
+                width: size.0,
+                height: size.1,
+                values: vec![0.0; size.0 * size.1],
+                full_range: None,
+            },
+            |raster, at, (value,): (f32,)| raster.values[at.1 * raster.width + at.0] = value,
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_chunks(chunks)?;
+    Ok(image.layer_data.channel_data.pixels)
+}
+
+/// Refuses what would take too much memory, and what is no flat picture.
+fn check(header: &Header) -> Result<(), Fault> {
+    if header.deep {
+        return Err(Fault::Unsupported("deep data".into(), "Flatten it to one value a pixel"));
+    }
+    let whole = |length: usize| length as u64;
+    let bytes = whole(header.channels.bytes_per_pixel);
+    check_size(whole(header.layer_size.0), whole(header.layer_size.1), bytes)?;
+    let Vec2(columns, rows) = header.max_block_pixel_size();
+    let block = whole(columns).checked_mul(whole(rows)).and_then(|pixels| pixels.checked_mul(bytes.max(4)));
+    if block.is_none_or(|block| block > MOST_BYTES) {
+        return Err(Fault::TooLarge(format!("blocks of {columns}x{rows} values are too many")));
+    }
+    Ok(())
+}
+
+fn channel(header: &Header) -> Option<Text> {
+    let channels = &header.channels.list;
+    let known = CHANNELS.into_iter().find_map(|name| channels.iter().find(|channel| channel.name == *name));
+    let only = channels.first().filter(|_| channels.len() == 1);
+    known.or(only).map(|channel| channel.name.clone())
+}
+
+pub(super) fn encode(depth: &DepthMap) -> Result<Vec<u8>, String> {
+    let (width, height) = depth.size();
+    let distances = depth.distances();
+    let channels = SpecificChannels::build()
+        .with_channel(CHANNELS[0])
+        .with_pixel_fn(|at: Vec2<usize>| (distances[at.1 * width + at.0],));
+    let mut file = Cursor::new(Vec::new());
+    // Scan lines and ZIP: what every reader can.
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    Image::from_encoded_channels((width, height), encoding, channels)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .map_err(|error| error.to_string())?;
+    Ok(file.into_inner())
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Io(error) => error.into(),
+            Error::NotSupported(found) => {
+                Self::Unsupported(found.into_owned(), "Save it as one flat channel of 32-bit float, named Z")
+            }
+            other => Self::Damaged(other.to_string()),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! NPY, the file of one NumPy array (NumPy Enhancement Proposal 1).
+//!
+//! A file is `\x93NUMPY`, a version, the length of a header, the header, the values. The header is a Python literal:
+//! `{'descr': '<f4', 'fortran_order': False, 'shape': (480, 640), }`. It is short enough to read ourselves; the crates
+//! that do bring a parser of all Python literals.
+
+use std::io::{BufRead, Read, Seek, Write};
+
+use aquafuse::depth::DepthMap;
+
+use super::{Fault, Raster, check_size, read_values};
+
+/// Headers are one line of some hundred bytes; more is refused before it is read.
+const LONGEST_HEADER: u32 = 1 << 16;
+/// The header is padded so that the values begin at a multiple of this.
+const ALIGNMENT: usize = 64;
+
+pub(super) fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+    let mut start = [0; 8];
+    reader.read_exact(&mut start)?;
+    let length = match start[6] {
+        1 => u32::from(u16::from_le_bytes(read_array(&mut reader)?)),
+        2 | 3 => u32::from_le_bytes(read_array(&mut reader)?),
+        version => return Err(Fault::Damaged(format!("there is no version {version} of NPY"))),
+    };
+    if length > LONGEST_HEADER {
+        return Err(Fault::Damaged(format!("its header is said to have {length} bytes")));
+    }
+    let mut header = vec![0; length as usize];
+    reader.read_exact(&mut header)?;
+    let header = Header::parse(&header).ok_or_else(|| Fault::Damaged("its header makes no sense".into()))?;
+    let &[rows, columns] = &header.shape[..] else {
+        return Err(Fault::Unsupported(
+            format!("an array of {} dimensions", header.shape.len()),
+            "Save a plane of rows and columns, for one by np.squeeze",
+        ));
+    };
+    let (width, height) = check_size(columns, rows, 8)?;
+    let count = width * height;
+    let (values, full_range) = match header.descr.as_str() {
+        "|u1" | "<u1" | ">u1" => (read_values(reader, count, |[byte]| f32::from(byte))?, Some(255.0)),
+        "<u2" => (read_values(reader, count, |b| f32::from(u16::from_le_bytes(b)))?, Some(65535.0)),
+        ">u2" => (read_values(reader, count, |b| f32::from(u16::from_be_bytes(b)))?, Some(65535.0)),
+        "<f4" => (read_values(reader, count, f32::from_le_bytes)?, None),
+        ">f4" => (read_values(reader, count, f32::from_be_bytes)?, None),
+        "<f8" => (read_values(reader, count, |b| f64::from_le_bytes(b) as f32)?, None),
+        ">f8" => (read_values(reader, count, |b| f64::from_be_bytes(b) as f32)?, None),
+        other => {
+            let remedy = "Save z.astype('float32'), or unsigned whole numbers of 8 or 16 bits";
+            return Err(Fault::Unsupported(format!("values of type {other}"), remedy));
+        }
+    };
+    let values = if header.fortran_order { by_rows(&values, width, height) } else { values };
+    Ok(Raster { width, height, values, full_range })
+}
+
+fn read_array<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], Fault> {
+    let mut bytes = [0; N];
+    reader.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Values that stand column by column, row by row.
+fn by_rows(values: &[f32], width: usize, height: usize) -> Vec<f32> {
+    (0..height).flat_map(|y| (0..width).map(move |x| values[x * height + y])).collect()
+}
+
+struct Header {
+    descr: String,
+    fortran_order: bool,
+    shape: Vec<u64>,
+}
+
+impl Header {
+    fn parse(bytes: &[u8]) -> Option<Self> {
+        let text = std::str::from_utf8(bytes).ok()?.trim();
+        let mut rest = text.strip_prefix('{')?.strip_suffix('}')?.trim();
+        let (mut descr, mut fortran_order, mut shape) = (None, None, None);
+        while !rest.is_empty() {
+            let (key, after) = quoted(rest)?;
+            let value = after.trim_start().strip_prefix(':')?.trim_start();
+            let after = match key {
+                "descr" => {
+                    let (text, after) = quoted(value)?;
+                    descr = Some(text.to_owned());
+                    after
+                }
+                "fortran_order" => {
+                    let word = if value.starts_with("True") { "True" } else { "False" };
+                    fortran_order = Some(word == "True");
+                    value.strip_prefix(word)?
+                }
+                "shape" => {
+                    let (inside, after) = value.strip_prefix('(')?.split_once(')')?;
+                    let numbers = inside.split(',').map(str::trim).filter(|number| !number.is_empty());
+                    shape = Some(numbers.map(|number| number.parse().ok()).collect::<Option<Vec<u64>>>()?);
+                    after
+                }
+                _ => return None,
+            };
+            let after = after.trim_start();
+            rest = match after.strip_prefix(',') {
+                Some(more) => more.trim_start(),
+                None if after.is_empty() => after,
+                None => return None,
+            };
+        }
+        Some(Self { descr: descr?, fortran_order: fortran_order?, shape: shape? })
+    }
+}
+
+/// What stands in the quotes that `text` begins with, and what follows them.
+fn quoted(text: &str) -> Option<(&str, &str)> {
+    let quote = text.chars().next().filter(|quote| matches!(quote, '\'' | '"'))?;
+    text[1..].split_once(quote)
+}
+
+pub(super) fn encode(out: &mut dyn Write, depth: &DepthMap) -> std::io::Result<()> {
+    let literal = format!(
+        "{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}",
+        depth.height(),
+        depth.width()
+    );
+    // 10 bytes stand before the header, a line feed ends it.
+    let padded = (10 + literal.len() + 1).next_multiple_of(ALIGNMENT) - 10 - 1;
+    out.write_all(b"\x93NUMPY\x01\x00")?;
+    out.write_all(&u16::try_from(padded + 1).unwrap_or(u16::MAX).to_le_bytes())?;
+    writeln!(out, "{literal:padded$}")?;
+    let bytes: Vec<u8> = depth.distances().into_iter().flat_map(f32::to_le_bytes).collect();
+    out.write_all(&bytes)
+}

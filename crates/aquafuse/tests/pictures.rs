@@ -8,7 +8,8 @@ use aquafuse::fusion::{Incidence, Model, Options, Waters, fuse};
 use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse::waterbody::{
-    self, EstimateOptions, TopEdge, VeilingLight, VeilingLightMethod, VeilingLightSource, Waterbody,
+    self, BackscatterMethod, EstimateOptions, TopEdge, VeilingLight, VeilingLightMethod, VeilingLightSource,
+    Waterbody,
 };
 
 const SIZE: Size = Size { width: 96, height: 64 };
@@ -17,8 +18,11 @@ fn picture(seed: u64, water: &NamedWater) -> Image<u8> {
     Scene::new(seed, SIZE).seen_through(&water.water).to_samples()
 }
 
-const PUBLISHED: EstimateOptions =
-    EstimateOptions { top: TopEdge::First, veiling_light: VeilingLightMethod::Published };
+const PUBLISHED: EstimateOptions = EstimateOptions {
+    top: TopEdge::First,
+    veiling_light: VeilingLightMethod::Published,
+    backscatter: BackscatterMethod::Published,
+};
 
 fn estimated(image: &Image<u8>) -> (DepthMap, Waterbody) {
     estimated_by(image, &EstimateOptions::default())

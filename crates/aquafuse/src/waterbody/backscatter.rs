@@ -3,6 +3,16 @@
 use super::statistics::Statistics;
 use crate::image::Encoding;
 
+/// What tells how fast backscatter grows with distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BackscatterMethod {
+    /// The darkest things of each depth, with a floor, and all three channels together.
+    #[default]
+    Envelope,
+    /// The paper's: the darkest 1 % of the whole picture is taken to be black, the curve fitted to it.
+    Published,
+}
+
 /// Quantile of a depth bin that stands for its darkest things. The paper takes the darkest 1-5 %.
 const DARK: f64 = 0.02;
 /// The darkest thing at distance 0 is not black: encoded colour of a shadow seen through no water.

@@ -1,0 +1,135 @@
+//! Whether an estimate can be relied on, and if not, why not.
+
+/// What an estimate is worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Verdict {
+    /// Nothing speaks against it.
+    #[default]
+    Good,
+    /// Something does: it may be right, look at the picture.
+    Doubtful,
+    /// The picture does not tell what its water is; the numbers are a guess.
+    Failed,
+}
+
+/// What speaks against an estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Reason {
+    /// No smooth open water was found: the veiling light was read from things, or from corners.
+    NoOpenWater,
+    /// All depths are alike: nothing can be told to grow with distance.
+    FlatDepth,
+    /// Much of the depth lies at one end of its range.
+    SaturatedDepth,
+    /// The veiling light is no colour of water: red leads, or it is nearly white. Glare, a lamp, the surface.
+    LightOutsideWaterHues,
+    /// The dark envelope does not follow the curve of backscatter.
+    LargeResidual,
+    /// Too few dark things: what backscatter adds to them cannot be told from what they are.
+    FewDarkPixels,
+    /// Hardly any red is left: its water, and depth from colour, are not known.
+    DeadRed,
+    /// The direct signal does not fade along any curve β_D(z) of the model: L_z of the paper is too large.
+    AttenuationNotConverged,
+    /// Given depth looks turned round: near and far exchanged.
+    InvertedDepth,
+}
+
+impl Reason {
+    /// All reasons, in the order they are told in.
+    pub const ALL: [Self; 9] = [
+        Self::NoOpenWater,
+        Self::FlatDepth,
+        Self::SaturatedDepth,
+        Self::LightOutsideWaterHues,
+        Self::LargeResidual,
+        Self::FewDarkPixels,
+        Self::DeadRed,
+        Self::AttenuationNotConverged,
+        Self::InvertedDepth,
+    ];
+
+    /// The reason in words, for people.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::NoOpenWater => "no open water in view",
+            Self::FlatDepth => "all depths are alike",
+            Self::SaturatedDepth => "much of the depth lies at one end of its range",
+            Self::LightOutsideWaterHues => "the veiling light has no colour of water",
+            Self::LargeResidual => "the dark things do not follow the curve of backscatter",
+            Self::FewDarkPixels => "too few dark things",
+            Self::DeadRed => "hardly any red is left",
+            Self::AttenuationNotConverged => "the scene's light fades along no curve of the model",
+            Self::InvertedDepth => "the given depth looks turned round",
+        }
+    }
+}
+
+/// A set of [`Reason`]s.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+pub struct Reasons(u16);
+
+impl Reasons {
+    /// Adds a reason where it holds.
+    pub(crate) fn add_if(&mut self, holds: bool, reason: Reason) {
+        self.0 |= u16::from(holds) << reason as u16;
+    }
+
+    /// Whether this is one of them.
+    pub fn contains(self, reason: Reason) -> bool {
+        self.0 >> reason as u16 & 1 == 1
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Each of them, in the order of [`Reason::ALL`].
+    pub fn iter(self) -> impl Iterator<Item = Reason> {
+        Reason::ALL.into_iter().filter(move |reason| self.contains(*reason))
+    }
+}
+
+impl std::fmt::Debug for Reasons {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_set().entries(self.iter()).finish()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Reasons {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
+}
+
+/// A verdict on an estimate, with its reasons.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Quality {
+    /// What it is worth.
+    pub verdict: Verdict,
+    /// What speaks against it; empty for a good one.
+    pub reasons: Reasons,
+}
+
+impl Quality {
+    /// The verdict that follows from these reasons.
+    ///
+    /// Flat or inverted depth, and a veiling light read neither from water nor from anything of its hue, leave
+    /// nothing to rely on; each other reason makes doubtful.
+    pub(crate) fn of(reasons: Reasons) -> Self {
+        let fatal = reasons.contains(Reason::FlatDepth) && reasons.contains(Reason::NoOpenWater)
+            || reasons.contains(Reason::InvertedDepth);
+        let verdict = match (fatal, reasons.is_empty()) {
+            (true, _) => Verdict::Failed,
+            (false, true) => Verdict::Good,
+            (false, false) => Verdict::Doubtful,
+        };
+        Self { verdict, reasons }
+    }
+}

@@ -61,7 +61,7 @@ impl Fuse {
         }
         let job = job::Fuse {
             items,
-            water: reference.water,
+            reference,
             options: settings.options,
             smoothing: settings.smoothing,
             writing: WriteOptions { overwrite: self.overwrite, quality: self.quality },

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, SuppliedKind};
-use aquafuse::waterbody::{Estimate, VeilingLight, VeilingLightSource};
+use aquafuse::waterbody::{Estimate, Intervals, Quality, Reason, VeilingLight, VeilingLightSource, Verdict};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
 use aquafuse_data::picture::Picture;
 use clap::Args;
@@ -56,8 +56,10 @@ struct Report {
     image: Size,
     depth: Depth,
     waterbody: Water,
+    intervals: Intervals,
     veiling_light_source: VeilingLightSource,
     veiling_light_share: f32,
+    quality: Quality,
 }
 
 #[derive(Serialize)]
@@ -108,8 +110,10 @@ impl Report {
                 attenuation: water.attenuation.map(|curve| curve.mu()),
                 attenuation_held_beyond: water.attenuation.map(|curve| curve.held_beyond()),
             },
+            intervals: estimate.intervals,
             veiling_light_source: estimate.veiling_light_source,
             veiling_light_share: estimate.veiling_light_share,
+            quality: estimate.quality,
         }
     }
 }
@@ -125,6 +129,14 @@ fn text(picture: &Picture, found: &Analysis) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<28}{value}");
     };
+    let quality = found.estimate.quality;
+    line(
+        "verdict",
+        match quality.verdict {
+            Verdict::Good => "good".to_owned(),
+            other => format!("{}: {}", other.name(), reasons(quality)),
+        },
+    );
     line("size", format!("{} x {}", picture.image.width(), picture.image.height()));
     let unit = match depth.kind {
         DepthKind::Metres => "metres",
@@ -141,12 +153,24 @@ fn text(picture: &Picture, found: &Analysis) -> String {
     }
     line("  mean, 5 %, 95 %", format!("{:.2} {:.2} {:.2}", depth.mean, depth.p05, depth.p95));
     line("veiling light B∞", format!("{r:.3} {g:.3} {b:.3} (red, green, blue)   {}", hex([r, g, b])));
+    line("  nine in ten within", ranges(found.estimate.intervals.veiling_light, 3));
     line("  read from", source(&found.estimate));
     line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
+    line("  nine in ten within", ranges(found.estimate.intervals.backscatter_coefficient, 2));
     line("  at the far end, β_B z95", format!("{tau_r:.2} {tau_g:.2} {tau_b:.2}"));
     line("attenuation", "the curve β_D(z), in --json".to_owned());
     line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
     text
+}
+
+/// Three ranges.
+fn ranges(of: [[f32; 2]; 3], decimals: usize) -> String {
+    of.map(|[low, high]| format!("{low:.decimals$}-{high:.decimals$}")).join(" ")
+}
+
+/// What speaks against an estimate, in words.
+pub(crate) fn reasons(quality: Quality) -> String {
+    quality.reasons.iter().map(Reason::describe).collect::<Vec<_>>().join(", ")
 }
 
 fn hex(rgb: [f32; 3]) -> String {

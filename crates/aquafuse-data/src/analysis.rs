@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse::image::Encoded;
-use aquafuse::waterbody::{self, Estimate, EstimateOptions};
+use aquafuse::waterbody::{self, Estimate, EstimateOptions, Reason};
 
 use crate::depth_file;
 use crate::picture::{FileError, Picture};
@@ -92,7 +92,10 @@ pub fn analyse(picture: &Picture, source: &DepthSource) -> Result<Analysis, File
         }
     };
     let options = EstimateOptions { top, ..EstimateOptions::default() };
-    let estimate = waterbody::estimate(&picture.image, &depth, &options)
+    let mut estimate = waterbody::estimate(&picture.image, &depth, &options)
         .expect("the depth map was made for this picture");
+    if supplied.is_some_and(|report| report.looks_turned_round()) {
+        estimate.quality = estimate.quality.with(Reason::InvertedDepth);
+    }
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
 }

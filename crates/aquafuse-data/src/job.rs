@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
+use aquafuse::fusion::{Bounded, Bounds, Clipping, Options, fuse_mut};
 use aquafuse::smooth::Smoothing;
-use aquafuse::waterbody::{VeilingLightSource, Waterbody};
+use aquafuse::waterbody::{Estimate, Quality};
 use rayon::prelude::*;
 
 use crate::analysis::{DepthSource, analyse};
@@ -17,8 +17,8 @@ use crate::picture::{FileError, Picture, WriteOptions};
 pub struct Fuse {
     /// What to read, and where to write it.
     pub items: Vec<Item>,
-    /// The reference's water.
-    pub water: Waterbody,
+    /// The reference's water, and what it is worth.
+    pub reference: Estimate,
     /// How to fuse.
     pub options: Options,
     /// How to smooth what was fused.
@@ -68,8 +68,10 @@ pub enum Message<'a> {
 pub struct Report {
     /// Values that did not fit into the range.
     pub clipping: Clipping,
-    /// Where the content's veiling light was read.
-    pub veiling_light_source: VeilingLightSource,
+    /// What the estimate of the content is worth.
+    pub quality: Quality,
+    /// Which safety bounds acted.
+    pub bounds: Bounds,
     /// What is worth knowing about its depth, where that was supplied.
     pub supplied: Option<SuppliedReport>,
 }
@@ -105,12 +107,12 @@ impl Fuse {
     fn fuse_file(&self, item: &Item) -> Result<Report, FileError> {
         let mut picture = Picture::read(&item.input)?;
         let found = analyse(&picture, &item.depth)?;
-        let waters = Waters { content: &found.estimate.water, reference: &self.water };
-        let clipping = fuse_mut(&mut picture.image, &found.depth, waters, &self.options)
+        let bounded = Bounded::new(&found.estimate, &self.reference, self.options);
+        let clipping = fuse_mut(&mut picture.image, &found.depth, bounded.waters(), &bounded.options)
             .expect("the depth map was made for this picture");
         picture.image = self.smoothing.apply(picture.image);
         picture.write(&item.output, &self.writing)?;
-        let veiling_light_source = found.estimate.veiling_light_source;
-        Ok(Report { clipping, veiling_light_source, supplied: found.supplied })
+        let quality = found.estimate.quality;
+        Ok(Report { clipping, quality, bounds: bounded.bounds, supplied: found.supplied })
     }
 }

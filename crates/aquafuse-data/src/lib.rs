@@ -22,7 +22,7 @@
 //!         output: path("fused.png"),
 //!         depth: DepthSource::default(),
 //!     }],
-//!     water: analyse(&reference, &DepthSource::default())?.estimate.water,
+//!     reference: analyse(&reference, &DepthSource::default())?.estimate,
 //!     options: Options::default(),
 //!     smoothing: Smoothing::default(),
 //!     writing: WriteOptions::default(),

@@ -9,9 +9,11 @@
 //! | [`Model::Physical`] | shift of weight `1 - F` | nothing | the reference's veil |
 //! | [`Model::Exchange`] | the water is taken out, the other put in | nothing | the reference's veil |
 
+mod bound;
 mod law;
 mod options;
 
+pub use bound::{Bounded, Bounds};
 pub use law::{Change, Law};
 pub use options::{Gain, Incidence, Model, OptionError, Options};
 

@@ -5,6 +5,7 @@
 
 mod attenuation;
 mod backscatter;
+mod judge;
 pub mod presets;
 mod quality;
 mod statistics;
@@ -16,9 +17,11 @@ pub use backscatter::BackscatterMethod;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{TopEdge, VeilingLight, VeilingLightMethod, VeilingLightSource};
 
-use crate::depth::DepthMap;
+use crate::depth::{DepthMap, Quantised};
 use crate::image::{Encoded, Encoding, Image, SizeError};
+use backscatter::Growth;
 use statistics::Statistics;
+use veiling_light::Reading;
 
 /// The water of one picture, per channel red, green, blue.
 ///
@@ -139,17 +142,54 @@ pub fn estimate<E: Encoding>(
 ) -> Result<Estimate<E>, SizeError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
-    let light = veiling_light::read(image, &quantised.levels, options.top, options.veiling_light);
     let statistics = Statistics::<E>::gather(image, &quantised);
-    let veil = VeilingLight::<E>::new(light.rgb.map(E::from_encoded));
-    let backscatter_coefficient = std::array::from_fn(|c| backscatter::fit(&statistics, c, veil.rgb()[c]));
-    let attenuation =
-        std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], backscatter_coefficient[c]));
+    let mut light = veiling_light::read(image, &quantised.levels, options.top, options.veiling_light);
+    let mut growth = fit(image, depth, &quantised, &statistics, &light, options.backscatter);
+    if depth.model().is_none() && is_seen_through(&light, &growth, &quantised) {
+        light = veiling_light::read_without_open_water(image, &quantised.levels, options.top);
+        growth = fit(image, depth, &quantised, &statistics, &light, options.backscatter);
+    }
+    let veil = VeilingLight::<E>::new(growth.veil);
+    let attenuation: [attenuation::Fit; 3] =
+        std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
+    let intervals = judge::intervals::<E>(&growth, &light);
+    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, &quantised);
     Ok(Estimate {
-        water: Waterbody { veiling_light: veil, backscatter_coefficient, attenuation },
+        water: Waterbody {
+            veiling_light: veil,
+            backscatter_coefficient: growth.coefficient,
+            attenuation: attenuation.map(|fit| fit.curve),
+        },
         veiling_light_source: light.source,
         veiling_light_share: light.share as f32,
-        intervals: Intervals::default(),
-        quality: Quality::of(Reasons::default()),
+        intervals,
+        quality,
+    })
+}
+
+fn fit<E: Encoding>(
+    image: &Image<u8>,
+    depth: &DepthMap,
+    quantised: &Quantised<'_>,
+    statistics: &Statistics<E>,
+    light: &Reading,
+    method: BackscatterMethod,
+) -> Growth {
+    match method {
+        BackscatterMethod::Envelope => backscatter::fit(statistics, light, depth),
+        BackscatterMethod::Published => backscatter::fit_published(image, quantised, statistics, light),
+    }
+}
+
+/// Share of the direct signal that open water may still let through at the distance it was seen at.
+const LEFT_IN_OPEN_WATER: f32 = 0.2;
+
+/// Whether what was taken for open water is too near to be any: at its distance, if that is known, light from
+/// things would still come through.
+fn is_seen_through(light: &Reading, growth: &Growth, quantised: &Quantised<'_>) -> bool {
+    let known = light.level.filter(|&level| quantised.beyond != Some(level));
+    known.is_some_and(|level| {
+        let z = f32::from(level) * quantised.step;
+        growth.coefficient.iter().any(|coefficient| (-coefficient * z).exp() > LEFT_IN_OPEN_WATER)
     })
 }

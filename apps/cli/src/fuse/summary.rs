@@ -3,10 +3,12 @@
 use std::fmt::Write;
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::waterbody::VeilingLightSource;
+use aquafuse::fusion::Bounds;
+use aquafuse::waterbody::Verdict;
 use aquafuse_data::job::{Item, Report};
 
 use crate::depth_arguments::turned_round;
+use crate::inspect::reasons;
 
 /// More clipping than this share of the values is worth a word.
 const MUCH: f64 = 0.05;
@@ -41,12 +43,30 @@ pub(super) fn of(reports: &[(Item, Report)]) -> String {
         format!("{} {:.1} %", name(item), 100.0 * supplied.invalid_share())
     };
     list(&mut text, "pixels without a valid depth, told from colour", holes.map(with_share));
-    let fell_back = |(_, report): &&(Item, Report)| {
-        !matches!(report.veiling_light_source, VeilingLightSource::OpenWater | VeilingLightSource::Farthest)
-    };
-    let named = reports.iter().filter(fell_back).map(|(item, _)| name(item));
-    list(&mut text, "no far water found, its colour is a guess (see `aquafuse inspect`)", named);
+    for verdict in [Verdict::Failed, Verdict::Doubtful] {
+        let of_verdict = reports.iter().filter(|(_, report)| report.quality.verdict == verdict);
+        let with_reasons =
+            |(item, report): &(Item, Report)| format!("{} ({})", name(item), reasons(report.quality));
+        let about = format!("{}, see `aquafuse inspect`", verdict.name());
+        list(&mut text, &about, of_verdict.map(with_reasons));
+    }
+    let held = reports.iter().filter(|(_, report)| report.bounds.any());
+    list(
+        &mut text,
+        "held back for that",
+        held.map(|(item, report)| format!("{} ({})", name(item), bounds(report.bounds))),
+    );
     text
+}
+
+/// Which bounds acted, in words.
+fn bounds(bounds: Bounds) -> String {
+    let said = [
+        (bounds.glare, "the glare of WATER darkened"),
+        (bounds.red, "no red cast"),
+        (bounds.gain, "nothing strengthened"),
+    ];
+    said.into_iter().filter(|(acted, _)| *acted).map(|(_, said)| said).collect::<Vec<_>>().join(", ")
 }
 
 /// A line that names the first few of what it is about, and counts the rest.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::DepthModel;
 use crate::image::{SizeError, check_same_size, check_size};
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
@@ -14,6 +15,7 @@ pub struct DepthMap {
     width: usize,
     height: usize,
     kind: DepthKind,
+    model: Option<DepthModel>,
     values: Values,
 }
 
@@ -104,7 +106,7 @@ impl DepthMap {
     /// [`SizeError`] when a side is zero or the buffer has another length.
     pub fn from_levels(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, SizeError> {
         check_size(width, height, 1, levels.len())?;
-        Ok(Self { width, height, kind: DepthKind::Relative, values: Values::Levels(levels) })
+        Ok(Self { width, height, kind: DepthKind::Relative, model: None, values: Values::Levels(levels) })
     }
 
     /// Depth from distances in the unit that `kind` names.
@@ -124,7 +126,7 @@ impl DepthMap {
         if let Some(i) = distances.iter().position(|z| !(0.0..=most).contains(z)) {
             return Err(DepthError::Value { x: i % width, y: i / width, value: distances[i], most });
         }
-        Ok(Self { width, height, kind, values: Values::Floats(distances) })
+        Ok(Self { width, height, kind, model: None, values: Values::Floats(distances) })
     }
 
     /// Columns.
@@ -140,6 +142,16 @@ impl DepthMap {
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
+    }
+
+    /// This map as one that `model` made from colour.
+    pub(super) fn made_by(self, model: DepthModel) -> Self {
+        Self { model: Some(model), ..self }
+    }
+
+    /// The way from colour by which it was come by; none for depth that was given.
+    pub fn model(&self) -> Option<DepthModel> {
+        self.model
     }
 
     /// What the numbers are.

@@ -101,13 +101,23 @@ impl DepthModel {
     pub fn estimate_seen<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> DepthMap {
         let (width, height) = image.size();
         let levels = median::median_7x7(width, height, &self.levels(image, top));
-        DepthMap::from_levels(width, height, levels).expect("one level a pixel")
+        DepthMap::from_levels(width, height, levels).expect("one level a pixel").made_by(*self)
     }
 
     /// Depth of a picture whose first row is up, before the median.
     pub fn estimate_unfiltered<T: Sample>(&self, image: &Image<T>) -> DepthMap {
         let (width, height) = image.size();
-        DepthMap::from_levels(width, height, self.levels(image, TopEdge::First)).expect("one level a pixel")
+        let map = DepthMap::from_levels(width, height, self.levels(image, TopEdge::First));
+        map.expect("one level a pixel").made_by(*self)
+    }
+
+    /// Relative depth of one encoded colour, in `[0, 1]`; none if the model is no function of one pixel.
+    pub(crate) fn of_colours(&self) -> Option<impl Fn([f32; 3]) -> f32> {
+        let tables = self.tables()?;
+        Some(move |rgb: [f32; 3]| {
+            let [r, g, b] = rgb.map(u8::from_unit);
+            f32::from(tables.level(r, g.max(b))) / 255.0
+        })
     }
 
     fn levels<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> Vec<u8> {

@@ -119,7 +119,7 @@ pub(super) fn fit<E: Encoding>(
     channel: usize,
     veiling_light: f32,
     backscatter_coefficient: f32,
-) -> Attenuation {
+) -> Fit {
     let faintest = E::from_encoded(FAINTEST);
     let direct: Vec<(f32, f32)> = statistics
         .bins
@@ -133,7 +133,7 @@ pub(super) fn fit<E: Encoding>(
     let brightest = direct.iter().map(|&(_, signal)| signal).fold(faintest, f32::max);
     let far = direct.last().map_or(0.0, |&(z, _)| z);
     if far <= 0.0 {
-        return Attenuation { mu: [0.0; 4], held_beyond: 0.0 };
+        return Fit { curve: Attenuation { mu: [0.0; 4], held_beyond: 0.0 }, residual: 0.0 };
     }
     // Depth in units of the farthest bin, so that the fit does not know the unit of z.
     let mut points: Vec<(f32, f32)> =
@@ -147,7 +147,23 @@ pub(super) fn fit<E: Encoding>(
             curve = fit_unit_curve(&points);
         }
     }
-    Attenuation { mu: curve.mu.map(|mu| mu / far), held_beyond: far }
+    Fit {
+        residual: residual(&curve, &points),
+        curve: Attenuation { mu: curve.mu.map(|mu| mu / far), held_beyond: far },
+    }
+}
+
+/// A curve and how well it fits.
+pub(super) struct Fit {
+    pub(super) curve: Attenuation,
+    /// L_z of the paper with z in units of the farthest bin: mean of (z + ln E / β_D)², each term at most 1
+    /// (where hardly anything fades, a distance cannot be read off it).
+    pub(super) residual: f32,
+}
+
+fn residual(curve: &Attenuation, points: &[(f32, f32)]) -> f32 {
+    let off = |&(z, y): &(f32, f32)| (z - y / curve.coefficient(z).max(1e-6)).clamp(-1.0, 1.0).powi(2);
+    points.iter().map(off).sum::<f32>() / points.len() as f32
 }
 
 /// The best curve for -ln E against z in `[0, 1]`.
@@ -228,7 +244,7 @@ mod tests {
             [(255.0 * value.min(1.0) + 0.5) as u8; 3]
         });
         let image = Image::from_raw(levels.len(), 1, samples.collect()).unwrap();
-        let curve = fit(&gathered(&image, &levels), 0, veil, backscatter);
+        let Fit { curve, .. } = fit(&gathered(&image, &levels), 0, veil, backscatter);
         for z in [0.3, 0.6, 0.9] {
             assert!((curve.optical_depth(z) - truth * z).abs() < 0.05, "{curve:?} at {z}");
         }
@@ -239,7 +255,7 @@ mod tests {
         fn every_fit_is_a_valid_curve(bytes in prop::collection::vec(any::<[u8; 3]>(), 700), veil in 0.0..1.0_f32) {
             let levels: Vec<u8> = (0..700).map(|i| (i % 256) as u8).collect();
             let image = Image::from_raw(700, 1, bytes.concat()).unwrap();
-            let curve = fit(&gathered(&image, &levels), 1, veil, 2.0);
+            let Fit { curve, .. } = fit(&gathered(&image, &levels), 1, veil, 2.0);
             prop_assert!(Attenuation::new(curve.mu(), curve.held_beyond()).is_ok(), "{:?}", curve);
         }
     }

@@ -1,7 +1,20 @@
-//! How fast backscatter grows with distance, fitted to the darkest pixels (Eq. 5).
+//! How fast backscatter grows with distance (Eq. 5), and what that says about the veiling light.
+//!
+//! The darkest things of each depth form an envelope that follows the curve of backscatter. How well depends
+//! on how dark they are and on how right depth is, so every optical depth τ = β_B z95 is weighed with every
+//! floor, and the answer is a mean with a deviation. The paper's fit to the darkest 1 % stands beside it.
+
+mod envelope;
+mod mixing_line;
+mod posterior;
+mod published;
 
 use super::statistics::Statistics;
-use crate::image::Encoding;
+use super::veiling_light::{Reading, VeilingLightSource};
+use crate::depth::{DepthMap, Quantised};
+use crate::image::{Encoding, Image};
+use envelope::Point;
+use posterior::{Bell, Posterior, Trust, weigh};
 
 /// What tells how fast backscatter grows with distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,83 +26,151 @@ pub enum BackscatterMethod {
     Published,
 }
 
-/// Quantile of a depth bin that stands for its darkest things. The paper takes the darkest 1-5 %.
-const DARK: f64 = 0.02;
-/// The darkest thing at distance 0 is not black: encoded colour of a shadow seen through no water.
-const SHADOW: f32 = 0.04;
-/// Optical depth β_B z95 expected before looking, and how far (as a factor) one picture strays from it.
+/// ln τ expected before looking, and its deviation.
 ///
 /// β_B itself has no scale of its own: colour depth often ends at .12 to .6 of its range, so the same water
 /// gives very different β_B. Of all fixed answers an optical depth of 1.2 did best on truth scenes.
-const EXPECTED: f32 = 1.2;
-const SPREAD: f32 = 2.0;
+const EXPECTED: Bell = Bell { mean: 0.182, deviation: 0.8 };
 /// Optical depths outside are not believed: thinner cannot be told from none, thicker from opaque.
-const RANGE: [f32; 2] = [0.05, 8.0];
-/// Residuals beyond this (encoded) count linearly, not squared: bins without a dark thing lie above the curve.
-const NOISE: f32 = 0.03;
-/// Steps of ln τ tried over [`RANGE`]; the best is refined by a parabola, so this need not be fine.
-const STEPS: usize = 96;
+const RANGE: [f32; 2] = [0.03, 12.0];
+/// Places of the first look over [`RANGE`], and of the second around what it found.
+const COARSE: usize = 40;
+const FINE: usize = 33;
+/// How far the second look reaches, in deviations of the first; and its least deviation, since a first look
+/// cannot see narrower than its own steps.
+const REACH: f32 = 3.5;
+const LEAST_DEVIATION: f32 = 0.06;
 
-/// Fits β_B of one channel: the dark quantile of each depth bin is to equal
-/// `B∞ (1 - e^(-β_B z)) + shadow e^(-β_B z)`.
+/// With given depth a bin is wrong by its byte; with depth from colour by a good deal, and all bins alike.
+const GIVEN: Trust = Trust { deviation: 1.0 / 255.0, weight: 1.0 };
+const FROM_COLOUR: Trust = Trust { deviation: 8.0 / 255.0, weight: 0.1 };
+/// How far depth from colour strays from its mixing line.
+const LINE_DEVIATION: f32 = 0.35;
+/// Share of the camera's noise that stays in a bin's dark end.
+const NOISE_LEFT: f32 = 1.0;
+
+/// What makes red and blue thicker than green in most waters, as ln of the ratio, and how far waters stray.
+const SLOPE: [f32; 3] = [0.262, 0.0, 0.095];
+const SLOPE_DEVIATION: f32 = 0.3;
+
+/// A veiling light that no open water showed may be off by this much (deviation of its logarithm).
+const VEIL_DEVIATION: f32 = 0.15;
+/// Factors on it that are tried, as logarithms.
+const VEILS: [f32; 9] = [-0.30, -0.20, -0.12, -0.06, 0.0, 0.08, 0.16, 0.27, 0.40];
+
+/// What was found, per channel.
+pub(super) struct Growth {
+    /// B∞ in the encoding of the fit; as read where open water was seen.
+    pub(super) veil: [f32; 3],
+    /// Deviation of ln B∞ that the curve leaves; 0 where open water was seen.
+    pub(super) ln_veil_deviation: [f32; 3],
+    /// β_B.
+    pub(super) coefficient: [f32; 3],
+    /// Deviation of ln β_B.
+    pub(super) ln_deviation: [f32; 3],
+    /// How dark the darkest things are (encoded), and share of the bins on the curve.
+    pub(super) floor: [f32; 3],
+    pub(super) on_curve: [f32; 3],
+}
+
+/// Fits β_B of all channels, and where no open water was seen B∞ with it.
 ///
 /// The search is over ln(β_B z95), so the unit of z cancels. Where the bins say nothing (water as dark as
-/// shadow, flat depth) the answer falls back to the expected optical depth, smoothly.
-pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, channel: usize, veiling_light: f32) -> f32 {
-    let shadow = E::from_encoded(SHADOW).min(veiling_light);
-    let noise = E::from_encoded(NOISE);
-    let envelope: Vec<(f32, f32)> =
-        statistics.bins.iter().map(|bin| (bin.z / statistics.z95, bin.quantile(channel, DARK))).collect();
-    let cost = |ln_tau: f32| {
-        let tau = ln_tau.exp();
-        let misfit: f32 = envelope
-            .iter()
-            .map(|&(z, dark)| {
-                let factor = (-tau * z).exp();
-                huber((veiling_light * (1.0 - factor) + shadow * factor - dark) / noise)
-            })
-            .sum();
-        misfit + 0.5 * ((ln_tau - EXPECTED.ln()) / SPREAD.ln()).powi(2)
+/// shadow, flat depth) the other channels answer up to the slope of most waters, and where these say nothing
+/// either, the expected optical depth.
+pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, depth: &DepthMap) -> Growth {
+    let veil = light.rgb.map(E::from_encoded);
+    let open = light.source == VeilingLightSource::OpenWater;
+    let envelopes: [Vec<Point>; 3] = std::array::from_fn(|c| envelope::read(statistics, c, light.noise));
+    let base = if depth.model().is_some() { FROM_COLOUR } else { GIVEN };
+    let noise = NOISE_LEFT * light.noise / 255.0;
+    let trust = Trust { deviation: base.deviation.hypot(noise), ..base };
+    let coarse = even(RANGE[0].ln(), RANGE[1].ln(), COARSE);
+    let line = depth.model().filter(|_| open);
+    let line = line.and_then(|model| mixing_line::optical_depth(statistics, veil, model, &coarse));
+    let prior = |c: usize| match line {
+        Some(ln_tau) => Bell { mean: ln_tau[c], deviation: LINE_DEVIATION },
+        None => EXPECTED,
     };
-    let [low, high] = RANGE.map(f32::ln);
-    let step = (high - low) / STEPS as f32;
-    let at = |i: usize| low + step * i as f32;
-    let costs: Vec<f32> = (0..=STEPS).map(|i| cost(at(i))).collect();
-    let best = (0..=STEPS).min_by(|&i, &j| costs[i].total_cmp(&costs[j])).unwrap_or(0);
-    let ln_tau = if best == 0 || best == STEPS {
-        at(best)
+    let veils: Vec<(f32, f32)> = if open {
+        vec![(0.0, 0.0)]
     } else {
-        at(best) + step * vertex(costs[best - 1], costs[best], costs[best + 1])
+        VEILS.iter().map(|&ln| (ln, 0.5 * (ln / VEIL_DEVIATION).powi(2))).collect()
     };
-    ln_tau.exp() / statistics.z95
+    let look =
+        |c: usize, prior: Bell, taus: &[f32]| weigh::<E>(&envelopes[c], veil[c], trust, prior, taus, &veils);
+
+    let first: [Bell; 3] = std::array::from_fn(|c| {
+        let seen = look(c, prior(c), &coarse).ln_tau;
+        Bell { deviation: seen.deviation.max(LEAST_DEVIATION), ..seen }
+    });
+    let found: [Posterior; 3] = std::array::from_fn(|c| {
+        let others = of_others(first, c);
+        let near = first[c].and(others);
+        let reach = REACH * near.deviation.max(LEAST_DEVIATION);
+        look(c, prior(c).and(others), &even(near.mean - reach, near.mean + reach, FINE))
+    });
+    Growth {
+        veil: std::array::from_fn(|c| (veil[c] * found[c].ln_veil.mean.exp()).min(1.0)),
+        ln_veil_deviation: found.each_ref().map(|found| found.ln_veil.deviation),
+        coefficient: found.each_ref().map(|found| found.ln_tau.mean.exp() / statistics.z95),
+        ln_deviation: found.each_ref().map(|found| found.ln_tau.deviation),
+        floor: found.each_ref().map(|found| found.floor),
+        on_curve: found.each_ref().map(|found| found.on_curve),
+    }
 }
 
-/// Squared near 0, linear far away.
-fn huber(x: f32) -> f32 {
-    let x = x.abs();
-    if x <= 1.0 { 0.5 * x * x } else { x - 0.5 }
+/// The paper's fit: its veiling light is taken as it is, and nothing is said about its error.
+pub(super) fn fit_published<E: Encoding>(
+    image: &Image<u8>,
+    quantised: &Quantised<'_>,
+    statistics: &Statistics<E>,
+    light: &Reading,
+) -> Growth {
+    let veil = light.rgb.map(E::from_encoded);
+    let z: [Option<f32>; 256] = std::array::from_fn(|level| {
+        let inside = quantised.beyond != Some(level as u8);
+        inside.then_some(level as f32 * quantised.step / statistics.z95)
+    });
+    let taus = even(RANGE[0].ln(), RANGE[1].ln(), 3 * COARSE);
+    let ln_tau = published::optical_depth::<E>(image, &quantised.levels, &z, veil, &taus);
+    Growth {
+        veil,
+        ln_veil_deviation: [0.0; 3],
+        coefficient: ln_tau.map(|ln_tau| ln_tau.exp() / statistics.z95),
+        ln_deviation: [EXPECTED.deviation; 3],
+        floor: [0.0; 3],
+        on_curve: [1.0; 3],
+    }
 }
 
-/// Where the parabola through three even places has its minimum, in steps from the middle one.
-fn vertex(left: f32, middle: f32, right: f32) -> f32 {
-    let curvature = left - 2.0 * middle + right;
-    if curvature > 0.0 { (0.5 * (left - right) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
+/// What the other two channels say about channel `c`.
+fn of_others(found: [Bell; 3], c: usize) -> Bell {
+    let of = |other: usize| Bell {
+        mean: found[other].mean - SLOPE[other] + SLOPE[c],
+        deviation: found[other].deviation.hypot(SLOPE_DEVIATION),
+    };
+    of((c + 1) % 3).and(of((c + 2) % 3))
+}
+
+fn even(from: f32, to: f32, count: usize) -> Vec<f32> {
+    (0..count).map(|i| from + (to - from) * i as f32 / (count - 1) as f32).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::Quantised;
-    use crate::image::{Encoded, Image};
+    use crate::image::{Encoded, Linear};
 
-    /// Columns of rising depth, each with its share of shadow; the rest is bright.
-    fn seen_through(beta: f32, veil: f32) -> (Image<u8>, Vec<u8>) {
+    /// Columns of rising depth, each with its share of things as dark as `floor`; the rest is bright.
+    fn seen_through<E: Encoding>(beta: f32, veil: f32, floor: f32) -> (Image<u8>, Vec<u8>) {
         let (mut samples, mut levels) = (Vec::new(), Vec::new());
         for y in 0..64 {
             for level in 0..=255_u8 {
                 let factor = (-beta * f32::from(level) / 255.0).exp();
-                let clear = if y % 16 == 0 { SHADOW } else { 0.5 };
-                let value = veil * (1.0 - factor) + clear * factor;
+                let clear = if y % 16 == 0 { floor } else { 0.6 };
+                let [veil, clear] = [veil, clear].map(E::from_encoded);
+                let value = E::to_encoded(veil * (1.0 - factor) + clear * factor);
                 samples.extend([(255.0 * value + 0.5) as u8; 3]);
                 levels.push(level);
             }
@@ -97,31 +178,86 @@ mod tests {
         (Image::from_raw(256, 64, samples).unwrap(), levels)
     }
 
-    fn gathered(image: &Image<u8>, levels: &[u8], step: f32) -> Statistics<Encoded> {
-        Statistics::gather(image, &Quantised { levels: levels.into(), step, beyond: None })
+    fn open_water(veil: f32) -> Reading {
+        Reading {
+            rgb: [veil; 3],
+            source: VeilingLightSource::OpenWater,
+            share: 0.2,
+            standard_error: [0.0; 3],
+            level: None,
+            noise: 0.3,
+        }
     }
 
-    #[test]
-    fn a_clean_envelope_gives_its_coefficient_back() {
+    fn found<E: Encoding>(image: &Image<u8>, levels: &[u8], step: f32, light: &Reading) -> (Growth, f32) {
+        let quantised = Quantised { levels: levels.into(), step, beyond: None };
+        let statistics = Statistics::<E>::gather(image, &quantised);
+        let given = DepthMap::from_levels(image.width(), image.height(), levels.to_vec()).unwrap();
+        (fit(&statistics, light, &given), statistics.z95)
+    }
+
+    fn assert_recovered<E: Encoding>() {
         for beta in [0.8, 1.5, 3.0] {
-            let (image, levels) = seen_through(beta, 0.6);
-            let found = fit(&gathered(&image, &levels, 1.0 / 255.0), 1, 0.6);
-            assert!((found / beta - 1.0).abs() < 0.12, "{found} for {beta}");
+            for floor in [0.0, 0.04] {
+                let (image, levels) = seen_through::<E>(beta, 0.6, floor);
+                let (growth, _) = found::<E>(&image, &levels, 1.0 / 255.0, &open_water(0.6));
+                for c in [1, 2] {
+                    let off = growth.coefficient[c] / beta - 1.0;
+                    assert!(off.abs() < 0.08, "{off} of {beta}, floor {floor}");
+                }
+            }
         }
     }
 
     #[test]
+    fn a_clean_envelope_gives_its_coefficient_back_in_either_encoding() {
+        assert_recovered::<Encoded>();
+        assert_recovered::<Linear>();
+    }
+
+    #[test]
     fn the_unit_of_depth_cancels() {
-        let (image, levels) = seen_through(1.5, 0.6);
-        let beta = |step| fit(&gathered(&image, &levels, step), 0, 0.6);
+        let (image, levels) = seen_through::<Encoded>(1.5, 0.6, 0.0);
+        let beta = |step| found::<Encoded>(&image, &levels, step, &open_water(0.6)).0.coefficient[0];
         assert!((beta(1.0) * 100.0 / beta(0.01) - 1.0).abs() < 1e-4);
     }
 
     #[test]
     fn water_as_dark_as_shadow_gives_the_expected_optical_depth() {
-        let image = Image::from_raw(256, 1, vec![0; 768]).unwrap();
-        let levels: Vec<u8> = (0..=255).collect();
-        let statistics = gathered(&image, &levels, 1.0 / 255.0);
-        assert!((fit(&statistics, 0, 0.0) * statistics.z95 / EXPECTED - 1.0).abs() < 1e-2);
+        let image = Image::from_raw(256, 64, vec![0; 3 * 256 * 64]).unwrap();
+        let levels: Vec<u8> = (0..64).flat_map(|_| 0..=255).collect();
+        let (growth, z95) = found::<Encoded>(&image, &levels, 1.0 / 255.0, &open_water(0.0));
+        let off = (growth.coefficient[1] * z95).ln() - EXPECTED.mean;
+        assert!(off.abs() < 0.2, "{off}");
+        assert!(growth.ln_deviation[1] > 0.15, "nothing was seen, so nothing is sure");
+    }
+
+    #[test]
+    fn a_channel_that_says_nothing_follows_the_others() {
+        // Red has no veil and no light; green and blue tell of thick water.
+        let (image, levels) = seen_through::<Encoded>(4.0, 0.6, 0.0);
+        let dead = image.pixels().iter().flat_map(|&[_, g, b]| [0, g, b]).collect();
+        let image = Image::from_raw(256, 64, dead).unwrap();
+        let light = Reading { rgb: [0.0, 0.6, 0.6], ..open_water(0.6) };
+        let (growth, _) = found::<Encoded>(&image, &levels, 1.0 / 255.0, &light);
+        let [red, green, _] = growth.coefficient;
+        assert!(red > 0.7 * green && red < 2.0 * green, "{red} beside {green}");
+    }
+
+    #[test]
+    fn without_open_water_the_curve_corrects_the_veil() {
+        let (image, levels) = seen_through::<Encoded>(3.5, 0.6, 0.0);
+        let light = Reading { source: VeilingLightSource::Farthest, ..open_water(0.7) };
+        let (growth, _) = found::<Encoded>(&image, &levels, 1.0 / 255.0, &light);
+        assert!((growth.veil[1] - 0.6).abs() < 0.04, "{}", growth.veil[1]);
+    }
+
+    #[test]
+    fn the_published_fit_needs_black_and_is_right_with_it() {
+        let (image, levels) = seen_through::<Encoded>(1.5, 0.6, 0.0);
+        let quantised = Quantised { levels: (&levels[..]).into(), step: 1.0 / 255.0, beyond: None };
+        let statistics = Statistics::<Encoded>::gather(&image, &quantised);
+        let growth = fit_published(&image, &quantised, &statistics, &open_water(0.6));
+        assert!((growth.coefficient[1] / 1.5 - 1.0).abs() < 0.1, "{}", growth.coefficient[1]);
     }
 }

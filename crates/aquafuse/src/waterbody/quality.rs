@@ -118,10 +118,17 @@ pub struct Quality {
 }
 
 impl Quality {
+    /// This with one more reason.
+    #[must_use]
+    pub fn with(mut self, reason: Reason) -> Self {
+        self.reasons.add_if(true, reason);
+        Self::of(self.reasons)
+    }
+
     /// The verdict that follows from these reasons.
     ///
-    /// Flat or inverted depth, and a veiling light read neither from water nor from anything of its hue, leave
-    /// nothing to rely on; each other reason makes doubtful.
+    /// Inverted depth, and flat depth without open water in view, leave nothing to rely on; each other reason
+    /// makes doubtful.
     pub(crate) fn of(reasons: Reasons) -> Self {
         let fatal = reasons.contains(Reason::FlatDepth) && reasons.contains(Reason::NoOpenWater)
             || reasons.contains(Reason::InvertedDepth);
@@ -131,5 +138,36 @@ impl Quality {
             (false, false) => Verdict::Doubtful,
         };
         Self { verdict, reasons }
+    }
+}
+
+impl Verdict {
+    /// The word used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Doubtful => "doubtful",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reason_makes_doubtful_and_what_leaves_nothing_makes_failed() {
+        assert_eq!(Quality::default().verdict, Verdict::Good);
+        for reason in Reason::ALL {
+            let quality = Quality::default().with(reason);
+            let expected = if reason == Reason::InvertedDepth { Verdict::Failed } else { Verdict::Doubtful };
+            assert_eq!(
+                (quality.verdict, quality.reasons.iter().collect::<Vec<_>>()),
+                (expected, vec![reason])
+            );
+        }
+        let nothing = Quality::default().with(Reason::NoOpenWater).with(Reason::FlatDepth);
+        assert_eq!(nothing.verdict, Verdict::Failed);
     }
 }

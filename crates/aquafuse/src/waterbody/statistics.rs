@@ -5,12 +5,10 @@ use std::marker::PhantomData;
 use crate::depth::{LEVELS, Quantised};
 use crate::image::{Encoding, Image};
 
-/// Bins over depth. Fewer blur the curve, more leave too few pixels for a dark quantile in each.
-const BINS: usize = 11;
-/// The bins span these shares of the depths; what lies outside joins the outermost bins.
-const SPAN: [f64; 2] = [0.02, 0.98];
-/// Share of the pixels a bin must hold to be read, and the least number: a 2 % quantile of fewer is noise.
-const LEAST_SHARE: f64 = 0.002;
+/// Bins over depth, equally full. The darkest things of a wide bin are those of its near end, which bends the
+/// curve; more bins leave too few pixels for a dark quantile in each.
+const BINS: u64 = 32;
+/// Pixels a bin must hold to be read: the dark quantile of fewer is chance.
 const LEAST_PIXELS: u64 = 50;
 
 /// Colours counted by depth.
@@ -26,9 +24,15 @@ pub(super) struct Statistics<E: Encoding> {
 pub(super) struct Bin<E: Encoding> {
     /// Mean z of its pixels.
     pub(super) z: f32,
-    count: u64,
+    pub(super) count: u64,
     values: [[u32; 256]; 3],
     encoding: PhantomData<E>,
+}
+
+/// The dark end of a bin in one channel, in bytes.
+pub(super) struct Dark {
+    pub(super) value: f32,
+    pub(super) spread: f32,
 }
 
 impl<E: Encoding> Statistics<E> {
@@ -54,10 +58,13 @@ impl<E: Encoding> Statistics<E> {
             });
             level.unwrap_or(LEVELS - 1)
         };
-        let [low, high] = SPAN.map(level_at);
+        let whole = counts.iter().sum::<u64>().max(1);
+        let mut seen = 0;
+        // A level belongs where its middle pixel does.
         let bin_of: [u8; LEVELS] = std::array::from_fn(|level| {
-            let inside = level.clamp(low, high) - low;
-            (inside * BINS / (high - low + 1)) as u8
+            let middle = 2 * seen + counts[level];
+            seen += counts[level];
+            (middle * BINS / (2 * whole)).min(BINS - 1) as u8
         });
         let mut bins: Vec<Bin<E>> = (0..BINS).map(|_| Bin::default()).collect();
         for (pixel, &level) in image.pixels().iter().zip(levels.iter()) {
@@ -75,8 +82,7 @@ impl<E: Encoding> Statistics<E> {
             bin.count = members.map(|level| counts[level]).sum();
             bin.z = (weighted as f64 / bin.count.max(1) as f64) as f32 * step;
         }
-        let enough = ((LEAST_SHARE * total) as u64).max(LEAST_PIXELS);
-        bins.retain(|bin| bin.count >= enough);
+        bins.retain(|bin| bin.count >= LEAST_PIXELS);
         // Depth that is 0 everywhere has no scale; any will do, since no coefficient can be read off it.
         let z95 = level_at(0.95).max(1) as f32 * step;
         Self { bins, z95 }
@@ -90,21 +96,37 @@ impl<E: Encoding> Default for Bin<E> {
 }
 
 impl<E: Encoding> Bin<E> {
-    /// The value that `share` of the pixels do not exceed, between bytes by the rank within the byte.
-    ///
-    /// Quantiles commute with the transfer function, so they are read from bytes and then converted.
-    pub(super) fn quantile(&self, channel: usize, share: f64) -> f32 {
+    /// The byte that `share` of the pixels do not exceed, between bytes by the rank within the byte.
+    fn quantile(&self, channel: usize, share: f64) -> f64 {
         let rank = share * self.count as f64;
         let mut seen = 0.0;
         for (value, &count) in self.values[channel].iter().enumerate() {
             let next = seen + f64::from(count);
             if count > 0 && next >= rank {
                 let within = (rank - seen) / f64::from(count) - 0.5;
-                return E::from_encoded(((value as f64 + within).clamp(0.0, 255.0) / 255.0) as f32);
+                return (value as f64 + within).clamp(0.0, 255.0);
             }
             seen = next;
         }
-        E::from_encoded(1.0)
+        255.0
+    }
+
+    /// How many of its pixels have less than `value`.
+    pub(super) fn below(&self, channel: usize, value: u8) -> u64 {
+        self.values[channel][..usize::from(value)].iter().map(|&count| u64::from(count)).sum()
+    }
+
+    /// The dark end: [`Bin::quantile`] in bytes, and the deviation of all values, in bytes.
+    pub(super) fn dark(&self, channel: usize, share: f64) -> Dark {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for (value, &count) in (0_u16..256).zip(&self.values[channel]) {
+            let (value, count) = (f64::from(value), f64::from(count));
+            sum += value * count;
+            squares += value * value * count;
+        }
+        let mean = sum / self.count as f64;
+        let variance = (squares / self.count as f64 - mean * mean).max(0.0);
+        Dark { value: self.quantile(channel, share) as f32, spread: variance.sqrt() as f32 }
     }
 
     /// The mean value.
@@ -130,7 +152,8 @@ mod tests {
         let statistics = Statistics::<Encoded>::gather(&image, &depth);
         let [bin] = &statistics.bins[..] else { panic!("flat depth is one bin") };
         assert_eq!((bin.z, statistics.z95), (3.5, 3.5));
-        assert!((bin.quantile(0, 0.5) * 255.0 - 49.5).abs() < 1.0);
+        assert!((bin.quantile(0, 0.5) - 49.5).abs() < 1.0);
+        assert!((bin.dark(0, 0.5).spread - 28.9).abs() < 0.1);
         assert!((bin.mean(1) * 255.0 - 99.0).abs() < 1e-3);
     }
 }

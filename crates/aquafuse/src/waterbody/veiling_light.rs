@@ -47,11 +47,13 @@ pub enum VeilingLightMethod {
     Published,
 }
 
+pub(super) use published::read_without_open_water;
+
 /// Reads the veiling light of a picture by this method, with all its fallbacks.
 pub(super) fn read(image: &Image<u8>, levels: &[u8], top: TopEdge, method: VeilingLightMethod) -> Reading {
-    let open_water = match method {
-        VeilingLightMethod::OpenWater => open_water::read(image, levels),
-        VeilingLightMethod::Published => None,
-    };
-    open_water.unwrap_or_else(|| published::read(image, levels, top))
+    match method {
+        VeilingLightMethod::OpenWater => open_water::read(image, levels)
+            .unwrap_or_else(|| published::read_without_open_water(image, levels, top)),
+        VeilingLightMethod::Published => published::read(image, levels, top),
+    }
 }

@@ -20,6 +20,19 @@ impl Histogram {
         }
     }
 
+    /// Encoded per-channel value in `[0, 1]` that `share` of the colours do not exceed.
+    pub(super) fn quantile(&self, share: f64) -> [f32; 3] {
+        let rank = (share * self.count as f64) as u64;
+        self.bins.each_ref().map(|bins| {
+            let mut seen = 0;
+            let value = bins.iter().position(|count| {
+                seen += count;
+                seen > rank
+            });
+            value.unwrap_or(0) as f32 / 255.0
+        })
+    }
+
     /// Encoded per-channel median in `[0, 1]`; of an even number, the mean of the middle two.
     pub(super) fn median(&self) -> [f32; 3] {
         let at = |bins: &[u64; 256], rank: u64| {

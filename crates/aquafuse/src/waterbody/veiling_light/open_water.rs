@@ -7,7 +7,7 @@ use crate::depth::LEVELS;
 use crate::image::Image;
 
 use super::hue::is_bluish_green;
-use super::reading::{Reading, VeilingLightSource};
+use super::reading::{ROUNDING, Reading, VeilingLightSource};
 
 /// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
 /// enough to fit between things.
@@ -18,8 +18,19 @@ const SMOOTH: f32 = 1.5;
 const SMOOTHEST: f64 = 0.10;
 /// Cells that agree, as a share of all: fewer are a thing, not the water around things.
 const LEAST_SHARE: f64 = 0.02;
+/// Neighbouring cells of water differ by no more than this many bytes; smooth patches of sand by more.
+const STEADY: f32 = 1.5;
+/// Of the cells as far as the water, this share has its colour: where water is, nothing else is. Sand lies
+/// among other things.
+const LEAST_PURE: f64 = 0.8;
+/// Share of the agreeing cells that is left out at either end of depth when "as far" is found.
+const TAIL: f64 = 0.1;
+/// Bytes by which a cell may differ from the water and still count as it there.
+const PURE: f32 = 16.0;
 /// Colours are counted in steps of this many bytes, each with its neighbours in the cube.
 const STEP: f32 = 8.0;
+/// What water spreads beyond this many bytes is no longer the camera's noise.
+const MOST_NOISE: f32 = 4.0;
 /// Cells within this many bytes of the commonest colour, in every channel, are read.
 const NEAR: f32 = 12.0;
 
@@ -27,12 +38,13 @@ const NEAR: f32 = 12.0;
 ///
 /// Cells count by the square of their rank in depth: of two smooth colours the farther is the water.
 pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
-    let cells = cells(image, levels);
-    let smooth = smooth(&cells);
-    let rank = ranks(&cells);
+    let grid = Grid::new(image, levels);
+    let cells = &grid.cells;
+    let smooth = smooth(cells);
+    let rank = ranks(cells);
     // Whole numbers: their sum does not depend on the order of the cells, nor on which way a mirror turns them.
     let mut counts = vec![0_u64; SIDE * SIDE * SIDE];
-    for cell in &smooth {
+    for cell in smooth.iter().map(|&place| &cells[place]) {
         let place = cell.mean.map(|value| (value / STEP) as usize);
         let weight = rank[usize::from(cell.level)].pow(2);
         for_neighbours(place, |index, share| counts[index] += share * weight);
@@ -40,13 +52,26 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
     let commonest = (0..counts.len()).max_by_key(|&index| counts[index])?;
     let middle = [commonest / (SIDE * SIDE), commonest / SIDE % SIDE, commonest % SIDE]
         .map(|place| (place as f32 - 0.5) * STEP);
-    let alike = |cell: &&&Cell| (0..3).all(|c| (cell.mean[c] - middle[c]).abs() < NEAR);
-    let alike: Vec<&Cell> = smooth.iter().filter(alike).copied().collect();
+    let alike: Vec<usize> =
+        smooth.into_iter().filter(|&place| differ(&cells[place].mean, &middle) < NEAR).collect();
     let share = alike.len() as f64 / cells.len() as f64;
-    (share >= LEAST_SHARE).then(|| Reading {
-        rgb: std::array::from_fn(|c| median(alike.iter().map(|cell| cell.mean[c]).collect()) / 255.0),
+    if share < LEAST_SHARE {
+        return None;
+    }
+    let of_alike = |value: &dyn Fn(usize) -> f32| median(alike.iter().map(|&place| value(place)).collect());
+    let water = std::array::from_fn(|c| of_alike(&|place| cells[place].mean[c]));
+    let is_water =
+        of_alike(&|place| grid.step(place)) <= STEADY && purity(cells, &alike, &water) >= LEAST_PURE;
+    is_water.then(|| Reading {
+        rgb: water.map(|value| value / 255.0),
         source: VeilingLightSource::OpenWater,
         share,
+        standard_error: std::array::from_fn(|c| {
+            let values = alike.iter().map(|&place| f64::from(cells[place].mean[c]));
+            standard_error_of_median(values) / 255.0
+        }),
+        level: Some(of_alike(&|place| f32::from(cells[place].level)) as u8),
+        noise: of_alike(&|place| cells[place].spread).clamp(ROUNDING, MOST_NOISE),
     })
 }
 
@@ -59,13 +84,33 @@ struct Cell {
     level: u8,
 }
 
-/// Cells that hold nothing but one bluish-green colour.
-fn smooth(cells: &[Cell]) -> Vec<&Cell> {
+/// The largest difference of two colours in any channel.
+fn differ(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max)
+}
+
+/// Share of the cells as far as those `alike` that have the water's colour.
+fn purity(cells: &[Cell], alike: &[usize], water: &[f32; 3]) -> f64 {
+    let mut levels: Vec<u8> = alike.iter().map(|&place| cells[place].level).collect();
+    levels.sort_unstable();
+    let tail = (levels.len() as f64 * TAIL) as usize;
+    let as_far = levels[tail]..=levels[levels.len() - 1 - tail];
+    let (mut all, mut pure) = (0, 0);
+    for cell in cells.iter().filter(|cell| as_far.contains(&cell.level)) {
+        all += 1;
+        pure += usize::from(differ(&cell.mean, water) < PURE);
+    }
+    pure as f64 / f64::from(all.max(1))
+}
+
+/// Places of the cells that hold nothing but one bluish-green colour.
+fn smooth(cells: &[Cell]) -> Vec<usize> {
     let mut spreads: Vec<f32> = cells.iter().map(|cell| cell.spread).collect();
     let tenth = (cells.len() as f64 * SMOOTHEST) as usize;
     let (_, &mut needed, _) = spreads.select_nth_unstable_by(tenth, f32::total_cmp);
-    let bluish_green = |cell: &&Cell| is_bluish_green(&cell.mean.map(|value| (value + 0.5) as u8));
-    cells.iter().filter(|cell| cell.spread <= needed.max(SMOOTH)).filter(bluish_green).collect()
+    let bluish_green = |cell: &Cell| is_bluish_green(&cell.mean.map(|value| (value + 0.5) as u8));
+    let is_smooth = |cell: &Cell| cell.spread <= needed.max(SMOOTH) && bluish_green(cell);
+    (0..cells.len()).filter(|&place| is_smooth(&cells[place])).collect()
 }
 
 /// For each level of depth, how many cells are no farther.
@@ -97,22 +142,45 @@ fn for_neighbours([red, green, blue]: [usize; 3], mut visit: impl FnMut(usize, u
 }
 
 /// The picture in cells whose borders are mirrored with it.
-fn cells(image: &Image<u8>, levels: &[u8]) -> Vec<Cell> {
-    let (width, height) = image.size();
-    let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
-    let (columns, rows) = (borders(width, side), borders(height, side));
-    let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
-    for rows in rows.windows(2) {
-        for columns in columns.windows(2) {
-            let mut sums = Sums::default();
-            for y in rows[0]..rows[1] {
-                let range = y * width + columns[0]..y * width + columns[1];
-                sums.add(&image.pixels()[range.clone()], &levels[range]);
+struct Grid {
+    columns: usize,
+    cells: Vec<Cell>,
+}
+
+impl Grid {
+    fn new(image: &Image<u8>, levels: &[u8]) -> Self {
+        let (width, height) = image.size();
+        let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
+        let (columns, rows) = (borders(width, side), borders(height, side));
+        let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
+        for rows in rows.windows(2) {
+            for columns in columns.windows(2) {
+                let mut sums = Sums::default();
+                for y in rows[0]..rows[1] {
+                    let range = y * width + columns[0]..y * width + columns[1];
+                    sums.add(&image.pixels()[range.clone()], &levels[range]);
+                }
+                cells.push(sums.cell());
             }
-            cells.push(sums.cell());
         }
+        Self { columns: columns.len() - 1, cells }
     }
-    cells
+
+    /// How much a cell differs from its neighbours, the two that differ more left out: those may be things.
+    fn step(&self, place: usize) -> f32 {
+        let (row, column) = (place / self.columns, place % self.columns);
+        let neighbours = [
+            (column > 0).then(|| place - 1),
+            (column + 1 < self.columns).then_some(place + 1),
+            (row > 0).then(|| place - self.columns),
+            Some(place + self.columns).filter(|&below| below < self.cells.len()),
+        ];
+        let mean = &self.cells[place].mean;
+        let mut steps =
+            neighbours.map(|other| other.map_or(0.0, |other| differ(mean, &self.cells[other].mean)));
+        steps.sort_by(f32::total_cmp);
+        steps[1]
+    }
 }
 
 /// Where cells of about `side` begin and end along `length`: the same from both ends.
@@ -155,6 +223,14 @@ impl Sums {
             level: (self.levels / self.pixels) as u8,
         }
     }
+}
+
+/// Standard error of the median of values that scatter evenly: 1.253 deviations over the root of their number.
+fn standard_error_of_median(values: impl ExactSizeIterator<Item = f64>) -> f32 {
+    let count = values.len() as f64;
+    let (sum, squares) = values.fold((0.0, 0.0), |(sum, squares), v| (sum + v, squares + v * v));
+    let variance = (squares / count - (sum / count).powi(2)).max(0.0);
+    (1.253 * (variance / count).sqrt()) as f32
 }
 
 /// The middle value; of an even number, the upper of the middle two.

@@ -3,7 +3,7 @@
 use super::corners::{TopEdge, corners};
 use super::histogram::Histogram;
 use super::hue::is_bluish_green;
-use super::reading::{Reading, VeilingLightSource};
+use super::reading::{ROUNDING, Reading, VeilingLightSource};
 use crate::depth::LEVELS;
 use crate::image::Image;
 
@@ -12,8 +12,36 @@ const FARTHEST_SHARE: f64 = 0.05;
 /// With no more usable pixels than this the paper no longer trusts the far end.
 const FEW_PIXELS: u64 = 100;
 
+/// Quantile that stands for the darkest of the farthest things.
+const DARK: f64 = 0.05;
+
 /// Median of the farthest bluish-green pixels, with the paper's fallbacks in its order.
 pub(super) fn read(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Reading {
+    read_by(image, levels, top, |histogram, _| histogram.median())
+}
+
+/// The same where open water was looked for and not found: what is farthest is then a thing, brighter than the
+/// water by its own light. Halfway from its darkest to its median is nearer to the water.
+pub(in crate::waterbody) fn read_without_open_water(
+    image: &Image<u8>,
+    levels: &[u8],
+    top: TopEdge,
+) -> Reading {
+    read_by(image, levels, top, |histogram, source| match source {
+        VeilingLightSource::Farthest | VeilingLightSource::Unfiltered => {
+            let (dark, median) = (histogram.quantile(DARK), histogram.median());
+            std::array::from_fn(|c| 0.5 * (dark[c] + median[c]))
+        }
+        _ => histogram.median(),
+    })
+}
+
+fn read_by(
+    image: &Image<u8>,
+    levels: &[u8],
+    top: TopEdge,
+    colour: impl Fn(&Histogram, VeilingLightSource) -> [f32; 3],
+) -> Reading {
     use VeilingLightSource::{BottomCorners, Farthest, TopCorners, Unfiltered};
     let pixels = image.pixels();
     let attempts: [(VeilingLightSource, &dyn Fn() -> Histogram); 3] = [
@@ -26,7 +54,14 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Reading {
         (histogram.count > FEW_PIXELS).then_some((source, histogram))
     });
     let (source, histogram) = usable.unwrap_or_else(|| (Unfiltered, farthest(pixels, levels, |_| true)));
-    Reading { rgb: histogram.median(), source, share: histogram.count as f64 / pixels.len() as f64 }
+    Reading {
+        rgb: colour(&histogram, source),
+        source,
+        share: histogram.count as f64 / pixels.len() as f64,
+        standard_error: [0.0; 3],
+        level: None,
+        noise: ROUNDING,
+    }
 }
 
 /// Colours of whole depth levels from the far end until 5 % of the picture's pixels are in.

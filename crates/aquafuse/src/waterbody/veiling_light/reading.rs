@@ -1,5 +1,8 @@
 //! A veiling light as read from bytes, and where.
 
+/// Noise of a picture without a smooth place to measure it, in bytes: that of rounding.
+pub(super) const ROUNDING: f32 = 0.3;
+
 /// Where the veiling light was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
@@ -23,4 +26,10 @@ pub(in crate::waterbody) struct Reading {
     pub(in crate::waterbody) source: VeilingLightSource,
     /// Share of the picture it is the median of.
     pub(in crate::waterbody) share: f64,
+    /// Standard error of the colour, encoded; 0 where it is not known.
+    pub(in crate::waterbody) standard_error: [f32; 3],
+    /// Level of depth at which open water was seen.
+    pub(in crate::waterbody) level: Option<u8>,
+    /// Deviation of values where nothing but water is, in bytes: the camera's noise.
+    pub(in crate::waterbody) noise: f32,
 }

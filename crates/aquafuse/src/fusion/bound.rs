@@ -1,0 +1,161 @@
+//! What keeps a doubtful estimate from painting what is not there.
+
+use super::{Model, Options, Waters};
+use crate::image::Encoding;
+use crate::waterbody::{Estimate, Reason, VeilingLight, Verdict, Waterbody};
+
+/// Brightest channel (encoded) of a veil that is taken from glare: as bright as water in the sun.
+const BRIGHTEST_WATER: f32 = 0.7;
+
+/// Waters and options of a fusion after the safety bounds, and which of them acted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounded<E: Encoding> {
+    content: Waterbody<E>,
+    reference: Waterbody<E>,
+    /// The options to fuse with.
+    pub options: Options,
+    /// Which bounds acted.
+    pub bounds: Bounds,
+}
+
+/// Which safety bounds acted on a fusion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Bounds {
+    /// The reference's veil is glare: it was darkened to the brightest water, its red to its green or blue.
+    pub glare: bool,
+    /// The content is doubtful and its red β_B was larger than the others: it was taken down to them.
+    pub red: bool,
+    /// One of the two is doubtful: exchange may not strengthen the direct signal.
+    pub gain: bool,
+}
+
+impl Bounds {
+    /// Whether any acted.
+    pub fn any(self) -> bool {
+        self.glare || self.red || self.gain
+    }
+}
+
+impl<E: Encoding> Bounded<E> {
+    /// Bounds a fusion by what its two estimates are worth.
+    ///
+    /// [`Model::Aquafuse`] needs no bound: it adds a quarter of the difference of the veils at most. Of the
+    /// others, with an estimate that is not good:
+    ///
+    /// - a reference whose light has no colour of water gives no brighter veil than water in the sun, and no more
+    ///   red than green or blue;
+    /// - red of a doubtful content fades no faster into the veil than green or blue: a dead red channel with a
+    ///   huge β_B would otherwise turn near things red;
+    /// - exchange weakens the direct signal or leaves it, but does not strengthen it.
+    ///
+    /// One's own water is not glare to itself: fused with its own estimate, a picture is still itself.
+    pub fn new(content: &Estimate<E>, reference: &Estimate<E>, options: Options) -> Self {
+        let mut bounded =
+            Self { content: content.water, reference: reference.water, options, bounds: Bounds::default() };
+        if options.model == Model::Aquafuse || content.water == reference.water {
+            return bounded;
+        }
+        if reference.quality.reasons.contains(Reason::LightOutsideWaterHues) {
+            bounded.hold_glare();
+        }
+        if content.quality.verdict != Verdict::Good {
+            bounded.hold_red();
+        }
+        let doubtful = [content, reference].iter().any(|one| one.quality.verdict != Verdict::Good);
+        if doubtful && options.model == Model::Exchange && options.max_gain > 1.0 {
+            bounded.options.max_gain = 1.0;
+            bounded.bounds.gain = true;
+        }
+        bounded
+    }
+
+    /// The waters to fuse with.
+    pub fn waters(&self) -> Waters<'_, E> {
+        Waters { content: &self.content, reference: &self.reference }
+    }
+
+    fn hold_glare(&mut self) {
+        let [red, green, blue] = self.reference.veiling_light.rgb().map(E::to_encoded);
+        let largest = green.max(blue);
+        let scale = if largest > 0.0 { (BRIGHTEST_WATER / largest).min(1.0) } else { 1.0 };
+        let held = [red.min(largest), green, blue].map(|value| E::from_encoded(value * scale));
+        self.reference.veiling_light = VeilingLight::new(held);
+        self.bounds.glare = true;
+    }
+
+    fn hold_red(&mut self) {
+        let [red, green, blue] = &mut self.content.backscatter_coefficient;
+        let others = green.max(*blue);
+        if *red > others {
+            *red = others;
+            self.bounds.red = true;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Encoded;
+    use crate::truth::waters;
+    use crate::waterbody::{Intervals, Quality, VeilingLightSource};
+
+    fn estimate(veil: [f32; 3], coefficient: [f32; 3], quality: Quality) -> Estimate<Encoded> {
+        let water = Waterbody {
+            veiling_light: VeilingLight::new(veil),
+            backscatter_coefficient: coefficient,
+            ..waters()[0].water
+        };
+        Estimate {
+            water,
+            veiling_light_source: VeilingLightSource::OpenWater,
+            veiling_light_share: 0.2,
+            intervals: Intervals::default(),
+            quality,
+        }
+    }
+
+    const BLUE: [f32; 3] = [0.01, 0.4, 0.6];
+    const GLARE: [f32; 3] = [0.95, 0.92, 0.9];
+
+    #[test]
+    fn good_estimates_are_not_bounded() {
+        let (content, reference) = (
+            estimate(BLUE, [9.0, 1.0, 1.0], Quality::default()),
+            estimate([0.2, 0.5, 0.3], [1.0; 3], Quality::default()),
+        );
+        for model in Model::ALL {
+            let options = Options::for_model(model);
+            let bounded = Bounded::new(&content, &reference, options);
+            assert!(!bounded.bounds.any());
+            assert_eq!((*bounded.waters().content, bounded.options), (content.water, options));
+        }
+    }
+
+    #[test]
+    fn a_dead_red_channel_and_glare_add_no_more_red_than_green_or_blue() {
+        let content = estimate(BLUE, [9.0, 1.0, 1.2], Quality::default().with(Reason::DeadRed));
+        let glare = Quality::default().with(Reason::LightOutsideWaterHues);
+        let reference = estimate(GLARE, [1.0; 3], glare);
+        for model in [Model::Physical, Model::Exchange] {
+            let bounded = Bounded::new(&content, &reference, Options::for_model(model));
+            assert!(bounded.bounds.glare && bounded.bounds.red);
+            let waters = bounded.waters();
+            let [red, green, blue] = waters.reference.veiling_light.rgb();
+            assert!(red <= green.max(blue) && green.max(blue) <= 0.7 + 1e-6);
+            assert_eq!(waters.content.backscatter_coefficient, [1.2, 1.0, 1.2]);
+            assert_eq!(bounded.options.max_gain > 1.0, model != Model::Exchange);
+        }
+        let paper = Bounded::new(&content, &reference, Options::for_model(Model::Aquafuse));
+        assert!(!paper.bounds.any());
+    }
+
+    #[test]
+    fn ones_own_doubtful_water_is_not_bounded() {
+        let own = estimate(GLARE, [9.0, 1.0, 1.0], Quality::default().with(Reason::LightOutsideWaterHues));
+        let bounded = Bounded::new(&own, &own, Options::for_model(Model::Physical));
+        assert_eq!(bounded.waters().content, bounded.waters().reference);
+        assert!(!bounded.bounds.any());
+    }
+}

@@ -1,0 +1,115 @@
+//! From what the fits found to intervals and a verdict. Every number here was measured on truth scenes of
+//! reefs in made-up waters; the tables of `docs/results.md` try them on harbours in Jerlov's waters.
+
+use super::backscatter::Growth;
+use super::quality::{Quality, Reason, Reasons};
+use super::statistics::Statistics;
+use super::veiling_light::{Reading, VeilingLightSource};
+use super::{Intervals, attenuation};
+use crate::depth::{DepthMap, Quantised};
+use crate::image::Encoding;
+
+/// Deviations of a normal error to either side that hold nine in ten.
+const NINE_IN_TEN: f32 = 1.645;
+/// Error of B∞ (encoded) beside the standard error of its reading: rounding to bytes.
+const ROUNDING: f32 = 0.04 / 255.0;
+/// Weights and base of the error of ln β_B: with open water seen, and without, where B∞ may be wrong as well.
+const WITH_WATER: [f32; 3] = [1.2, 0.0, 0.05];
+const WITHOUT_WATER: [f32; 3] = [4.5, 2.0, 0.15];
+/// Weight and base of the error of ln B∞ where no open water was seen.
+const GUESSED_VEIL: [f32; 2] = [3.0, 0.2];
+
+/// How far off the numbers may be.
+pub(super) fn intervals<E: Encoding>(growth: &Growth, light: &Reading) -> Intervals {
+    let open = light.source == VeilingLightSource::OpenWater;
+    let [of_growth, of_veil, base] = if open { WITH_WATER } else { WITHOUT_WATER };
+    let veiling_light = std::array::from_fn(|c| {
+        if open {
+            let half = NINE_IN_TEN * light.standard_error[c].hypot(ROUNDING);
+            [-half, half].map(|off| E::from_encoded((light.rgb[c] + off).clamp(0.0, 1.0)))
+        } else {
+            let half = NINE_IN_TEN * (GUESSED_VEIL[0] * growth.ln_veil_deviation[c]).hypot(GUESSED_VEIL[1]);
+            [-half, half].map(|ln| (growth.veil[c] * ln.exp()).min(1.0))
+        }
+    });
+    let backscatter_coefficient = std::array::from_fn(|c| {
+        let known = (of_growth * growth.ln_deviation[c]).hypot(of_veil * growth.ln_veil_deviation[c]);
+        let half = NINE_IN_TEN * known.hypot(base);
+        [-half, half].map(|ln| growth.coefficient[c] * ln.exp())
+    });
+    Intervals { veiling_light, backscatter_coefficient }
+}
+
+/// A channel whose veil is fainter (encoded) hides its errors: 25 % of β_B moves no pixel by 1.2 steps of a byte.
+const VISIBLE: f32 = 0.05;
+/// What is asked of a fit: the largest expected floor, the least share of bins on the curve, the largest
+/// deviation of ln β_B, the largest L_z. Depth from colour cannot be asked for as much: its β_B has no truth.
+struct Demands {
+    floor: f32,
+    on_curve: f32,
+    ln_deviation: f32,
+    l_z: f32,
+}
+const GIVEN: Demands = Demands { floor: 0.03, on_curve: 0.6, ln_deviation: 0.065, l_z: 0.1 };
+const FROM_COLOUR: Demands = Demands { floor: 0.06, on_curve: 0.25, ln_deviation: 0.5, l_z: 0.65 };
+
+/// Depths that span less than this share of z95 are alike.
+const FLAT: f32 = 0.12;
+/// More than this share of the picture at one end of the levels of depth from colour is too much.
+const SATURATED: f64 = 0.6;
+/// No water scatters as much red as green or blue, nor all three this much (encoded): that is glare.
+const GLARE: f32 = 0.7;
+/// Red is dead where fewer than this share of the pixels reach this byte.
+const LIVELY: f64 = 0.1;
+const LIVELY_RED: u8 = 12;
+
+/// Everything that speaks against an estimate.
+pub(super) fn quality<E: Encoding>(
+    growth: &Growth,
+    light: &Reading,
+    statistics: &Statistics<E>,
+    attenuation: &[attenuation::Fit; 3],
+    depth: &DepthMap,
+    quantised: &Quantised<'_>,
+) -> Quality {
+    let from_colour = depth.model().is_some();
+    let demands = if from_colour { FROM_COLOUR } else { GIVEN };
+    let visible = |c: &usize| E::to_encoded(growth.veil[*c]) >= VISIBLE;
+    let any = |holds: &dyn Fn(usize) -> bool| (0..3).filter(visible).any(holds);
+    let mut reasons = Reasons::default();
+    reasons.add_if(light.source != VeilingLightSource::OpenWater, Reason::NoOpenWater);
+    reasons.add_if(is_flat(statistics), Reason::FlatDepth);
+    reasons.add_if(from_colour && is_saturated(&quantised.levels), Reason::SaturatedDepth);
+    reasons.add_if(is_glare(growth.veil.map(E::to_encoded)), Reason::LightOutsideWaterHues);
+    reasons.add_if(any(&|c| growth.on_curve[c] < demands.on_curve), Reason::LargeResidual);
+    let few_dark =
+        |c: usize| growth.floor[c] > demands.floor || growth.ln_deviation[c] > demands.ln_deviation;
+    reasons.add_if(any(&few_dark), Reason::FewDarkPixels);
+    reasons.add_if(is_red_dead(statistics), Reason::DeadRed);
+    let l_z = attenuation.iter().map(|fit| fit.residual).fold(0.0, f32::max);
+    reasons.add_if(l_z > demands.l_z, Reason::AttenuationNotConverged);
+    Quality::of(reasons)
+}
+
+fn is_flat<E: Encoding>(statistics: &Statistics<E>) -> bool {
+    let (Some(near), Some(far)) = (statistics.bins.first(), statistics.bins.last()) else { return true };
+    far.z - near.z < FLAT * statistics.z95
+}
+
+fn is_saturated(levels: &[u8]) -> bool {
+    let at = |end: u8| levels.iter().filter(|&&level| level == end).count() as f64;
+    at(0).max(at(255)) > SATURATED * levels.len() as f64
+}
+
+fn is_glare([red, green, blue]: [f32; 3]) -> bool {
+    red >= green.max(blue) || red.min(green).min(blue) > GLARE
+}
+
+fn is_red_dead<E: Encoding>(statistics: &Statistics<E>) -> bool {
+    let (mut all, mut dead) = (0, 0);
+    for bin in &statistics.bins {
+        all += bin.count;
+        dead += bin.below(0, LIVELY_RED);
+    }
+    all > 0 && (all - dead) as f64 <= LIVELY * all as f64
+}

@@ -10,8 +10,7 @@ mod kind;
 pub use kind::SuppliedKind;
 
 use super::{DepthKind, DepthMap, DepthModel};
-use crate::image::{Image, SizeError, check_size};
-use crate::waterbody::TopEdge;
+use crate::image::{Image, SizeError, TopEdge, check_size};
 
 /// Raw values of a depth map, as a file or a sensor gives them, and what they are declared to be.
 ///

@@ -88,6 +88,8 @@ fn wrong_declarations_are_refused_with_what_to_do() {
     assert!(inspect(2, &["--depth-kind", "metres"]).contains("add --depth FILE"));
     assert!(inspect(2, &["--depth", "z.tiff", "--depth-kind", "feet"]).contains("millimetres"));
     assert!(inspect(2, &["--depth", "no.tiff", "--depth-kind", "metres"]).contains("cannot read no.tiff"));
+    let both = inspect(2, &["--depth", "z.tiff", "--depth-kind", "metres", "--depth-model", "ratio"]);
+    assert!(both.contains("cannot be used with"), "{both}");
     let relative = inspect(1, &["--depth", "z.tiff", "--depth-kind", "relative"]);
     assert!(
         relative.contains("lies between 0 and 1") && relative.contains("declare what it is"),

@@ -13,8 +13,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 #[derive(Args)]
 pub(crate) struct DepthArguments {
     /// Take depth from this file (PNG, TIFF, OpenEXR, NPY, PFM), of the picture's size; for a folder of pictures, a
-    /// folder of such files with the same stems. Where it holds no valid value, colour tells. The depth
-    /// of a reference always comes from colour.
+    /// folder of such files with the same stems. Where it holds no valid value, colour tells (by
+    /// `ratio`). The depth of a reference always comes from colour, by --depth-model.
     #[arg(long, value_name = "FILE")]
     depth: Option<PathBuf>,
     /// What the values of --depth are, which no file says. Larger is farther in the first three, nearer in the last
@@ -23,7 +23,8 @@ pub(crate) struct DepthArguments {
     depth_kind: Option<SuppliedKind>,
 }
 
-fn kind() -> impl TypedValueParser<Value = SuppliedKind> {
+/// Every kind of depth by its name.
+pub(crate) fn kind() -> impl TypedValueParser<Value = SuppliedKind> {
     PossibleValuesParser::new(SuppliedKind::ALL.map(SuppliedKind::name)).try_map(|name| {
         SuppliedKind::from_name(&name).ok_or_else(|| anyhow!("there is no kind of that name"))
     })

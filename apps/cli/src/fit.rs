@@ -4,22 +4,22 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse::depth::Eq3;
 use aquafuse::depth::fit::{self, Options, Scale, Target};
+use aquafuse::depth::{Eq3, SuppliedKind};
 use aquafuse_data::model_file::{self, FitRecord, ModelFile, PairScore};
-use aquafuse_data::pairs::{self, Gathered, LabelKind, Message};
+use aquafuse_data::pairs::{self, Gathered, Message};
 use aquafuse_data::picture::FileError;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
+use crate::depth_arguments::kind;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 
 /// Fit the depth model `eq3` to pictures with known depth, for `--depth-model FILE.toml`.
 ///
-/// PAIRS holds a folder `rgb` of pictures (PNG, JPEG, 8-bit TIFF) and a folder `depth` of one-channel files
-/// (TIFF, PNG) of the same stems. Depth never rises with red nor falls with max(G, B) in the fitted model, and
+/// PAIRS holds a folder `rgb` of pictures (PNG, JPEG, 8-bit TIFF) and a folder `depth` of depth maps
+/// (PNG, TIFF, OpenEXR, NPY, PFM) of the same stems and sizes. Depth never rises with red nor falls with max(G, B) in the fitted model, and
 /// spans 0 to 1 over all colours. A few pairs of one place make a model of that place: look at pairs it was
 /// not fitted to.
 #[derive(Args)]
@@ -30,9 +30,10 @@ pub(crate) struct Fit {
     /// Where to write: .toml; a missing folder is made.
     #[arg(short, long, value_name = "MODEL.toml")]
     output: PathBuf,
-    /// What the numbers in the depth files are. Except for `relative`, 0 is unknown depth.
+    /// What the values of the depth maps are, which no file says: as for `fuse`. 0 is unknown depth in metres,
+    /// millimetres and disparity.
     #[arg(long, value_name = "KIND", value_parser = kind())]
-    depth_kind: LabelKind,
+    depth_kind: SuppliedKind,
     /// What the depths of different pictures have in common.
     #[arg(long, value_enum, default_value_t)]
     scale: ScaleArg,
@@ -49,7 +50,7 @@ enum ScaleArg {
     /// Nothing: each picture has a scale and a shift of its own.
     #[default]
     PerPicture,
-    /// One scale and one shift: metres, in one water.
+    /// One scale and one shift: metres, in one water. Not for inverse depth and disparity.
     Shared,
 }
 
@@ -67,16 +68,18 @@ Example:
   aquafuse fit reef/ -o reef.toml --depth-kind metres
   aquafuse fuse dive.jpg green.jpg -o fused.jpg --depth-model reef.toml";
 
-fn kind() -> impl TypedValueParser<Value = LabelKind> {
-    PossibleValuesParser::new(LabelKind::ALL.map(LabelKind::name))
-        .map(|name| LabelKind::from_name(&name).unwrap_or(LabelKind::Relative))
-}
-
 impl Fit {
     pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
         model_file::check_name(&self.output)?;
         if !self.overwrite && self.output.symlink_metadata().is_ok() {
             return Err(FileError::Exists { path: self.output.clone() }.into());
+        }
+        let scale_of_its_own = matches!(self.depth_kind, SuppliedKind::Inverse | SuppliedKind::Disparity);
+        if scale_of_its_own && matches!(self.scale, ScaleArg::Shared) {
+            return Err(Failure::usage(anyhow!(
+                "--scale shared needs depths with one unit, and {} has another in each picture; leave --scale out",
+                self.depth_kind.name()
+            )));
         }
         let listing = pairs::list(&self.pairs).map_err(Failure::usage)?;
         if listing.pairs.is_empty() {

@@ -21,6 +21,8 @@ use crate::output;
 /// backscatter grows with z (β_B) and how fast the scene's own light fades (β_D). At the far end, β z is the
 /// thickness of the water seen through: .1 is hardly any, 1 is much, 3 hides nearly everything.
 #[derive(Args)]
+// Nothing is left to estimate here where depth is given; `fuse` still needs the model, for its reference.
+#[command(mut_arg("depth_model", |model| model.conflicts_with("depth")))]
 pub(crate) struct Inspect {
     /// PNG or JPEG, 8 bits a channel, without transparency.
     image: PathBuf,

@@ -51,7 +51,8 @@ Examples:
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --depth reef.tiff --depth-kind metres
                                                      with depth that was measured
   aquafuse depth reef.jpg -o depth.png
-  aquafuse fit pairs/ -o mine.toml                   a depth model from pictures with known depth
+  aquafuse fit pairs/ -o mine.toml --depth-kind metres
+                                                     a depth model from pictures with known depth
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),

@@ -15,11 +15,18 @@ fn pairs(run: &Run, known: Eq3) {
     for folder in ["pairs", "pairs/rgb", "pairs/depth"] {
         std::fs::create_dir(run.path(folder)).unwrap();
     }
-    for (seed, water) in [(1, "blue"), (2, "green"), (3, "clear"), (4, "turbid"), (5, "deep")] {
+    let pairs = [
+        (1, "blue", "png"),
+        (2, "green", "tiff"),
+        (3, "clear", "exr"),
+        (4, "turbid", "npy"),
+        (5, "deep", "pfm"),
+    ];
+    for (seed, water, format) in pairs {
         let rgb = run.path(&format!("pairs/rgb/{water}.png"));
         scene(&rgb, seed, water);
         let depth = DepthModel::Eq3(known).estimate(&Picture::read(&rgb).unwrap().image);
-        depth_file::write(&run.path(&format!("pairs/depth/{water}.png")), &depth, &Default::default())
+        depth_file::write(&run.path(&format!("pairs/depth/{water}.{format}")), &depth, &Default::default())
             .unwrap();
     }
     scene(&run.path("pairs/rgb/alone.png"), 6, "blue");
@@ -70,11 +77,16 @@ fn what_cannot_be_fitted_is_refused_by_cause() {
     for folder in ["lone", "lone/rgb", "lone/depth"] {
         std::fs::create_dir(run.path(folder)).unwrap();
     }
-    let cases: [(i32, &[&str], &str); 5] = [
+    let cases: [(i32, &[&str], &str); 6] = [
         (2, &["fit", "pairs", "-o", "m.json", "--depth-kind", "relative"], "must end in .toml"),
         (2, &["fit", "pairs", "-o", "m.toml", "--depth-kind", "feet"], "millimetres"),
         (2, &["fit", "empty", "-o", "m.toml", "--depth-kind", "metres"], "empty/rgb"),
         (2, &["fit", "lone", "-o", "m.toml", "--depth-kind", "metres"], "holds no pair"),
+        (
+            2,
+            &["fit", "pairs", "-o", "m.toml", "--depth-kind", "disparity", "--scale", "shared"],
+            "needs depths with one unit",
+        ),
         (1, &["fit", "pairs", "-o", "m.toml", "--depth-kind", "inverse"], "declare them as inverse"),
     ];
     for (code, arguments, expected) in cases {

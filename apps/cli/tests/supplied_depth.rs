@@ -10,6 +10,7 @@ use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
 use aquafuse::image::Image;
 use aquafuse::truth::{Scene, Size};
 use aquafuse_data::depth_file;
+use aquafuse_data::pairs::{list, read_rgb};
 use aquafuse_data::picture::{Picture, WriteOptions};
 use run::{Run, scene};
 use serde_json::Value;
@@ -88,6 +89,8 @@ fn wrong_declarations_are_refused_with_what_to_do() {
     assert!(inspect(2, &["--depth-kind", "metres"]).contains("add --depth FILE"));
     assert!(inspect(2, &["--depth", "z.tiff", "--depth-kind", "feet"]).contains("millimetres"));
     assert!(inspect(2, &["--depth", "no.tiff", "--depth-kind", "metres"]).contains("cannot read no.tiff"));
+    let both = inspect(2, &["--depth", "z.tiff", "--depth-kind", "metres", "--depth-model", "ratio"]);
+    assert!(both.contains("cannot be used with"), "{both}");
     let relative = inspect(1, &["--depth", "z.tiff", "--depth-kind", "relative"]);
     assert!(
         relative.contains("lies between 0 and 1") && relative.contains("declare what it is"),
@@ -123,38 +126,21 @@ fn pairs(run: &Run) -> Option<Vec<(PathBuf, PathBuf, bool)>> {
     };
     let mut pairs = Vec::new();
     for (folder, measured) in [("depth_pairs", true), ("depth_pairs_estimated", false)] {
-        let mut maps: Vec<_> = std::fs::read_dir(data.join(folder).join("depth")).unwrap().collect();
-        maps.sort_by_key(|entry| entry.as_ref().unwrap().path());
-        let pictures: Vec<_> = std::fs::read_dir(data.join(folder).join("rgb")).unwrap().collect();
-        for map in maps {
-            let map = map.unwrap().path();
-            let stem = map.file_stem().unwrap().to_owned();
-            let of_stem = pictures.iter().map(|entry| entry.as_ref().unwrap().path());
-            let picture = of_stem.into_iter().find(|path| path.file_stem() == Some(&stem)).unwrap();
-            pairs.push((as_png(run, &picture, &stem, true), as_png(run, &map, &stem, false), measured));
+        for pair in list(&data.join(folder)).unwrap().pairs {
+            // Pictures in TIFF and maps in JPEG are not read: the same pixels in PNG.
+            let mut png = pair.clone();
+            if pair.rgb.extension().unwrap() == "tiff" {
+                png.rgb = run.path(&format!("{}_rgb.png", pair.name));
+                read_rgb(&pair.rgb).unwrap().write(&png.rgb, &WriteOptions::default()).unwrap();
+            }
+            if pair.depth.extension().unwrap() == "jpg" {
+                png.depth = run.path(&format!("{}_depth.png", pair.name));
+                image::open(&pair.depth).unwrap().into_luma8().save(&png.depth).unwrap();
+            }
+            pairs.push((png.rgb, png.depth, measured));
         }
     }
     Some(pairs)
-}
-
-/// Pictures in TIFF and maps in JPEG are not read: the same pixels in PNG.
-fn as_png(run: &Run, path: &Path, stem: &std::ffi::OsStr, colour: bool) -> PathBuf {
-    let extension = path.extension().unwrap().to_str().unwrap();
-    let png = run.path(&format!("{}_{}.png", stem.to_str().unwrap(), if colour { "rgb" } else { "depth" }));
-    match (extension, colour) {
-        ("tiff", true) => {
-            let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-            let mut decoder = tiff::decoder::Decoder::new(file).unwrap();
-            let (width, height) = decoder.dimensions().unwrap();
-            let tiff::decoder::DecodingResult::U8(rgb) = decoder.read_image().unwrap() else {
-                panic!("{} is not of 8 bits", path.display())
-            };
-            image::RgbImage::from_raw(width, height, rgb).unwrap().save(&png).unwrap();
-        }
-        ("jpg", false) => image::open(path).unwrap().into_luma8().save(&png).unwrap(),
-        _ => return path.to_owned(),
-    }
-    png
 }
 
 #[test]

@@ -37,11 +37,11 @@
 //! | module | does |
 //! |---|---|
 //! | [`picture`] | PNG and JPEG files, 8 bit, with their colour profile and EXIF; written all or nothing |
-//! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM |
+//! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, read as a declared kind |
 //! | [`analysis`] | what a picture tells about its depth and water: the one estimator of every command |
 //! | [`folder`] | which pictures a folder holds |
 //! | [`job`] | a long run as a stream of messages |
-//! | [`pairs`] | pictures with known depth, to fit a depth model to |
+//! | [`pairs`] | pictures with known depth, a folder `rgb` and a folder `depth`, to fit a depth model to |
 //! | [`model_file`] | fitted depth models as TOML |
 //! | [`sheet`] | pictures side by side with captions |
 //!

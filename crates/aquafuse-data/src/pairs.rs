@@ -1,68 +1,18 @@
 //! Pictures with known depth: a folder with `rgb/` and `depth/`, whose files share their stems.
 
-mod read;
+mod rgb;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::fit::{Fitter, LabelError, Options};
+use aquafuse::depth::{SuppliedError, SuppliedKind};
 use aquafuse::image::Image;
 use rayon::prelude::*;
 
+use crate::depth_file;
 use crate::picture::FileError;
-pub use read::{read_depth, read_rgb};
-
-/// What the numbers of a depth file are. Nothing is guessed: the same numbers can be any of these.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum LabelKind {
-    /// Metres; 0 and less is unknown.
-    Metres,
-    /// Millimetres; 0 and less is unknown.
-    Millimetres,
-    /// Distance without a unit, larger is farther; 0 is near, less is unknown.
-    Relative,
-    /// 1 / distance, larger is nearer; 0 and less is unknown.
-    Inverse,
-    /// Disparity in pixels: 1 / distance but for a factor; 0 and less is unknown.
-    Disparity,
-}
-
-impl LabelKind {
-    /// All kinds.
-    pub const ALL: [Self; 5] =
-        [Self::Metres, Self::Millimetres, Self::Relative, Self::Inverse, Self::Disparity];
-
-    /// The name used on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Metres => "metres",
-            Self::Millimetres => "millimetres",
-            Self::Relative => "relative",
-            Self::Inverse => "inverse",
-            Self::Disparity => "disparity",
-        }
-    }
-
-    /// The kind of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
-    /// The distance that a stored number stands for; NaN where it stands for none.
-    fn distance(self, stored: f32) -> f32 {
-        let known = match self {
-            Self::Relative => stored >= 0.0,
-            _ => stored > 0.0,
-        };
-        match self {
-            _ if !known || !stored.is_finite() => f32::NAN,
-            Self::Metres | Self::Relative => stored,
-            Self::Millimetres => stored / 1000.0,
-            Self::Inverse | Self::Disparity => stored.recip(),
-        }
-    }
-}
+pub use rgb::read_rgb;
 
 /// Two files that belong together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,17 +23,6 @@ pub struct Pair {
     pub rgb: PathBuf,
     /// Its depth.
     pub depth: PathBuf,
-}
-
-/// Depth as read: one distance a pixel, NaN where it is not known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Labels {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Distances, row by row from the top, larger is farther.
-    pub distances: Vec<f32>,
 }
 
 /// What stands in a folder of pairs.
@@ -102,16 +41,6 @@ pub enum PairError {
     /// A file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A file is of a kind we do not read.
-    #[error("cannot read {}: {found}; {expected}", path.display())]
-    Kind {
-        /// The file.
-        path: PathBuf,
-        /// What it is.
-        found: String,
-        /// What is read.
-        expected: &'static str,
-    },
     /// Two files of a folder have one stem.
     #[error("{} and {} share their stem; leave one of them in the folder", .one.display(), .other.display())]
     Ambiguous {
@@ -119,19 +48,6 @@ pub enum PairError {
         one: PathBuf,
         /// The other.
         other: PathBuf,
-    },
-    /// Picture and depth differ in size.
-    #[error(
-        "{} is {}x{}, its picture {}x{}; scale one of them to the other",
-        path.display(), .depth.0, .depth.1, .rgb.0, .rgb.1
-    )]
-    Size {
-        /// The depth file.
-        path: PathBuf,
-        /// Columns and rows of the depth.
-        depth: (usize, usize),
-        /// Columns and rows of the picture.
-        rgb: (usize, usize),
     },
     /// The depth cannot be fitted to.
     #[error("cannot use {}: {error}. Check --depth-kind, or take the pair out", path.display())]
@@ -181,19 +97,27 @@ fn by_stem(folder: &Path) -> Result<BTreeMap<String, PathBuf>, PairError> {
 }
 
 impl Pair {
-    /// Reads picture and depth.
+    /// Reads picture and depth: one distance a pixel, NaN where it is not known
+    /// ([`Supplied::labels`](aquafuse::depth::Supplied::labels)).
     ///
     /// # Errors
     ///
-    /// [`PairError`] when a file cannot be read or the two differ in size.
-    pub fn read(&self, kind: LabelKind) -> Result<(Image<u8>, Labels), PairError> {
-        let image = read_rgb(&self.rgb)?;
-        let labels = read_depth(&self.depth, kind)?;
-        if image.size() != (labels.width, labels.height) {
-            let depth = (labels.width, labels.height);
-            return Err(PairError::Size { path: self.depth.clone(), depth, rgb: image.size() });
-        }
-        Ok((image, labels))
+    /// [`PairError`] when a file cannot be read, or the depth does not suit the picture or its kind.
+    pub fn read(&self, kind: SuppliedKind) -> Result<(Image<u8>, Vec<f32>), PairError> {
+        let picture = read_rgb(&self.rgb)?;
+        let path = || self.depth.clone();
+        let labels =
+            depth_file::read(&self.depth, kind)?.labels(&picture.image).map_err(|error| match error {
+                // Said as of labels that are flat in metres.
+                SuppliedError::Flat { value } => {
+                    PairError::Labels { path: path(), error: LabelError::Flat { value } }
+                }
+                error => {
+                    let turned = picture.metadata.orientation > 4;
+                    FileError::UnfitDepth { path: path(), error, turned }.into()
+                }
+            })?;
+        Ok((picture.image, labels))
     }
 }
 
@@ -229,7 +153,7 @@ pub struct Gathered {
 /// The result does not depend on the number of threads: pairs come out in the order they are given in.
 pub fn gather(
     pairs: &[Pair],
-    kind: LabelKind,
+    kind: SuppliedKind,
     options: Options,
     listener: &(dyn Fn(Message<'_>) + Sync),
 ) -> Gathered {
@@ -238,7 +162,7 @@ pub fn gather(
         let labels = |error| PairError::Labels { path: pair.depth.clone(), error };
         let added = pair
             .read(kind)
-            .and_then(|(image, depth)| gathered.fitter.add(&image, &depth.distances).map_err(labels));
+            .and_then(|(image, distances)| gathered.fitter.add(&image, &distances).map_err(labels));
         match added {
             Ok(()) => {
                 gathered.names.push(pair.name.clone());

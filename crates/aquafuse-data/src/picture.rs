@@ -7,8 +7,7 @@ mod write;
 
 use std::path::Path;
 
-use aquafuse::image::Image;
-use aquafuse::waterbody::TopEdge;
+use aquafuse::image::{Image, TopEdge};
 
 pub(crate) use atomic::write_atomically;
 pub use error::FileError;

@@ -6,11 +6,13 @@
 
 mod encoding;
 mod sample;
+mod top_edge;
 
 use std::marker::PhantomData;
 
 pub use encoding::{Encoded, Encoding, Linear};
 pub use sample::Sample;
+pub use top_edge::TopEdge;
 
 /// An RGB picture, rows from the top, three interleaved samples a pixel.
 ///

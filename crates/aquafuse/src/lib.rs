@@ -30,7 +30,10 @@
 //! |---|---|---|
 //! | [`image`] | pixels and what their values mean | |
 //! | [`depth`] | picture → [`DepthMap`](depth::DepthMap), 0 near, larger farther | Eq. 3 |
+//! | [`depth::Supplied`] | depth from elsewhere, of a declared kind → the same | |
+//! | [`depth::fit`] | pictures with known depth → coefficients of Eq. 3 | Eq. 4 |
 //! | [`waterbody`] | picture + depth → [`Waterbody`](waterbody::Waterbody) {B∞, β_B, β_D} | Eq. 5-8 |
+//! | [`waterbody::presets`] | waters from published tables, per metre | |
 //! | [`formation`] | the image formation model, forwards and back | Eq. 1-2 |
 //! | [`fusion`] | scene + reference water → fused picture | Eq. 9-11 |
 //! | [`smooth`] | the bilateral filter the paper ends with; off by default | |
@@ -38,7 +41,8 @@
 //! | [`truth`] | a ray-marched scene whose clear image, depth and water are known | |
 //!
 //! Colours are RGB in `[0, 1]`, whatever the sample type. Encoded (sRGB) values are the default, as in the
-//! paper; linear light is another type. Coefficients are per unit of the depth map's z, whatever that is.
+//! paper; linear light is another type. Coefficients are per unit of the depth map's z, whatever that is: a water per
+//! metre meets relative depth through [`Waterbody::per_relative`](waterbody::Waterbody::per_relative).
 //!
 //! # Features
 //!

@@ -15,10 +15,10 @@ mod veiling_light;
 pub use attenuation::{Attenuation, AttenuationError};
 pub use backscatter::BackscatterMethod;
 pub use quality::{Quality, Reason, Reasons, Verdict};
-pub use veiling_light::{TopEdge, VeilingLight, VeilingLightMethod, VeilingLightSource};
+pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::depth::{DepthMap, Quantised};
-use crate::image::{Encoded, Encoding, Image, SizeError};
+use crate::image::{Encoded, Encoding, Image, SizeError, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
 use veiling_light::Reading;

@@ -5,11 +5,10 @@
 use aquafuse::depth::{self, DepthKind, DepthMap};
 use aquafuse::formation::restore;
 use aquafuse::fusion::{Incidence, Model, Options, Waters, fuse};
-use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError};
+use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError, TopEdge};
 use aquafuse::truth::{NamedWater, OPEN_WATER, Scene, Size, waters};
 use aquafuse::waterbody::{
-    self, BackscatterMethod, EstimateOptions, TopEdge, VeilingLight, VeilingLightMethod, VeilingLightSource,
-    Waterbody,
+    self, BackscatterMethod, EstimateOptions, VeilingLight, VeilingLightMethod, VeilingLightSource, Waterbody,
 };
 
 const SIZE: Size = Size { width: 96, height: 64 };

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use aquafuse::depth::DepthModel;
+use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse::image::Image;
-use aquafuse_data::pairs::{LabelKind, PairError, list};
+use aquafuse_data::pairs::{PairError, list};
 
 /// One picture with its depth in metres.
 pub(crate) struct Pair {
@@ -53,9 +53,9 @@ pub(crate) fn by_place(pairs: &[Pair], scores: &[f64]) -> f64 {
 /// All pairs, by name.
 pub(crate) fn read_all(data: &Path) -> Result<Vec<Pair>, PairError> {
     let read = |pair: aquafuse_data::pairs::Pair| {
-        let (image, labels) = pair.read(LabelKind::Metres)?;
-        let measured = (0..labels.distances.len()).filter(|&i| labels.distances[i].is_finite()).collect();
-        Ok(Pair { name: pair.name, image, distances: labels.distances, measured })
+        let (image, distances) = pair.read(SuppliedKind::Metres)?;
+        let measured = (0..distances.len()).filter(|&i| distances[i].is_finite()).collect();
+        Ok(Pair { name: pair.name, image, distances, measured })
     };
     list(&data.join("depth_pairs"))?.pairs.into_iter().map(read).collect()
 }

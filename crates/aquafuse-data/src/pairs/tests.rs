@@ -12,29 +12,33 @@ fn tiff_of_floats(path: &Path, width: u32, numbers: &[f32]) {
 }
 
 #[test]
-fn a_number_means_what_its_kind_says() {
+fn labels_are_read_as_fusion_reads_depth_and_nothing_is_filled_in() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("z.tiff");
-    tiff_of_floats(&path, 4, &[0.0, 0.5, f32::NAN, -1.0]);
-    let read = |kind| read_depth(&path, kind).unwrap().distances;
+    let path = |name: &str| folder.path().join(name);
+    let labels = |depth: &str, kind| {
+        let pair = Pair { name: "p".into(), rgb: path("p.png"), depth: path(depth) };
+        pair.read(kind).unwrap().1
+    };
     let same = |found: Vec<f32>, expected: [f32; 4]| {
         assert!(found.iter().zip(expected).all(|(a, b)| *a == b || a.is_nan() && b.is_nan()), "{found:?}");
     };
     const NONE: f32 = f32::NAN;
-    same(read(LabelKind::Metres), [NONE, 0.5, NONE, NONE]);
-    same(read(LabelKind::Millimetres), [NONE, 0.0005, NONE, NONE]);
-    same(read(LabelKind::Relative), [0.0, 0.5, NONE, NONE]);
-    same(read(LabelKind::Inverse), [NONE, 2.0, NONE, NONE]);
-    same(read(LabelKind::Disparity), [NONE, 2.0, NONE, NONE]);
-}
+    ::image::RgbImage::from_pixel(4, 1, ::image::Rgb([1, 2, 3])).save(path("p.png")).unwrap();
+    tiff_of_floats(&path("z.tiff"), 4, &[0.0, 0.5, f32::NAN, -1.0]);
+    same(labels("z.tiff", SuppliedKind::Metres), [NONE, 0.5, NONE, NONE]);
+    same(labels("z.tiff", SuppliedKind::Millimetres), [NONE, 0.0005, NONE, NONE]);
+    same(labels("z.tiff", SuppliedKind::Relative), [0.0, 0.5, NONE, NONE]);
+    same(labels("z.tiff", SuppliedKind::Inverse), [1.0, 0.0, NONE, NONE]);
 
-#[test]
-fn whole_numbers_of_relative_depth_are_shares_of_their_range() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("z.png");
-    ::image::GrayImage::from_raw(3, 1, vec![0, 51, 255]).unwrap().save(&path).unwrap();
-    assert_eq!(read_depth(&path, LabelKind::Relative).unwrap().distances, [0.0, 0.2, 1.0]);
-    assert_eq!(read_depth(&path, LabelKind::Metres).unwrap().distances[1..], [51.0, 255.0]);
+    ::image::GrayImage::from_raw(4, 1, vec![0, 51, 204, 255]).unwrap().save(path("z.png")).unwrap();
+    same(labels("z.png", SuppliedKind::Relative), [0.0, 0.2, 0.8, 1.0]);
+    same(labels("z.png", SuppliedKind::Disparity), [NONE, 1.0, 0.25, 0.2]);
+
+    let npy = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 4), }\n";
+    let head = [&b"\x93NUMPY\x01\x00"[..], &(npy.len() as u16).to_le_bytes(), npy.as_bytes()].concat();
+    let values = [1.0_f32, 0.0, 2.0, 3.0].map(f32::to_le_bytes).concat();
+    std::fs::write(path("z.npy"), [head, values].concat()).unwrap();
+    same(labels("z.npy", SuppliedKind::Metres), [1.0, NONE, 2.0, 3.0]);
 }
 
 #[test]
@@ -62,15 +66,19 @@ fn what_cannot_be_a_pair_is_refused_by_cause() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     ::image::RgbImage::from_pixel(8, 8, ::image::Rgb([1, 2, 3])).save(path("colour.png")).unwrap();
+    ::image::RgbImage::new(4, 4).save(path("four.png")).unwrap();
     tiff_of_floats(&path("small.tiff"), 4, &[1.0; 16]);
     std::fs::write(path("no.tiff"), "no TIFF").unwrap();
     let said = |rgb: &str, depth: &str| {
         let pair = Pair { name: "p".into(), rgb: path(rgb), depth: path(depth) };
-        pair.read(LabelKind::Metres).unwrap_err().to_string()
+        pair.read(SuppliedKind::Metres).unwrap_err().to_string()
     };
-    assert!(said("colour.png", "small.tiff").contains("small.tiff is 4x4, its picture 8x8"));
-    assert!(said("colour.png", "colour.png").contains("depth is read from one channel"));
+    assert!(said("colour.png", "small.tiff").contains("the map is 4x4, the picture 8x8"));
+    assert!(said("colour.png", "colour.png").contains("one channel"));
     assert!(said("small.tiff", "small.tiff").contains("8-bit RGB"));
-    assert!(said("colour.png", "no.tiff").contains("damaged"));
+    assert!(said("colour.png", "no.tiff").contains("no depth map"));
+    let flat = Pair { name: "p".into(), rgb: path("four.png"), depth: path("small.tiff") };
+    let said_of_flat = flat.read(SuppliedKind::Disparity).unwrap_err().to_string();
+    assert!(said_of_flat.contains("all depths are 1"), "{said_of_flat}");
     assert!(said("colour.png", "missing.png").contains("cannot read"));
 }

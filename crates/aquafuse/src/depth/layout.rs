@@ -3,8 +3,7 @@
 mod box_mean;
 
 use super::DARK;
-use crate::image::{Image, Sample};
-use crate::waterbody::TopEdge;
+use crate::image::{Image, Sample, TopEdge};
 use box_mean::box_mean;
 
 /// Weights of the three cues: log ratio, likeness to the top, height in the picture. Chosen on the measured

@@ -2,8 +2,7 @@
 
 use super::tables::Tables;
 use super::{DARK, DepthMap, Eq3, layout, median};
-use crate::image::{Image, Sample};
-use crate::waterbody::TopEdge;
+use crate::image::{Image, Sample, TopEdge};
 
 /// A way from colour to relative depth.
 ///
@@ -90,7 +89,7 @@ impl DepthModel {
     /// # Examples
     ///
     /// ```
-    /// use aquafuse::{depth::DepthModel, image::Image, waterbody::TopEdge};
+    /// use aquafuse::{depth::DepthModel, image::{Image, TopEdge}};
     ///
     /// // One colour tells nothing: what is left is height, here from the right to the left.
     /// let image = Image::<u8>::from_raw(64, 8, vec![90; 64 * 8 * 3])?;

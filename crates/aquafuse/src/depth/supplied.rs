@@ -10,8 +10,7 @@ mod kind;
 pub use kind::SuppliedKind;
 
 use super::{DepthKind, DepthMap, DepthModel};
-use crate::image::{Image, SizeError, check_size};
-use crate::waterbody::TopEdge;
+use crate::image::{Image, SizeError, TopEdge, check_size};
 
 /// Raw values of a depth map, as a file or a sensor gives them, and what they are declared to be.
 ///
@@ -160,42 +159,73 @@ impl Supplied {
     /// [`SuppliedError`] when the sizes differ, relative depth exceeds 1, fewer than 1 % of the pixels (or 100, or
     /// half of a picture of fewer than 200) are valid, or inverse depth or disparity is all one value.
     pub fn seen_with(&self, picture: &Image<u8>, top: TopEdge) -> Result<SuppliedDepth, SuppliedError> {
-        let map = (self.width, self.height);
-        if map != picture.size() {
-            return Err(SuppliedError::Size { map, picture: picture.size() });
+        let valid = self.valid_in(picture)?;
+        // Colour needs something to be taken to the map's unit by.
+        let (count, pixels) = (valid.iter().filter(|valid| **valid).count(), valid.len());
+        let least = pixels.div_ceil(100).max(pixels.div_ceil(2).min(100));
+        if count < least {
+            return Err(SuppliedError::TooFewValid { valid: count, pixels, least });
         }
-        let valid = self.valid()?;
         let mut distances = self.kind.to_distances(&self.values, &valid, self.full_range)?;
         let colour = DepthModel::Ratio.estimate(picture);
         let levels = colour.levels().unwrap_or_default();
-        let agreement = agreement::with_picture(&distances, &valid, levels, map, top);
-        let invalid = valid.iter().filter(|valid| !**valid).count();
+        let agreement = agreement::with_picture(&distances, &valid, levels, picture.size(), top);
+        let invalid = pixels - count;
         if invalid > 0 {
             let most = if self.kind.is_metric() { f32::MAX } else { 1.0 };
             holes::fill(&mut distances, &valid, levels, most);
         }
-        let report = SuppliedReport {
-            kind: self.kind,
-            invalid: invalid as u64,
-            pixels: valid.len() as u64,
-            agreement,
-        };
+        let report =
+            SuppliedReport { kind: self.kind, invalid: invalid as u64, pixels: pixels as u64, agreement };
         let kind = if self.kind.is_metric() { DepthKind::Metres } else { DepthKind::Relative };
         let depth = DepthMap::from_distances(self.width, self.height, kind, distances)
             .expect("valid values and filled ones are in range");
         Ok(SuppliedDepth { depth, report })
     }
 
-    /// Which values are valid: enough of them, and none above what its kind allows.
-    fn valid(&self) -> Result<Vec<bool>, SuppliedError> {
-        let valid: Vec<bool> = self.values.iter().map(|&value| self.kind.is_valid(value)).collect();
-        let (count, pixels) = (valid.iter().filter(|valid| **valid).count(), valid.len());
-        let least = pixels.div_ceil(100).max(pixels.div_ceil(2).min(100));
-        if count < least {
-            return Err(SuppliedError::TooFewValid { valid: count, pixels, least });
+    /// The distances of the pixels of `picture`, converted by their kind; NaN where there is no valid value.
+    ///
+    /// Nothing is filled in, however few are valid: these are labels to fit a depth model to
+    /// ([`Fitter`](super::fit::Fitter)), and what colour says must not come back as measured. The conversion is that
+    /// of fusion. What it leaves open for inverse depth and disparity, a scale or a shift of each picture, is what
+    /// a fit picture by picture leaves open as well; only [`Scale::Shared`](super::fit::Scale::Shared) must not be
+    /// fitted to them.
+    ///
+    /// # Errors
+    ///
+    /// [`SuppliedError`] when the sizes differ, relative depth exceeds 1, or inverse depth or disparity is all one
+    /// value.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::depth::{Supplied, SuppliedKind};
+    /// use aquafuse::image::Image;
+    ///
+    /// let picture = Image::<u8>::from_raw(3, 1, vec![90; 9])?;
+    /// let labels = Supplied::new(3, 1, vec![0.0, 1.5, 2.0], SuppliedKind::Metres)?.labels(&picture)?;
+    /// assert!(labels[0].is_nan());
+    /// assert_eq!(labels[1..], [1.5, 2.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn labels(&self, picture: &Image<u8>) -> Result<Vec<f32>, SuppliedError> {
+        let valid = self.valid_in(picture)?;
+        let mut labels = self.kind.to_distances(&self.values, &valid, self.full_range)?;
+        for (label, _) in labels.iter_mut().zip(&valid).filter(|(_, valid)| !**valid) {
+            *label = f32::NAN;
         }
+        Ok(labels)
+    }
+
+    /// Which values are valid for a picture: its size must be theirs, and none may be above what its kind allows.
+    fn valid_in(&self, picture: &Image<u8>) -> Result<Vec<bool>, SuppliedError> {
+        let map = (self.width, self.height);
+        if map != picture.size() {
+            return Err(SuppliedError::Size { map, picture: picture.size() });
+        }
+        let valid: Vec<bool> = self.values.iter().map(|&value| self.kind.is_valid(value)).collect();
         if self.kind == SuppliedKind::Relative
-            && let Some(i) = (0..pixels).find(|&i| valid[i] && self.values[i] > self.full_range)
+            && let Some(i) = (0..valid.len()).find(|&i| valid[i] && self.values[i] > self.full_range)
         {
             let (x, y) = (i % self.width, i / self.width);
             return Err(SuppliedError::AboveOne { x, y, value: self.values[i] });

@@ -9,11 +9,10 @@ mod reading;
 
 use std::marker::PhantomData;
 
-pub use corners::TopEdge;
 pub(super) use reading::Reading;
 pub use reading::VeilingLightSource;
 
-use crate::image::{Encoded, Encoding, Image, Sample};
+use crate::image::{Encoded, Encoding, Image, Sample, TopEdge};
 
 /// Veiling light B∞: the colour that remains when nothing but water is in sight, per channel in `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

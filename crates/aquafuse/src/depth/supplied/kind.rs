@@ -107,11 +107,13 @@ impl SuppliedKind {
 }
 
 /// The 1st and 99th percentile of the valid values; the least and the greatest where those two are one.
+///
+/// Of no values at all, 0 and 1: nothing is converted by them.
 fn ends(values: &[f32], valid: &[bool]) -> Result<(f32, f32), SuppliedError> {
     let mut sorted: Vec<f32> =
         values.iter().zip(valid).filter(|(_, valid)| **valid).map(|(value, _)| *value).collect();
     sorted.sort_unstable_by(f32::total_cmp);
-    let last = sorted.len() - 1;
+    let Some(last) = sorted.len().checked_sub(1) else { return Ok((0.0, 1.0)) };
     let at = |percent: usize| sorted[last * percent / 100];
     let robust_first = [(at(1), at(99)), (sorted[0], sorted[last])];
     robust_first.into_iter().find(|(far, near)| far < near).ok_or(SuppliedError::Flat { value: sorted[0] })

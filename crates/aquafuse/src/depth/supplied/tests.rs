@@ -42,6 +42,17 @@ proptest! {
     }
 
     #[test]
+    fn labels_are_the_valid_distances_of_fusion_and_nothing_else(values in anything(), kind in kind()) {
+        let map = Supplied::new(SIDE, SIDE, values.clone(), kind).unwrap();
+        let Ok(labels) = map.labels(&picture()) else { return Ok(()) };
+        let invalid = values.iter().map(|&value| !kind.is_valid(value));
+        prop_assert!(labels.iter().zip(invalid).all(|(label, invalid)| label.is_nan() == invalid));
+        let Ok(seen) = map.seen_with(&picture(), TopEdge::First) else { return Ok(()) };
+        let known = labels.iter().zip(seen.depth.distances()).filter(|(label, _)| !label.is_nan());
+        prop_assert!(known.into_iter().all(|(label, z)| *label == z));
+    }
+
+    #[test]
     fn every_kind_keeps_the_order_it_declares(values in valid_values(), kind in kind()) {
         let z = seen(values.clone(), kind).unwrap().depth.distances();
         let nearer_is_larger = matches!(kind, SuppliedKind::Inverse | SuppliedKind::Disparity);
@@ -200,4 +211,13 @@ fn a_map_turned_round_is_told_whichever_edge_is_up() {
     // Seen the other way up, height speaks for the turned map and outweighs colour.
     assert!(report(&distances(), TopEdge::Last).looks_turned_round());
     assert!(!report(&turned, TopEdge::Last).looks_turned_round());
+}
+
+#[test]
+fn a_map_without_any_valid_value_has_no_labels_and_is_no_depth() {
+    for kind in SuppliedKind::ALL {
+        let map = Supplied::new(SIDE, SIDE, vec![f32::NAN; SIDE * SIDE], kind).unwrap();
+        assert!(map.labels(&picture()).unwrap().iter().all(|label| label.is_nan()));
+        assert!(matches!(map.seen_with(&picture(), TopEdge::First), Err(SuppliedError::TooFewValid { .. })));
+    }
 }

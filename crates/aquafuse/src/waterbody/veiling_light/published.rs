@@ -1,11 +1,11 @@
 //! The paper's way: the median of the farthest pixels, with fallbacks.
 
-use super::corners::{TopEdge, corners};
+use super::corners::corners;
 use super::histogram::Histogram;
 use super::hue::is_bluish_green;
 use super::reading::{ROUNDING, Reading, VeilingLightSource};
 use crate::depth::LEVELS;
-use crate::image::Image;
+use crate::image::{Image, TopEdge};
 
 /// Share of the picture the paper takes from the far end. Less follows noise, more reaches objects.
 const FARTHEST_SHARE: f64 = 0.05;

@@ -196,9 +196,14 @@ fn source(estimate: &Estimate) -> String {
     }
 }
 
-/// One line on a veiling light: its colour and where it was read.
+/// One line on a water: its colour, where that was read, and what speaks against it.
 pub(crate) fn veiling_light(estimate: &Estimate) -> String {
-    format!("veiling light {}, from {}", hex(estimate.water.veiling_light.rgb()), source(estimate))
+    let light =
+        format!("veiling light {}, from {}", hex(estimate.water.veiling_light.rgb()), source(estimate));
+    match estimate.quality.verdict {
+        Verdict::Good => light,
+        verdict => format!("{light}; {}: {}", verdict.name(), reasons(estimate.quality)),
+    }
 }
 
 impl Depth {

@@ -32,7 +32,8 @@ fn pictures_that_deserve_a_look_are_named() {
     let bright = ["fuse", "photos", "water.png", "-o", "out", "--model", "physical", "--alpha", "4"];
     let said = run.ok(&bright).stdout;
     assert!(said.contains("much clipped") && said.contains("reef.png"), "{said}");
-    assert!(said.contains("no far water found") && said.contains("night.png"), "{said}");
+    let night = "night.png (no open water in view, all depths are alike,";
+    assert!(said.contains("failed, see `aquafuse inspect`: ") && said.contains(night), "{said}");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 mod attenuation;
 mod backscatter;
 mod judge;
+mod pool;
 pub mod presets;
 mod quality;
 mod statistics;
@@ -14,6 +15,7 @@ mod veiling_light;
 
 pub use attenuation::{Attenuation, AttenuationError};
 pub use backscatter::BackscatterMethod;
+pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 

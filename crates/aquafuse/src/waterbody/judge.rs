@@ -17,7 +17,7 @@ const ROUNDING: f32 = 0.04 / 255.0;
 const WITH_WATER: [f32; 3] = [1.2, 0.0, 0.05];
 const WITHOUT_WATER: [f32; 3] = [4.5, 2.0, 0.15];
 /// Weight and base of the error of ln B∞ where no open water was seen.
-const GUESSED_VEIL: [f32; 2] = [3.0, 0.2];
+const GUESSED_VEIL: [f32; 2] = [4.0, 0.28];
 
 /// How far off the numbers may be.
 pub(super) fn intervals<E: Encoding>(growth: &Growth, light: &Reading) -> Intervals {
@@ -50,8 +50,8 @@ struct Demands {
     ln_deviation: f32,
     l_z: f32,
 }
-const GIVEN: Demands = Demands { floor: 0.03, on_curve: 0.6, ln_deviation: 0.065, l_z: 0.1 };
-const FROM_COLOUR: Demands = Demands { floor: 0.06, on_curve: 0.25, ln_deviation: 0.5, l_z: 0.65 };
+const GIVEN: Demands = Demands { floor: 0.03, on_curve: 0.6, ln_deviation: 0.07, l_z: 0.1 };
+const FROM_COLOUR: Demands = Demands { floor: 0.08, on_curve: 0.25, ln_deviation: 0.5, l_z: 0.65 };
 
 /// Depths that span less than this share of z95 are alike.
 const FLAT: f32 = 0.12;

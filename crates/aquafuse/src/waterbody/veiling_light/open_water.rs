@@ -20,8 +20,8 @@ const SMOOTHEST: f64 = 0.10;
 const LEAST_SHARE: f64 = 0.02;
 /// Neighbouring cells of water differ by no more than this many bytes; smooth patches of sand by more.
 const STEADY: f32 = 1.5;
-/// Of the cells as far as the water, this share has its colour: where water is, nothing else is. Sand lies
-/// among other things.
+/// Of the cells as far as the water, this share has its colour or is as smooth: where water is, nothing else
+/// is (though it may shade from bright to dark). Sand lies among other things.
 const LEAST_PURE: f64 = 0.8;
 /// Share of the agreeing cells that is left out at either end of depth when "as far" is found.
 const TAIL: f64 = 0.1;
@@ -40,7 +40,8 @@ const NEAR: f32 = 12.0;
 pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
     let grid = Grid::new(image, levels);
     let cells = &grid.cells;
-    let smooth = smooth(cells);
+    let enough = smoothness(cells);
+    let smooth = smooth(cells, enough);
     let rank = ranks(cells);
     // Whole numbers: their sum does not depend on the order of the cells, nor on which way a mirror turns them.
     let mut counts = vec![0_u64; SIDE * SIDE * SIDE];
@@ -61,7 +62,7 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
     let of_alike = |value: &dyn Fn(usize) -> f32| median(alike.iter().map(|&place| value(place)).collect());
     let water = std::array::from_fn(|c| of_alike(&|place| cells[place].mean[c]));
     let is_water =
-        of_alike(&|place| grid.step(place)) <= STEADY && purity(cells, &alike, &water) >= LEAST_PURE;
+        of_alike(&|place| grid.step(place)) <= STEADY && purity(cells, &alike, &water, enough) >= LEAST_PURE;
     is_water.then(|| Reading {
         rgb: water.map(|value| value / 255.0),
         source: VeilingLightSource::OpenWater,
@@ -90,7 +91,7 @@ fn differ(a: &[f32; 3], b: &[f32; 3]) -> f32 {
 }
 
 /// Share of the cells as far as those `alike` that have the water's colour.
-fn purity(cells: &[Cell], alike: &[usize], water: &[f32; 3]) -> f64 {
+fn purity(cells: &[Cell], alike: &[usize], water: &[f32; 3], as_smooth: f32) -> f64 {
     let mut levels: Vec<u8> = alike.iter().map(|&place| cells[place].level).collect();
     levels.sort_unstable();
     let tail = (levels.len() as f64 * TAIL) as usize;
@@ -98,18 +99,23 @@ fn purity(cells: &[Cell], alike: &[usize], water: &[f32; 3]) -> f64 {
     let (mut all, mut pure) = (0, 0);
     for cell in cells.iter().filter(|cell| as_far.contains(&cell.level)) {
         all += 1;
-        pure += usize::from(differ(&cell.mean, water) < PURE);
+        pure += usize::from(differ(&cell.mean, water) < PURE || cell.spread <= as_smooth);
     }
     pure as f64 / f64::from(all.max(1))
 }
 
-/// Places of the cells that hold nothing but one bluish-green colour.
-fn smooth(cells: &[Cell]) -> Vec<usize> {
+/// The largest spread of a smooth cell of this picture.
+fn smoothness(cells: &[Cell]) -> f32 {
     let mut spreads: Vec<f32> = cells.iter().map(|cell| cell.spread).collect();
     let tenth = (cells.len() as f64 * SMOOTHEST) as usize;
     let (_, &mut needed, _) = spreads.select_nth_unstable_by(tenth, f32::total_cmp);
+    needed.max(SMOOTH)
+}
+
+/// Places of the cells that hold nothing but one bluish-green colour.
+fn smooth(cells: &[Cell], enough: f32) -> Vec<usize> {
     let bluish_green = |cell: &Cell| is_bluish_green(&cell.mean.map(|value| (value + 0.5) as u8));
-    let is_smooth = |cell: &Cell| cell.spread <= needed.max(SMOOTH) && bluish_green(cell);
+    let is_smooth = |cell: &Cell| cell.spread <= enough && bluish_green(cell);
     (0..cells.len()).filter(|&place| is_smooth(&cells[place])).collect()
 }
 

@@ -34,9 +34,16 @@ OF_MAX_U16 = np.rint((OF_MAX / (1 << FRACTION) + LIFT) * SIXTEEN).astype(np.uint
 
 CELLS, SMOOTH, SMOOTHEST, LEAST_CELLS, STEP, NEAR = 48, 1.5, 0.10, 0.02, 8, 12
 FARTHEST_SHARE, FEW_PIXELS, CORNER_SHARE = 0.05, 100, 0.20
-BINS, SPAN, LEAST_SHARE, LEAST_PIXELS = 11, (0.02, 0.98), 0.002, 50
-DARK, SHADOW, EXPECTED, SPREAD, NOISE = 0.02, 0.04, 1.2, 2.0, 0.03
-RANGE, STEPS = (0.05, 8.0), 96
+STEADY, LEAST_PURE, TAIL, PURE, ROUNDING, MOST_NOISE = 1.5, 0.8, 0.1, 16, 0.3, 4.0
+BINS, LEAST_PIXELS, DARK, MOVED = 32, 50, 0.004, (2.65, 0.9)
+FLOORS, FREQUENCY = np.array([0.0, 0.02, 0.05, 0.1, 0.2]), np.array([0.35, 0.25, 0.2, 0.12, 0.08])
+EXCESS, OUTLIER, DEVIATION, WEIGHT = 0.06, 8.0, 8 / 255, 0.1
+EXPECTED, RANGE, COARSE, FINE, REACH, LEAST_DEVIATION = (0.182, 0.8), (0.03, 12.0), 40, 33, 3.5, 0.06
+SLOPE, SLOPE_DEVIATION, LINE_DEVIATION = (0.262, 0.0, 0.095), 0.3, 0.35
+VEILS, VEIL_DEVIATION = np.array([-0.30, -0.20, -0.12, -0.06, 0.0, 0.08, 0.16, 0.27, 0.40]), 0.15
+GREY, LINE_SLOPE, LINE_STEPS, LINE_LAST = 0.4, np.array([1.5, 1.0, 1.1]), 64, 6.0
+VISIBLE, MOST_FLOOR, LEAST_ON, MOST_DEVIATION = 0.05, 0.08, 0.25, 0.5
+FLAT, SATURATED, GLARE, LIVELY, LIVELY_RED, BRIGHTEST = 0.12, 0.6, 0.7, 0.1, 12, 0.7
 
 
 def depth_before_median(bgr, exact):
@@ -106,7 +113,7 @@ def borders(length, side):
 
 
 def open_water(bgr, levels):
-    """The commonest colour of smooth bluish-green cells, or None."""
+    """The commonest colour of smooth bluish-green cells, and the noise of the water; or None."""
     height, width = levels.shape
     side = max(np.float32(min(width, height)) / np.float32(CELLS), np.float32(1))
     rows, columns = borders(height, side), borders(width, side)
@@ -114,6 +121,7 @@ def open_water(bgr, levels):
     depth_sums = cv2.integral(levels, sdepth=cv2.CV_64F)
     of_cells = lambda table: np.diff(np.diff(table[rows][:, columns], axis=0), axis=1)
     count = np.outer(np.diff(rows), np.diff(columns)).astype(np.float64)
+    grid = count.shape
     mean = of_cells(sums) / count[..., None]
     spread = np.sqrt(np.maximum(of_cells(squares) / count[..., None] - mean * mean, 0).max(axis=2))
     mean = mean.reshape(-1, 3)[:, ::-1].astype(np.float32)
@@ -136,89 +144,204 @@ def open_water(bgr, levels):
     # Of several places that are commonest, the last.
     commonest = cube.size - 1 - int(np.argmax(cube.ravel()[::-1]))
     middle = (np.array(np.unravel_index(commonest, cube.shape)) - 0.5) * STEP
-    alike = mean[smooth][(np.abs(mean[smooth] - middle) < NEAR).all(axis=1)]
+    alike = np.flatnonzero(smooth)[(np.abs(mean[smooth] - middle) < NEAR).all(axis=1)]
     if len(alike) < LEAST_CELLS * len(mean):
         return None
-    return np.sort(alike, axis=0)[len(alike) // 2] / 255.0
+    upper_median = lambda values: np.sort(values, axis=0)[len(values) // 2]
+    water = upper_median(mean[alike])
+    if upper_median(steps(mean, grid)[alike]) > STEADY:
+        return None
+    # Where water is, nothing else is.
+    far = np.sort(level[alike])
+    tail = int(len(far) * TAIL)
+    as_far = (level >= far[tail]) & (level <= far[len(far) - 1 - tail])
+    pure = (np.abs(mean - water).max(axis=1) < PURE) | (spread <= max(needed, SMOOTH))
+    if pure[as_far].mean() < LEAST_PURE:
+        return None
+    return water / 255.0, float(np.clip(upper_median(spread[alike]), ROUNDING, MOST_NOISE))
+
+
+def steps(mean, grid):
+    """How much each cell differs from its neighbours: the second smallest of the four differences."""
+    cells = mean.reshape(*grid, 3)
+    differences = np.zeros((4, *grid), np.float32)
+    along = np.abs(np.diff(cells, axis=1)).max(axis=2)
+    down = np.abs(np.diff(cells, axis=0)).max(axis=2)
+    differences[0, :, 1:], differences[1, :, :-1] = along, along
+    differences[2, 1:], differences[3, :-1] = down, down
+    return np.sort(differences, axis=0)[1].ravel()
 
 
 def veiling_light(bgr, levels):
+    """Colour, the camera's noise, and whether open water was seen."""
     water = open_water(bgr, levels)
     if water is not None:
-        return water
+        return (*water, True)
     usable = is_bluish_green(bgr)
-    for read in (
-        lambda: farthest_mask(levels, usable),
-        lambda: corners_mask(levels.shape, usable, top=True),
-        lambda: corners_mask(levels.shape, usable, top=False),
+    for far, read in (
+        (True, lambda: farthest_mask(levels, usable)),
+        (False, lambda: corners_mask(levels.shape, usable, top=True)),
+        (False, lambda: corners_mask(levels.shape, usable, top=False)),
     ):
         mask = read()
         if cv2.countNonZero(mask) > FEW_PIXELS:
-            return median_colour(bgr, mask)
-    return median_colour(bgr, farthest_mask(levels, None))
+            break
+    else:
+        far, mask = True, farthest_mask(levels, None)
+    colour = median_colour(bgr, mask)
+    if far:
+        # What is farthest is a thing: halfway from its darkest to its median is nearer to the water.
+        colour = 0.5 * (colour + low_colour(bgr, mask, 0.05))
+    return colour, ROUNDING, False
 
 
-def dark_envelope(bgr, levels):
-    """Per bin of depth: z / z95 and the dark quantile of red, green and blue; and z95."""
+def low_colour(bgr, mask, share):
+    result = []
+    for channel in (2, 1, 0):
+        seen = np.cumsum(cv2.calcHist([bgr], [channel], mask, [256], [0, 256]).ravel().astype(np.int64))
+        result.append(int(np.searchsorted(seen, int(share * seen[-1]), side="right")) / 255.0)
+    return np.array(result)
+
+
+def binned(bgr, levels):
+    """Bins of depth, equally full: z / z95, number of pixels, counts of each value by channel; and z95."""
     counts = counts_of(levels).astype(np.int64)
-    total = levels.size
     seen = np.cumsum(counts)
-    level_at = lambda share: int(np.argmax(seen >= share * total))
-    low, high = level_at(SPAN[0]), level_at(SPAN[1])
-    every = np.arange(256)
-    bin_of = (np.clip(every, low, high) - low) * BINS // (high - low + 1)
-    z95 = max(level_at(0.95), 1) / 255.0
-    binned = cv2.LUT(levels, bin_of.astype(np.uint8))
+    bin_of = np.minimum((2 * (seen - counts) + counts) * BINS // (2 * seen[-1]), BINS - 1)
+    z95 = max(int(np.argmax(seen >= 0.95 * seen[-1])), 1) / 255.0
+    places = cv2.LUT(levels, bin_of.astype(np.uint8))
     values = np.stack([
-        cv2.calcHist([binned, bgr], [0, 1 + channel], None, [BINS, 256], [0, BINS, 0, 256])
+        cv2.calcHist([places, bgr], [0, 1 + channel], None, [BINS, 256], [0, BINS, 0, 256])
         for channel in (2, 1, 0)
     ]).astype(np.float64)
-    envelope = []
-    for index in range(BINS):
-        members = bin_of == index
-        count = counts[members].sum()
-        if count < max(int(LEAST_SHARE * total), LEAST_PIXELS):
-            continue
-        z = (counts[members] * every[members]).sum() / count / 255.0
-        envelope.append((z / z95, [quantile(values[c, index], count, DARK) for c in range(3)]))
-    return envelope, z95
+    number = np.bincount(bin_of, counts, BINS)
+    weighted = np.bincount(bin_of, counts * np.arange(256), BINS)
+    kept = number >= LEAST_PIXELS
+    z = weighted[kept] / number[kept] / 255.0
+    return z / z95, number[kept], values[:, kept], z95
 
 
-def quantile(counts, count, share):
-    rank, seen = share * count, np.cumsum(counts)
-    value = int(np.argmax((counts > 0) & (seen >= rank)))
-    within = (rank - (seen[value] - counts[value])) / counts[value] - 0.5
-    return min(max(value + within, 0.0), 255.0) / 255.0
+def envelope(number, values, noise):
+    """The dark end of each bin in one channel, what noise took from it given back."""
+    every = np.arange(256)
+    mean = values @ every / number
+    spread = np.sqrt(np.maximum(values @ every**2 / number - mean * mean, 0))
+    seen, rank = np.cumsum(values, axis=1), DARK * number[:, None]
+    value = np.argmax((values > 0) & (seen >= rank), axis=1)
+    at = np.take_along_axis
+    within = (rank - (at(seen, value[:, None], 1) - at(values, value[:, None], 1))) / at(values, value[:, None], 1)
+    dark = np.clip(value + within.ravel() - 0.5, 0, 255)
+    plain = np.clip(1 - (spread - noise) / (4 * noise + 1e-3), 0, 1)
+    return np.minimum(dark + noise * (plain * MOVED[0] + (1 - plain) * MOVED[1]), 255) / 255.0
 
 
-LN_TAU = np.linspace(math.log(RANGE[0]), math.log(RANGE[1]), STEPS + 1)
+def both(a, b):
+    """What two bells (mean, deviation) say together."""
+    p, q = a[1] ** -2, b[1] ** -2
+    return (p * a[0] + q * b[0]) / (p + q), (p + q) ** -0.5
 
 
-def backscatter_coefficient(envelope, z95, veil):
-    result = []
-    z = np.array([place for place, _ in envelope])
-    factor = np.exp(-np.exp(LN_TAU)[:, None] * z[None, :])
-    prior = 0.5 * ((LN_TAU - math.log(EXPECTED)) / math.log(SPREAD)) ** 2
+def bell(values, costs):
+    weight = np.exp(costs.min() - costs)
+    mean = (weight * values).sum() / weight.sum()
+    return mean, math.sqrt(max((weight * values * values).sum() / weight.sum() - mean * mean, 0.0))
+
+
+def weigh(z, dark, veil, noise, prior, taus, veils):
+    """Posterior over optical depth, veil and floor: bells of ln τ and ln veil, expected floor, share on the curve."""
+    deviation = math.hypot(DEVIATION, noise / 255.0)
+    factor = np.exp(-np.exp(taus)[:, None] * z)[:, None, None, :]
+    b = np.minimum(veil * np.exp(veils[:, 0]), 1.0)[None, :, None, None]
+    off = dark - (b + (FLOORS[None, None, :, None] - b) * factor)
+    scale = deviation + EXCESS * factor
+    rarity = np.log(scale / deviation)
+    above = np.minimum(rarity + 0.7 + off / scale, OUTLIER + rarity)
+    cost = np.minimum(0.5 * (off / deviation) ** 2, np.where(off < 0, OUTLIER, above)).sum(axis=3)
+    prior_cost = 0.5 * ((taus - prior[0]) / prior[1]) ** 2
+    cost = WEIGHT * cost - np.log(FREQUENCY) + prior_cost[:, None, None] + veils[None, :, 1, None]
+    least = cost.min(axis=2)
+    together = least - np.log(np.exp(least[..., None] - cost).sum(axis=2))
+    best = np.unravel_index(np.argmin(cost), cost.shape)
+    on = (np.abs(off[best]) / deviation < 2).mean()
+    ln_tau = bell(np.broadcast_to(taus[:, None], together.shape), together)
+    ln_veil = bell(np.broadcast_to(veils[None, :, 0], together.shape), together)
+    return ln_tau, ln_veil, bell(np.broadcast_to(FLOORS, cost.shape), cost)[0], on
+
+
+def thickness(depth, t, z):
+    """Optical depth at which the line first has each depth of z."""
+    after = np.searchsorted(depth, z, side="left")
+    inside = np.clip(after, 1, len(t) - 1)
+    low, high = depth[inside - 1], depth[inside]
+    along = (z - low) / np.where(high > low, high - low, 1.0)
+    between = t[inside - 1] + (t[inside] - t[inside - 1]) * along
+    return np.where(after == 0, 0.0, np.where(after == len(t), LINE_LAST, between))
+
+
+def mixing_line(z, z95, veil, taus):
+    """ln of the optical depth that serves Eq. 3 best, from the line on which grey mixes with the water's colour."""
+    t = np.linspace(0, LINE_LAST, LINE_STEPS)
+    left = np.exp(-t[:, None] * LINE_SLOPE)
+    colours = (np.clip(GREY * left + veil * (1 - left), 0, 1) * 255 + 0.5).astype(int)
+    total = OF_RED[colours[:, 0]] + OF_MAX[colours[:, 1:].max(axis=1)] + (1 << (FRACTION - 1))
+    depth = np.maximum.accumulate(np.clip(total >> FRACTION, 0, 255) / 255.0)
+    thick = 0.5 * (thickness(depth, t, z * z95 - 0.5 / 255) + thickness(depth, t, z * z95 + 0.5 / 255))
+    factor = np.exp(-np.exp(taus)[:, None] * z)
+    return [taus[np.argmin(((factor - np.exp(-thick * slope)) ** 2).sum(axis=1))] for slope in LINE_SLOPE]
+
+
+def backscatter(bgr, levels, veil, noise, seen):
+    """B∞, β_B, and whether the estimate is good."""
+    z, number, values, z95 = binned(bgr, levels)
+    coarse = np.linspace(math.log(RANGE[0]), math.log(RANGE[1]), COARSE)
+    line = mixing_line(z, z95, veil, coarse) if seen else None
+    prior = lambda c: (line[c], LINE_DEVIATION) if seen else EXPECTED
+    veils = np.zeros((1, 2)) if seen else np.stack([VEILS, 0.5 * (VEILS / VEIL_DEVIATION) ** 2], axis=1)
+    darks = [envelope(number, values[c], noise) for c in range(3)]
+    look = lambda c, prior, taus: weigh(z, darks[c], veil[c], noise, prior, taus, veils)
+    first = [look(c, prior(c), coarse)[0] for c in range(3)]
+    first = [(mean, max(deviation, LEAST_DEVIATION)) for mean, deviation in first]
+    found = []
     for c in range(3):
-        dark = np.array([colours[c] for _, colours in envelope])
-        shadow = min(SHADOW, veil[c])
-        off = np.abs(veil[c] * (1 - factor) + shadow * factor - dark) / NOISE
-        cost = np.where(off <= 1, 0.5 * off * off, off - 0.5).sum(axis=1) + prior
-        best = int(np.argmin(cost))
-        ln_tau = LN_TAU[best]
-        if 0 < best < STEPS:
-            left, middle, right = cost[best - 1:best + 2]
-            curvature = left - 2 * middle + right
-            if curvature > 0:
-                ln_tau += (LN_TAU[1] - LN_TAU[0]) * np.clip(0.5 * (left - right) / curvature, -0.5, 0.5)
-        result.append(math.exp(ln_tau) / z95)
-    return np.array(result)
+        of = lambda o: (first[o][0] - SLOPE[o] + SLOPE[c], math.hypot(first[o][1], SLOPE_DEVIATION))
+        others = both(of((c + 1) % 3), of((c + 2) % 3))
+        mean, deviation = both(first[c], others)
+        reach = REACH * max(deviation, LEAST_DEVIATION)
+        found.append(look(c, both(prior(c), others), np.linspace(mean - reach, mean + reach, FINE)))
+    veil = np.array([min(veil[c] * math.exp(found[c][1][0]), 1.0) for c in range(3)])
+    beta = np.array([math.exp(ln_tau[0]) / z95 for ln_tau, *_ in found])
+    return veil, beta, quality(found, veil, levels, z, number, values, seen)
+
+
+def quality(found, veil, levels, z, number, values, seen):
+    """Whether nothing speaks against an estimate, and whether its light is glare. L_z, the one reason that
+    needs β_D, is left out: it asks for more than depth from colour ever gives."""
+    visible = [one for c, one in enumerate(found) if veil[c] >= VISIBLE]
+    dark = any(floor > MOST_FLOOR or ln_tau[1] > MOST_DEVIATION for ln_tau, _, floor, _ in visible)
+    off = any(on < LEAST_ON for *_, on in visible)
+    flat = z[-1] - z[0] < FLAT
+    ends = counts_of(levels)[[0, 255]].max() > SATURATED * levels.size
+    glare = veil[0] >= veil[1:].max() or veil.min() > GLARE
+    dead = values[0, :, LIVELY_RED:].sum() <= LIVELY * number.sum()
+    return seen and not (dark or off or flat or ends or glare or dead), glare
 
 
 def estimate(bgr, exact=False):
     levels = depth(bgr, exact)
-    veil = veiling_light(bgr, levels)
-    return levels, veil, backscatter_coefficient(*dark_envelope(bgr, levels), veil)
+    return (levels, *backscatter(bgr, levels, *veiling_light(bgr, levels)))
+
+
+def bounded(veil, beta, good, reference_veil, reference_glare, model):
+    """What keeps a doubtful estimate from painting what is not there."""
+    if model == "aquafuse":
+        return beta, reference_veil
+    if not good:
+        beta = np.array([min(beta[0], beta[1:].max()), *beta[1:]])
+    if reference_glare:
+        largest = reference_veil[1:].max()
+        held = np.array([min(reference_veil[0], largest), *reference_veil[1:]])
+        reference_veil = held * (min(BRIGHTEST / largest, 1.0) if largest > 0 else 1.0)
+    return beta, reference_veil
 
 
 def fuse(bgr, levels, veil, beta, reference_veil, model):
@@ -238,18 +361,18 @@ def fuse(bgr, levels, veil, beta, reference_veil, model):
 
 
 def time_frames(content, reference, frames):
-    _, reference_veil, _ = estimate(reference)
+    _, reference_veil, *_ = estimate(reference)
 
     def cached():
-        levels, veil, beta = estimate(content)
+        levels, veil, beta, _ = estimate(content)
         return fuse(content, levels, veil, beta, reference_veil, "aquafuse")
 
-    def both():
-        _, veil2, _ = estimate(reference)
-        levels, veil, beta = estimate(content)
+    def both_estimated():
+        _, veil2, *_ = estimate(reference)
+        levels, veil, beta, _ = estimate(content)
         return fuse(content, levels, veil, beta, veil2, "aquafuse")
 
-    for name, run in (("cached", cached), ("estimated", both)):
+    for name, run in (("cached", cached), ("estimated", both_estimated)):
         run()
         spent = []
         for _ in range(frames):
@@ -275,8 +398,9 @@ def main():
         print(f"opencv {cv2.__version__}")
         time_frames(content, reference, given.frames)
         return
-    levels, veil, beta = estimate(content, exact=not given.fast)
-    _, reference_veil, _ = estimate(reference, exact=not given.fast)
+    levels, veil, beta, (good, _) = estimate(content, exact=not given.fast)
+    _, reference_veil, _, (_, glare) = estimate(reference, exact=not given.fast)
+    beta, reference_veil = bounded(veil, beta, good, reference_veil, glare, given.model)
     cv2.imwrite(given.output, fuse(content, levels, veil, beta, reference_veil, given.model))
     if given.depth:
         cv2.imwrite(given.depth, levels.astype(np.uint16) * 257)

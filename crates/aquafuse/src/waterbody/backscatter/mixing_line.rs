@@ -37,7 +37,7 @@ pub(super) fn optical_depth<E: Encoding>(
         line.push((depth_of(colour).max(before), t));
     }
     let of_bins: Vec<(f32, f32)> =
-        statistics.bins.iter().map(|bin| (bin.z / statistics.z95, thickness(&line, bin.z))).collect();
+        statistics.bins.iter().map(|bin| (bin.z / statistics.z95, thickness_around(&line, bin.z))).collect();
     let best = |c: usize| {
         let misfit = |ln_tau: f32| -> f32 {
             let off = |&(z, t): &(f32, f32)| (-ln_tau.exp() * z).exp() - (-t * SLOPE[c]).exp();
@@ -49,7 +49,15 @@ pub(super) fn optical_depth<E: Encoding>(
     Some(std::array::from_fn(best))
 }
 
-/// Optical depth of green at which the line has this depth.
+/// Optical depth of green at which the line has the level of depth `z`: the middle of where it stays there.
+fn thickness_around(line: &[(f32, f32)], z: f32) -> f32 {
+    0.5 * (thickness(line, z - HALF_LEVEL) + thickness(line, z + HALF_LEVEL))
+}
+
+/// Half a level of depth.
+const HALF_LEVEL: f32 = 0.5 / 255.0;
+
+/// Optical depth of green at which the line first has this depth.
 fn thickness(line: &[(f32, f32)], z: f32) -> f32 {
     let after = line.partition_point(|&(depth, _)| depth < z);
     match (after.checked_sub(1).and_then(|i| line.get(i)), line.get(after)) {

@@ -1,0 +1,130 @@
+//! Random truth scenes on which no constant was fitted: harbours in Jerlov's waters.
+//!
+//! Constants of the estimators were chosen on reefs in made-up waters; what is tried here shares neither.
+
+use std::sync::OnceLock;
+
+use aquafuse::depth::{DepthKind, DepthMap};
+use aquafuse::formation::form;
+use aquafuse::image::{Encoding, Image};
+use aquafuse::truth::{Gaze, OPEN_WATER, Scene, Site, Size, View};
+use aquafuse::waterbody::Waterbody;
+use aquafuse::waterbody::presets::{Conditions, Preset};
+
+use crate::chance::Chance;
+
+const SIZE: Size = Size { width: 240, height: 160 };
+/// Different places; each is seen in several waters.
+const PLACES: usize = 100;
+/// Seeds of places that nothing else uses.
+const FIRST_SEED: u64 = 70_000;
+/// Black pixels fewer than this share of the picture are too few dark pixels: a cause to fail.
+const ENOUGH_BLACK: f32 = 0.01;
+/// A red veil fainter than this (encoded), with the direct red of a white thing gone at z95, is dead red.
+const DEAD_VEIL: f32 = 0.02;
+
+/// One picture of known truth.
+pub(crate) struct Case<E: Encoding> {
+    pub(crate) preset: Preset,
+    pub(crate) clear: Image<f32, E>,
+    pub(crate) depth: DepthMap,
+    pub(crate) water: Waterbody<E>,
+    /// As a camera stores it: encoded bytes.
+    pub(crate) image: Image<u8>,
+    pub(crate) open: bool,
+    /// By construction: open water in view, enough that is black, red alive.
+    pub(crate) clean: bool,
+}
+
+/// The places, made once: even numbers look ahead, odd ones down.
+fn places() -> &'static [Scene] {
+    static PLACES_MADE: OnceLock<Vec<Scene>> = OnceLock::new();
+    PLACES_MADE.get_or_init(|| {
+        let place = |i: usize| {
+            let gaze = if i.is_multiple_of(2) { Gaze::Ahead } else { Gaze::Down };
+            Scene::of(View { site: Site::Harbour, gaze }, FIRST_SEED + i as u64, SIZE)
+        };
+        (0..PLACES).map(place).collect()
+    })
+}
+
+impl<E: Encoding> Case<E> {
+    /// The scene of this number; `turn` into encoding `E` is the identity or the sRGB transfer function.
+    pub(crate) fn new(number: usize) -> Self {
+        let mut chance = Chance(1 + number as u64);
+        let place = &places()[number % PLACES];
+        let open = (number % PLACES).is_multiple_of(2);
+        let preset = Preset::ALL[chance.below(Preset::ALL.len())];
+        let conditions = Conditions::default();
+        let conditions =
+            conditions.with_depth_below_surface(f64::from(chance.between(1.0, 15.0))).expect("in range");
+        let water: Waterbody<E> = preset.water(&conditions);
+        let depth = scaled(&place.depth, &water, &mut chance);
+        let black = [0.0, 0.01, 0.02, 0.03, 0.04, 0.05][chance.below(6)] * chance.between(0.7, 1.0);
+        let (clear, black) = blackened(place, black, &mut chance);
+        let clear = Image::from_raw(
+            SIZE.width,
+            SIZE.height,
+            clear.into_iter().flatten().map(E::from_encoded).collect(),
+        );
+        let clear: Image<f32, E> = clear.expect("one colour a pixel");
+        let image = photographed(&form(&clear, &depth, &water).expect("one size"), &mut chance);
+        let z95 = depth_of_things(&depth);
+        let [red, ..] = water.illumination(z95);
+        let dead = E::to_encoded(water.veiling_light.rgb()[0]) < DEAD_VEIL && red < 0.05;
+        Self { preset, clear, depth, water, image, open, clean: open && black >= ENOUGH_BLACK && !dead }
+    }
+}
+
+/// Distances stretched so that green's optical depth at the far end of things is .4 to 4: in the murkiest
+/// waters one stands closer, or sees nothing.
+fn scaled<E: Encoding>(depth: &DepthMap, water: &Waterbody<E>, chance: &mut Chance) -> DepthMap {
+    let wanted = chance.between(0.4_f32.ln(), 4.0_f32.ln()).exp();
+    let scale = wanted / (water.backscatter_coefficient[1] * depth_of_things(depth));
+    let stretch = |z: f32| if z >= OPEN_WATER { OPEN_WATER.max(40.0 * scale) } else { z * scale };
+    let distances = depth.distances().into_iter().map(stretch).collect();
+    DepthMap::from_distances(SIZE.width, SIZE.height, DepthKind::Metres, distances).expect("finite distances")
+}
+
+/// z that 95 % of what is no open water does not exceed.
+fn depth_of_things(depth: &DepthMap) -> f32 {
+    let all = depth.distances();
+    let farthest = all.iter().copied().fold(0.0, f32::max);
+    let mut things: Vec<f32> = all.into_iter().filter(|&z| z < 0.98 * farthest.max(OPEN_WATER)).collect();
+    things.sort_by(f32::total_cmp);
+    things[things.len() * 95 / 100]
+}
+
+/// The clear colours with small black discs on things, and the share of the picture they cover.
+fn blackened(place: &Scene, share: f32, chance: &mut Chance) -> (Vec<[f32; 3]>, f32) {
+    let mut clear = place.clear.pixels().to_vec();
+    let distances = place.depth.distances();
+    let (width, height) = (SIZE.width as i32, SIZE.height as i32);
+    let mut black = 0;
+    while (black as f32) < share * clear.len() as f32 {
+        let (x, y) = (chance.below(SIZE.width) as i32, chance.below(SIZE.height) as i32);
+        let radius = chance.between(0.8, 3.2);
+        for (dx, dy) in (-3..=3).flat_map(|dx| (-3..=3).map(move |dy| (dx, dy))) {
+            let inside = (0..width).contains(&(x + dx)) && (0..height).contains(&(y + dy));
+            if !inside || (dx * dx + dy * dy) as f32 > radius * radius {
+                continue;
+            }
+            let place = ((y + dy) * width + x + dx) as usize;
+            if distances[place] < OPEN_WATER && clear[place] != [0.0; 3] {
+                clear[place] = [0.0; 3];
+                black += 1;
+            }
+        }
+    }
+    let share = black as f32 / clear.len() as f32;
+    (clear, share)
+}
+
+/// Bytes, with a camera's noise of up to 3 of them.
+fn photographed<E: Encoding>(seen: &Image<f32, E>, chance: &mut Chance) -> Image<u8> {
+    let noise = chance.between(0.0, 3.0) / 255.0;
+    let values = seen.as_raw().iter().map(|&value| E::to_encoded(value.max(0.0)) + noise * chance.normal());
+    let image: Image<f32> =
+        Image::from_raw(SIZE.width, SIZE.height, values.collect()).expect("one colour a pixel");
+    image.to_samples()
+}

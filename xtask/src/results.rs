@@ -4,13 +4,18 @@ use anyhow::{Context, Result};
 
 use crate::shell::{cargo, output, root, say};
 
-/// `cargo xtask truth`: how much of the true change each way of estimating makes.
+/// `cargo xtask truth`: how right the estimates are, and how much of the true change they make.
 pub(crate) fn truth() -> Result<()> {
-    say("Fusing truth scenes (about a minute)");
-    let table = cargo(&["run", "--release", "--quiet", "--package", "aquafuse", "--example", "truth_table"]);
-    let table = output(table)?;
-    println!("{table}");
-    write_section("truth", &table)
+    say("Trying estimates and fusion on truth scenes (about three minutes)");
+    for (section, table) in
+        [("estimates", "estimates"), ("truth", "shares"), ("truth-linear", "shares-linear")]
+    {
+        let example = ["run", "--release", "--quiet", "--package", "aquafuse", "--example", "truth_table", "--"];
+        let text = output(cargo(&[&example[..], &[table]].concat()))?;
+        println!("{text}");
+        write_section(section, &text)?;
+    }
+    Ok(())
 }
 
 /// `cargo xtask depth`: how well each way from colour orders measured depth.

@@ -10,7 +10,8 @@ pub(crate) fn truth() -> Result<()> {
     for (section, table) in
         [("estimates", "estimates"), ("truth", "shares"), ("truth-linear", "shares-linear")]
     {
-        let example = ["run", "--release", "--quiet", "--package", "aquafuse", "--example", "truth_table", "--"];
+        let example =
+            ["run", "--release", "--quiet", "--package", "aquafuse", "--example", "truth_table", "--"];
         let text = output(cargo(&[&example[..], &[table]].concat()))?;
         println!("{text}");
         write_section(section, &text)?;

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse::fusion::{Model, Options, Waters, fuse};
+use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse_data::analysis::{DepthSource, analyse};
 use aquafuse_data::picture::{Picture, WriteOptions};
 use aquafuse_data::sheet::{Cell, lay_out};
@@ -28,12 +28,13 @@ fn main() -> Result<(), Error> {
         let found = analyse(&content, &DepthSource::default())?;
         let mut row = vec![cell(&name, &content)];
         for (reference_name, reference) in &references {
-            let water = analyse(reference, &DepthSource::default())?.estimate.water;
-            let options = Options::for_model(model);
-            let waters = Waters { content: &found.estimate.water, reference: &water };
-            let fused = fuse(&content.image, &found.depth, waters, &options)?;
+            let water = analyse(reference, &DepthSource::default())?.estimate;
+            let bounded = Bounded::new(&found.estimate, &water, Options::for_model(model));
+            let fused = fuse(&content.image, &found.depth, bounded.waters(), &bounded.options)?;
             let clipped = 100.0 * fused.clipping.share();
-            row.push(cell(&format!("{reference_name}, {clipped:.1} % clipped"), &Picture::new(fused.image)));
+            let held = if bounded.bounds.any() { ", held" } else { "" };
+            let caption = format!("{reference_name}, {clipped:.1} % clipped{held}");
+            row.push(cell(&caption, &Picture::new(fused.image)));
         }
         rows.push(row);
     }

@@ -7,12 +7,12 @@ use crate::waterbody::{Estimate, Reason, VeilingLight, Verdict, Waterbody};
 /// Brightest channel (encoded) of a veil that is taken from glare: as bright as water in the sun.
 const BRIGHTEST_WATER: f32 = 0.7;
 
-/// Waters and options of a fusion after the safety bounds, and which of them acted.
+/// The waters of a fusion after the safety bounds, and which of these acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded<E: Encoding> {
     content: Waterbody<E>,
     reference: Waterbody<E>,
-    /// The options to fuse with.
+    /// The options to fuse with: those given.
     pub options: Options,
     /// Which bounds acted.
     pub bounds: Bounds,
@@ -26,7 +26,7 @@ pub struct Bounds {
     pub glare: bool,
     /// The content is doubtful and its red β_B was larger than the others: it was taken down to them.
     pub red: bool,
-    /// One of the two is doubtful: exchange may not strengthen the direct signal.
+    /// One of the two is doubtful: exchange leaves the direct signal as it is.
     pub gain: bool,
 }
 
@@ -47,7 +47,8 @@ impl<E: Encoding> Bounded<E> {
     ///   red than green or blue;
     /// - red of a doubtful content fades no faster into the veil than green or blue: a dead red channel with a
     ///   huge β_B would otherwise turn near things red;
-    /// - exchange weakens the direct signal or leaves it, but does not strengthen it.
+    /// - exchange leaves the direct signal as it is and exchanges the backscatter alone: β_D is the most fragile of
+    ///   the estimates, and a wrong one tints near things.
     ///
     /// One's own water is not glare to itself: fused with its own estimate, a picture is still itself.
     pub fn new(content: &Estimate<E>, reference: &Estimate<E>, options: Options) -> Self {
@@ -63,8 +64,9 @@ impl<E: Encoding> Bounded<E> {
             bounded.hold_red();
         }
         let doubtful = [content, reference].iter().any(|one| one.quality.verdict != Verdict::Good);
-        if doubtful && options.model == Model::Exchange && options.max_gain > 1.0 {
-            bounded.options.max_gain = 1.0;
+        if doubtful && options.model == Model::Exchange {
+            // Equal attenuation in both waters is a gain of exactly 1.
+            bounded.reference.attenuation = bounded.content.attenuation;
             bounded.bounds.gain = true;
         }
         bounded
@@ -145,7 +147,9 @@ mod tests {
             let [red, green, blue] = waters.reference.veiling_light.rgb();
             assert!(red <= green.max(blue) && green.max(blue) <= 0.7 + 1e-6);
             assert_eq!(waters.content.backscatter_coefficient, [1.2, 1.0, 1.2]);
-            assert_eq!(bounded.options.max_gain > 1.0, model != Model::Exchange);
+            assert_eq!(bounded.bounds.gain, model == Model::Exchange);
+            let gain = crate::fusion::Law::new(waters, &bounded.options).at(2.0).gain;
+            assert_eq!(gain, [1.0; 3], "{model:?} changes the direct signal");
         }
         let paper = Bounded::new(&content, &reference, Options::for_model(Model::Aquafuse));
         assert!(!paper.bounds.any());

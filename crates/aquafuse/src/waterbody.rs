@@ -19,7 +19,7 @@ pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
-use crate::depth::{DepthMap, Quantised};
+use crate::depth::{DepthMap, DepthModel, Quantised};
 use crate::image::{Encoded, Encoding, Image, SizeError, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
@@ -86,6 +86,8 @@ pub struct Estimate<E: Encoding = Encoded> {
     /// Of the farthest pixels whole depth levels are taken, so a saturated level may bring far more than the
     /// 5 % asked for.
     pub veiling_light_share: f32,
+    /// The way from colour by which depth was come by; none for depth that was given.
+    pub depth_model: Option<DepthModel>,
     /// How far off the water may be.
     pub intervals: Intervals,
     /// Whether to rely on it.
@@ -164,6 +166,7 @@ pub fn estimate<E: Encoding>(
         },
         veiling_light_source: light.source,
         veiling_light_share: light.share as f32,
+        depth_model: depth.model(),
         intervals,
         quality,
     })

@@ -64,7 +64,7 @@ fn bounds(bounds: Bounds) -> String {
     let said = [
         (bounds.glare, "the glare of WATER darkened"),
         (bounds.red, "no red cast"),
-        (bounds.gain, "only the veil exchanged"),
+        (bounds.gain, "nothing strengthened"),
     ];
     said.into_iter().filter(|(acted, _)| *acted).map(|(_, said)| said).collect::<Vec<_>>().join(", ")
 }

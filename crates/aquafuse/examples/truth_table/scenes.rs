@@ -25,7 +25,6 @@ const DEAD_VEIL: f32 = 0.02;
 
 /// One picture of known truth.
 pub(crate) struct Case<E: Encoding> {
-    pub(crate) preset: Preset,
     pub(crate) clear: Image<f32, E>,
     pub(crate) depth: DepthMap,
     pub(crate) water: Waterbody<E>,
@@ -72,7 +71,7 @@ impl<E: Encoding> Case<E> {
         let z95 = depth_of_things(&depth);
         let [red, ..] = water.illumination(z95);
         let dead = E::to_encoded(water.veiling_light.rgb()[0]) < DEAD_VEIL && red < 0.05;
-        Self { preset, clear, depth, water, image, open, clean: open && black >= ENOUGH_BLACK && !dead }
+        Self { clear, depth, water, image, open, clean: open && black >= ENOUGH_BLACK && !dead }
     }
 }
 

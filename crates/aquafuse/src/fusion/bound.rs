@@ -7,12 +7,12 @@ use crate::waterbody::{Estimate, Reason, VeilingLight, Verdict, Waterbody};
 /// Brightest channel (encoded) of a veil that is taken from glare: as bright as water in the sun.
 const BRIGHTEST_WATER: f32 = 0.7;
 
-/// The waters of a fusion after the safety bounds, and which of these acted.
+/// Waters and options of a fusion after the safety bounds, and which of these acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded<E: Encoding> {
     content: Waterbody<E>,
     reference: Waterbody<E>,
-    /// The options to fuse with: those given.
+    /// The options to fuse with.
     pub options: Options,
     /// Which bounds acted.
     pub bounds: Bounds,
@@ -26,7 +26,7 @@ pub struct Bounds {
     pub glare: bool,
     /// The content is doubtful and its red β_B was larger than the others: it was taken down to them.
     pub red: bool,
-    /// One of the two is doubtful: exchange leaves the direct signal as it is.
+    /// One of the two is doubtful: exchange does not strengthen the direct signal, or leaves it as it is.
     pub gain: bool,
 }
 
@@ -47,8 +47,8 @@ impl<E: Encoding> Bounded<E> {
     ///   red than green or blue;
     /// - red of a doubtful content fades no faster into the veil than green or blue: a dead red channel with a
     ///   huge β_B would otherwise turn near things red;
-    /// - exchange leaves the direct signal as it is and exchanges the backscatter alone: β_D is the most fragile of
-    ///   the estimates, and a wrong one tints near things.
+    /// - exchange does not strengthen the direct signal; with depth from colour it leaves it as it is and
+    ///   exchanges the backscatter alone: β_D is the most fragile of the estimates, and tints near things.
     ///
     /// One's own water is not glare to itself: fused with its own estimate, a picture is still itself.
     pub fn new(content: &Estimate<E>, reference: &Estimate<E>, options: Options) -> Self {
@@ -63,11 +63,9 @@ impl<E: Encoding> Bounded<E> {
         if content.quality.verdict != Verdict::Good {
             bounded.hold_red();
         }
-        let doubtful = [content, reference].iter().any(|one| one.quality.verdict != Verdict::Good);
-        if doubtful && options.model == Model::Exchange {
-            // Equal attenuation in both waters is a gain of exactly 1.
-            bounded.reference.attenuation = bounded.content.attenuation;
-            bounded.bounds.gain = true;
+        let both = [content, reference];
+        if options.model == Model::Exchange && both.iter().any(|one| one.quality.verdict != Verdict::Good) {
+            bounded.hold_gain(both.iter().any(|one| one.depth_model.is_some()));
         }
         bounded
     }
@@ -86,6 +84,16 @@ impl<E: Encoding> Bounded<E> {
         self.bounds.glare = true;
     }
 
+    fn hold_gain(&mut self, from_colour: bool) {
+        if from_colour {
+            // Equal attenuation in both waters is a gain of exactly 1.
+            self.reference.attenuation = self.content.attenuation;
+        } else {
+            self.options.max_gain = self.options.max_gain.min(1.0);
+        }
+        self.bounds.gain = true;
+    }
+
     fn hold_red(&mut self) {
         let [red, green, blue] = &mut self.content.backscatter_coefficient;
         let others = green.max(*blue);
@@ -99,6 +107,8 @@ impl<E: Encoding> Bounded<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::depth::DepthModel;
+    use crate::fusion::Law;
     use crate::image::Encoded;
     use crate::truth::waters;
     use crate::waterbody::{Intervals, Quality, VeilingLightSource};
@@ -113,6 +123,7 @@ mod tests {
             water,
             veiling_light_source: VeilingLightSource::OpenWater,
             veiling_light_share: 0.2,
+            depth_model: None,
             intervals: Intervals::default(),
             quality,
         }
@@ -148,7 +159,11 @@ mod tests {
             assert!(red <= green.max(blue) && green.max(blue) <= 0.7 + 1e-6);
             assert_eq!(waters.content.backscatter_coefficient, [1.2, 1.0, 1.2]);
             assert_eq!(bounded.bounds.gain, model == Model::Exchange);
-            let gain = crate::fusion::Law::new(waters, &bounded.options).at(2.0).gain;
+            let gain = Law::new(waters, &bounded.options).at(2.0).gain;
+            assert!(gain.iter().all(|gain| *gain <= 1.0), "{model:?} strengthens the direct signal");
+            let by_colour = Estimate { depth_model: Some(DepthModel::Ratio), ..reference };
+            let bounded = Bounded::new(&content, &by_colour, Options::for_model(model));
+            let gain = Law::new(bounded.waters(), &bounded.options).at(2.0).gain;
             assert_eq!(gain, [1.0; 3], "{model:?} changes the direct signal");
         }
         let paper = Bounded::new(&content, &reference, Options::for_model(Model::Aquafuse));

@@ -119,6 +119,7 @@ mod tests {
             water,
             veiling_light_source: VeilingLightSource::OpenWater,
             veiling_light_share: 0.1,
+            depth_model: None,
             intervals: Intervals {
                 veiling_light: water.veiling_light.rgb().map(around),
                 backscatter_coefficient: water.backscatter_coefficient.map(around),

@@ -315,7 +315,7 @@ def backscatter(bgr, levels, veil, noise, seen):
 
 def quality(found, veil, levels, z, number, values, seen):
     """Whether nothing speaks against an estimate, and whether its light is glare. L_z, the one reason that
-    needs β_D, is left out: it asks for more than depth from colour ever gives."""
+    needs β_D, is left out: where it speaks against depth from colour, others did as well in every picture tried."""
     visible = [one for c, one in enumerate(found) if veil[c] >= VISIBLE]
     dark = any(floor > MOST_FLOOR or ln_tau[1] > MOST_DEVIATION for ln_tau, _, floor, _ in visible)
     off = any(on < LEAST_ON for *_, on in visible)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::anyhow;
-use aquafuse::fusion::{Model, Options, Waters, fuse};
+use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
 use aquafuse_data::picture::{Picture, WriteOptions};
@@ -110,9 +110,9 @@ impl Made {
     }
 
     fn fused(&self, reference: &Made, model: Model) -> Picture {
-        let (content, reference) = (&self.found.estimate.water, &reference.found.estimate.water);
-        let options = Options::for_model(model);
-        let fused = fuse(&self.picture.image, &self.found.depth, Waters { content, reference }, &options);
+        let (content, reference) = (&self.found.estimate, &reference.found.estimate);
+        let bounded = Bounded::new(content, reference, Options::for_model(model));
+        let fused = fuse(&self.picture.image, &self.found.depth, bounded.waters(), &bounded.options);
         Picture::new(fused.expect("the depth map was made from this picture").image)
     }
 

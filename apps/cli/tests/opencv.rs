@@ -24,8 +24,13 @@ fn fusion_and_depth_equal_the_same_algorithm_in_opencv() {
         }
     }
     // No open water in sight: the lower half of a place, so near that the far end is rock and sand.
-    lower_half(&run.path("blue.png"), &run.path("floor.png"));
-    compare(&run, Path::new(&python), "floor.png", "green.jpg", "physical");
+    for content in ["blue", "turbid", "clear"] {
+        lower_half(&run.path(content).with_extension("png"), &run.path("floor.png"));
+        compare(&run, Path::new(&python), "floor.png", "green.jpg", "physical");
+        // The darkest things cut off at black.
+        crushed(&run.path("floor.png"), &run.path("crushed.png"));
+        compare(&run, Path::new(&python), "crushed.png", "green.jpg", "physical");
+    }
 }
 
 #[test]
@@ -92,4 +97,10 @@ fn lower_half(whole: &Path, half: &Path) {
     let picture = image::open(whole).unwrap();
     let (width, height) = (picture.width(), picture.height());
     picture.crop_imm(0, height / 2, width, height / 2).save(half).unwrap();
+}
+
+fn crushed(whole: &Path, crushed: &Path) {
+    let mut picture = image::open(whole).unwrap().into_rgb8();
+    picture.iter_mut().for_each(|value| *value = value.saturating_sub(70));
+    picture.save(crushed).unwrap();
 }

@@ -14,7 +14,9 @@ use crate::image::Encoding;
 /// # Examples
 ///
 /// ```
-/// use aquafuse::{depth, truth::{Scene, Size, waters}, waterbody::{self, pool}};
+/// use aquafuse::image::Encoded;
+/// use aquafuse::truth::{Scene, Size, waters};
+/// use aquafuse::waterbody::{self, pool};
 ///
 /// let seen = |seed| {
 ///     let scene = Scene::new(seed, Size { width: 96, height: 64 });
@@ -22,7 +24,7 @@ use crate::image::Encoding;
 /// };
 /// let frames = [1, 2, 3].map(|seed| {
 ///     let (image, z) = seen(seed);
-///     waterbody::estimate(&image, &z, &Default::default())
+///     waterbody::estimate::<Encoded>(&image, &z, &Default::default())
 /// });
 /// let frames: Vec<_> = frames.into_iter().collect::<Result<_, _>>()?;
 /// let pooled = pool(&frames).expect("three frames");

@@ -87,4 +87,22 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_picture_takes_on_the_reference_and_not_the_other_way() {
+        let make = |low: usize, step: usize| {
+            let samples = (0..300).map(|i| (low + i * step % 90) as u8).collect();
+            Image::<u8>::from_raw(10, 10, samples).unwrap()
+        };
+        let (content, reference) = (make(20, 37), make(140, 53));
+        let mean =
+            |values: &[[f32; 3]], c: usize| values.iter().map(|v| v[c]).sum::<f32>() / values.len() as f32;
+        let wanted: Vec<_> = reference.pixels().iter().map(|p| p.map(|v| f32::from(v) / 255.0)).collect();
+        for (name, rival) in RIVALS {
+            let out = rival(&content, &reference);
+            for c in 0..3 {
+                assert!((mean(&out, c) - mean(&wanted, c)).abs() < 0.02, "{name}");
+            }
+        }
+    }
 }

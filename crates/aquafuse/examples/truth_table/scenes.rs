@@ -47,12 +47,17 @@ fn places() -> &'static [Scene] {
     })
 }
 
+/// Which of the places the scene of this number shows.
+pub(crate) fn place_of(number: usize) -> usize {
+    number % PLACES
+}
+
 impl<E: Encoding> Case<E> {
     /// The scene of this number; `turn` into encoding `E` is the identity or the sRGB transfer function.
     pub(crate) fn new(number: usize) -> Self {
         let mut chance = Chance(1 + number as u64);
-        let place = &places()[number % PLACES];
-        let open = (number % PLACES).is_multiple_of(2);
+        let place = &places()[place_of(number)];
+        let open = place_of(number).is_multiple_of(2);
         let preset = Preset::ALL[chance.below(Preset::ALL.len())];
         let conditions = Conditions::default();
         let conditions =

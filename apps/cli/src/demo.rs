@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::picture::{Picture, WriteOptions, shown};
 use aquafuse_data::sheet::{Cell, lay_out};
 use clap::Args;
 
@@ -41,20 +41,20 @@ impl Demo {
         if !self.overwrite && self.output.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
             return Err(Failure::usage(anyhow!(
                 "{} is not empty; name another folder with -o, or add --overwrite",
-                self.output.display()
+                shown(&self.output)
             )));
         }
         output::make_folder(&self.output)?;
         let began = Instant::now();
         let [blue, green, turbid, clear, deep] = waters();
-        say(&format!("Making pictures and fusing them, into {}:\n", self.output.display()))?;
+        say(&format!("Making pictures and fusing them, into {}:\n", shown(&self.output)))?;
 
         let mut references = Vec::new();
         for (i, water) in [green, clear, deep].into_iter().enumerate() {
             let scene = Scene::new(self.seed.wrapping_add(10 + i as u64), REFERENCE);
             let made = Made::new(&scene, water)?;
             let path = self.write(&format!("reference_{}.png", water.name), &made.picture)?;
-            say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
+            say(&format!("  {}   after {:.1} s\n", shown(&path), began.elapsed().as_secs_f32()))?;
             references.push(made);
         }
         let mut rows = vec![heading(&references)];
@@ -62,7 +62,7 @@ impl Demo {
             let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water)?;
             let name = format!("content_{}", water.name);
             let path = self.write(&format!("{name}.png"), &content.picture)?;
-            say(&format!("  {}   after {:.1} s\n", path.display(), began.elapsed().as_secs_f32()))?;
+            say(&format!("  {}   after {:.1} s\n", shown(&path), began.elapsed().as_secs_f32()))?;
             say(&content.veils())?;
             for model in [Model::Physical, Model::Aquafuse] {
                 let mut row = vec![cell(&format!("content, {} water", water.name), &content.picture)];
@@ -82,9 +82,9 @@ impl Demo {
              Look at that sheet first. Your own pictures, once\n\
              `cargo install --locked --path apps/cli` has put aquafuse on your PATH:\n  \
              aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
-            path.display(),
+            shown(&path),
             began.elapsed().as_secs_f32(),
-            self.output.join("reference_green.png").display()
+            shown(&self.output.join("reference_green.png"))
         ))
     }
 
@@ -104,7 +104,7 @@ struct Made {
 
 impl Made {
     fn new(scene: &Scene, water: NamedWater) -> Result<Self, Failure> {
-        let picture = Picture::new(scene.seen_through(&water.water).to_samples());
+        let picture = Picture::new(scene.seen_through(&water.water).to_samples::<u8>());
         let found = analyse(&picture, &DepthSource::default())?;
         Ok(Self { picture, water, found })
     }
@@ -112,7 +112,7 @@ impl Made {
     fn fused(&self, reference: &Made, model: Model) -> Picture {
         let (content, reference) = (&self.found.estimate, &reference.found.estimate);
         let bounded = Bounded::new(content, reference, Options::for_model(model));
-        let fused = fuse(&self.picture.image, &self.found.depth, bounded.waters(), &bounded.options);
+        let fused = fuse(&self.picture.bytes(), &self.found.depth, bounded.waters(), &bounded.options);
         Picture::new(fused.expect("the depth map was made from this picture").image)
     }
 
@@ -133,5 +133,5 @@ fn heading(references: &[Made]) -> Vec<Cell> {
 }
 
 fn cell(caption: &str, picture: &Picture) -> Cell {
-    Cell { caption: caption.into(), image: Some(picture.image.clone()) }
+    Cell { caption: caption.into(), image: Some(picture.bytes().into_owned()) }
 }

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::picture::{WriteOptions, remove_stale_parts, shown};
 use clap::Args;
 
 use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::output;
+use crate::reading::Reading;
 
 /// Estimate depth from colour and write it as a file.
 ///
@@ -16,7 +17,7 @@ use crate::output;
 /// where red is dead: everything then looks far.
 #[derive(Args)]
 pub(crate) struct Depth {
-    /// PNG or JPEG, 8 bits a channel, without transparency.
+    /// PNG, JPEG, TIFF, WebP, BMP or GIF.
     image: PathBuf,
     /// Where to write: .png (16-bit grey, 65535 = farthest possible), .tiff, .exr, .npy or .pfm (floats, 1 =
     /// farthest possible); a missing folder is made.
@@ -30,12 +31,12 @@ pub(crate) struct Depth {
 }
 
 impl Depth {
-    pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
-        let picture = Picture::read(&self.image)?;
+    pub(crate) fn run(&self, reading: &Reading, quiet: bool) -> Result<(), Failure> {
+        let picture = reading.read(&self.image)?;
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
-        output::make_folder_of(&self.output)?;
-        let depth = self.model.get().estimate_seen(&picture.image, picture.top_edge());
+        remove_stale_parts(output::make_folder_of(&self.output)?);
+        let depth = picture.pixels.depth(&self.model.get(), picture.top_edge());
         depth_file::write(&self.output, &depth, &options)?;
-        if quiet { Ok(()) } else { output::print(&format!("{}: written\n", self.output.display())) }
+        if quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&self.output))) }
     }
 }

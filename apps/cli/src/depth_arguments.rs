@@ -6,6 +6,7 @@ use anyhow::{Result, anyhow};
 use aquafuse::depth::{DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::depth_file::DepthFolder;
+use aquafuse_data::picture::shown;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -47,7 +48,7 @@ impl DepthArguments {
                 return Err(anyhow!(
                     "{} does not say what its values are; add --depth-kind metres, millimetres or relative (larger \
                      is farther), inverse (larger is nearer, as monocular networks give it) or disparity",
-                    depth.display()
+                    shown(depth)
                 ));
             }
             (None, Some(_)) => return Err(anyhow!("--depth-kind says what --depth is; add --depth FILE")),
@@ -57,7 +58,7 @@ impl DepthArguments {
             (true, false) => Err(anyhow!(
                 "the pictures stand in a folder, so --depth must be a folder too, with a map of the same stem for \
                  each; {} is none",
-                depth.display()
+                shown(depth)
             )),
             (false, _) => Ok(Supply::File(depth.clone(), kind)),
         }

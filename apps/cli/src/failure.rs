@@ -10,6 +10,8 @@ pub(crate) enum Failure {
     Usage(anyhow::Error),
     /// The work, or a part of it, failed.
     Work(anyhow::Error),
+    /// The work failed, and a message of its own has said why.
+    Told,
 }
 
 impl Failure {
@@ -23,7 +25,7 @@ impl Failure {
 
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Work(_) => ExitCode::from(1),
+            Self::Work(_) | Self::Told => ExitCode::from(1),
             Self::Usage(_) => ExitCode::from(2),
         }
     }
@@ -31,9 +33,11 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Self::Usage(cause) | Self::Work(cause)) = self;
-        // The whole chain on one line: the cause behind the context.
-        write!(f, "{cause:#}")
+        match self {
+            // The whole chain on one line: the cause behind the context.
+            Self::Usage(cause) | Self::Work(cause) => write!(f, "{cause:#}"),
+            Self::Told => Ok(()),
+        }
     }
 }
 
@@ -41,10 +45,12 @@ impl From<aquafuse_data::picture::FileError> for Failure {
     /// A name that cannot be written to, that nothing bears, or that is a folder's, is wrong usage; anything
     /// else happened to the work.
     fn from(error: aquafuse_data::picture::FileError) -> Self {
-        use aquafuse_data::picture::FileError::{Exists, Read, UnknownExtension};
+        use aquafuse_data::picture::FileError::{Busy, Exists, OtherSettings, Read, UnknownExtension};
         use std::io::ErrorKind::{IsADirectory, NotFound};
         match &error {
-            Exists { .. } | UnknownExtension { .. } => Self::usage(error),
+            Busy { .. } | Exists { .. } | OtherSettings { .. } | UnknownExtension { .. } => {
+                Self::usage(error)
+            }
             Read { error: cause, .. } if matches!(cause.kind(), NotFound | IsADirectory) => {
                 Self::usage(error)
             }

@@ -8,7 +8,7 @@ use aquafuse::depth::fit::{self, Options, Scale, Target};
 use aquafuse::depth::{Eq3, SuppliedKind};
 use aquafuse_data::model_file::{self, FitRecord, ModelFile, PairScore};
 use aquafuse_data::pairs::{self, Gathered, Message};
-use aquafuse_data::picture::FileError;
+use aquafuse_data::picture::{FileError, shown};
 use clap::{Args, ValueEnum};
 
 use crate::depth_arguments::kind;
@@ -87,7 +87,7 @@ impl Fit {
             return Err(Failure::usage(anyhow!(
                 "{} holds no pair: {others} files of rgb/ and depth/ have no partner of the same stem. Name \
                  the two files of a pair alike",
-                self.pairs.display()
+                shown(&self.pairs)
             )));
         }
         if !quiet && !listing.without_partner.is_empty() {
@@ -97,7 +97,7 @@ impl Fit {
         output::make_folder_of(&self.output)?;
         let gathered = self.gather(&listing.pairs, quiet);
         let fit = gathered.fitter.solve().map_err(|error| {
-            Failure::work(anyhow!("cannot fit a model to {}: {error}", self.pairs.display()))
+            Failure::work(anyhow!("cannot fit a model to {}: {error}", shown(&self.pairs)))
         })?;
         let file = ModelFile { eq3: fit.eq3, fit: Some(self.record(&gathered, &fit)) };
         file.write(&self.output, self.overwrite)?;
@@ -176,7 +176,7 @@ fn report(output: &Path, gathered: &Gathered, fit: &fit::Fit) -> String {
     let mut line = |line: String| {
         let _ = writeln!(text, "{line}");
     };
-    line(format!("{}: written, fitted to {} pairs", output.display(), gathered.names.len()));
+    line(format!("{}: written, fitted to {} pairs", shown(output), gathered.names.len()));
     line(format!("  d = {mu0:.6} + {mu1:.6} e^({mu2:.3} R) + {mu3:.6} e^({mu4:.3} M)"));
     line(format!(
         "  order of depth (rank correlation, 1 is right)  fitted {:.3}, eq3 {:.3}",

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use aquafuse::depth::{DepthKind, SuppliedKind};
 use aquafuse::waterbody::{Estimate, Intervals, Quality, Reason, VeilingLight, VeilingLightSource, Verdict};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
-use aquafuse_data::picture::Picture;
+use aquafuse_data::picture::{Picture, shown};
 use clap::Args;
 use serde::Serialize;
 
@@ -14,6 +14,7 @@ use crate::depth_arguments::{DepthArguments, turned_round};
 use crate::depth_model::DepthModelArg;
 use crate::failure::Failure;
 use crate::output;
+use crate::reading::Reading;
 
 /// Show what a picture tells about its depth and its water.
 ///
@@ -24,7 +25,7 @@ use crate::output;
 // Nothing is left to estimate here where depth is given; `fuse` still needs the model, for its reference.
 #[command(mut_arg("depth_model", |model| model.conflicts_with("depth")))]
 pub(crate) struct Inspect {
-    /// PNG or JPEG, 8 bits a channel, without transparency.
+    /// PNG, JPEG, TIFF, WebP, BMP or GIF.
     image: PathBuf,
     #[command(flatten)]
     depth: DepthArguments,
@@ -36,8 +37,8 @@ pub(crate) struct Inspect {
 }
 
 impl Inspect {
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let picture = Picture::read(&self.image)?;
+    pub(crate) fn run(&self, reading: &Reading) -> Result<(), Failure> {
+        let picture = reading.read(&self.image)?;
         let supply = self.depth.supply(false, self.model.get()).map_err(Failure::usage)?;
         let source = supply.of(&self.image).map_err(Failure::usage)?;
         let found = analyse(&picture, &source)?;
@@ -68,6 +69,13 @@ struct Report {
 struct Size {
     width: usize,
     height: usize,
+}
+
+impl Size {
+    fn of(picture: &Picture) -> Self {
+        let (width, height) = picture.pixels.size();
+        Self { width, height }
+    }
 }
 
 #[derive(Serialize)]
@@ -104,7 +112,7 @@ impl Report {
         let water = &estimate.water;
         Self {
             schema: 1,
-            image: Size { width: picture.image.width(), height: picture.image.height() },
+            image: Size::of(picture),
             depth: Depth::new(found),
             waterbody: Water {
                 veiling_light: water.veiling_light,
@@ -139,7 +147,11 @@ fn text(picture: &Picture, found: &Analysis) -> String {
             other => format!("{}: {}", other.name(), reasons(quality)),
         },
     );
-    line("size", format!("{} x {}", picture.image.width(), picture.image.height()));
+    let Size { width, height } = Size::of(picture);
+    line("size", format!("{width} x {height}"));
+    if let Some(damage) = &picture.damage {
+        line("  WARNING", format!("the file is damaged: {damage}"));
+    }
     let unit = match depth.kind {
         DepthKind::Metres => "metres",
         _ => "relative: 0 near, 1 far; it has no unit",
@@ -147,7 +159,7 @@ fn text(picture: &Picture, found: &Analysis) -> String {
     line("depth z", format!("{}, {unit}", depth.source));
     if let Some(supplied) = &depth.supplied {
         let invalid = 100.0 * supplied.invalid_share;
-        line("  file", format!("{}, {}", supplied.file, supplied.kind.name()));
+        line("  file", format!("{}, {}", shown(supplied.file.as_ref()), supplied.kind.name()));
         line("  without a value", format!("{invalid:.1} % of the pixels: depth from colour there"));
         for warning in &supplied.warnings {
             line("  WARNING", format!("the map {warning}"));
@@ -228,7 +240,7 @@ impl Supplied {
         };
         let warning = report.looks_turned_round().then(|| turned_round(report));
         Some(Self {
-            file: path.display().to_string(),
+            file: path.to_string_lossy().into_owned(),
             kind: *kind,
             invalid_share: report.invalid_share(),
             agreement: report.agreement,

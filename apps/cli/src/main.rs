@@ -10,11 +10,14 @@ mod fuse;
 mod inspect;
 mod output;
 mod progress;
+mod reading;
+mod signals;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
+use reading::Reading;
 
 /// Moves the waterbody of one underwater picture into another, by physics in closed form.
 ///
@@ -27,6 +30,8 @@ struct Cli {
     /// Work on this many threads [default: one a core]. No output depends on it.
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
     threads: Option<u16>,
+    #[command(flatten)]
+    reading: Reading,
     /// Say nothing but errors and what was asked for.
     #[arg(long, global = true)]
     quiet: bool,
@@ -56,28 +61,33 @@ Examples:
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),
-and nothing was done.";
+and nothing was done; 129, 130, 143 stopped by SIGHUP, SIGINT, SIGTERM: every file that is
+there is whole.";
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    aquafuse_data::hush_decoders();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            output::complain(&failure);
+            if !matches!(failure, Failure::Told) {
+                output::complain(&failure);
+            }
             failure.exit_code()
         }
     }
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
+    signals::heed().map_err(Failure::work)?;
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::work)?;
     }
     match &cli.command {
         Command::Demo(demo) => demo.run(cli.quiet),
-        Command::Fuse(fuse) => fuse.run(cli.quiet),
-        Command::Inspect(inspect) => inspect.run(),
-        Command::Depth(depth) => depth.run(cli.quiet),
+        Command::Fuse(fuse) => fuse.run(cli.threads, &cli.reading, cli.quiet),
+        Command::Inspect(inspect) => inspect.run(&cli.reading),
+        Command::Depth(depth) => depth.run(&cli.reading, cli.quiet),
         Command::Fit(fit) => fit.run(cli.quiet),
     }
 }

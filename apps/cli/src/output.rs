@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use anyhow::anyhow;
+use aquafuse_data::picture::shown;
 
 use crate::failure::Failure;
 
@@ -12,11 +13,11 @@ pub(crate) fn complain(what: &impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "aquafuse: {what}");
 }
 
-/// Makes the folder that `file` is to stand in, and those above it.
-pub(crate) fn make_folder_of(file: &Path) -> Result<(), Failure> {
+/// Makes the folder that `file` is to stand in, and those above it, and names it.
+pub(crate) fn make_folder_of(file: &Path) -> Result<&Path, Failure> {
     match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => make_folder(folder),
-        _ => Ok(()),
+        Some(folder) if !folder.as_os_str().is_empty() => make_folder(folder).map(|()| folder),
+        _ => Ok(Path::new(".")),
     }
 }
 
@@ -27,7 +28,7 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
             ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "there is a file of that name".into(),
             _ => error.to_string(),
         };
-        Failure::usage(anyhow!("cannot make the folder {}: {cause}. Name another output", folder.display()))
+        Failure::usage(anyhow!("cannot make the folder {}: {cause}. Name another output", shown(folder)))
     })
 }
 

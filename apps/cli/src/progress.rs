@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use aquafuse_data::job::Message;
+use aquafuse_data::picture::shown;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::output;
@@ -29,7 +30,7 @@ impl Progress {
     pub(crate) fn show(&self, message: &Message<'_>) {
         match message {
             Message::Started { total } => self.start(*total),
-            Message::Done { item, .. } => self.done(item.output.display().to_string()),
+            Message::Done { item, .. } | Message::Kept { item } => self.done(shown(&item.output).to_string()),
             Message::Failed { error, .. } => self.failed(error),
             _ => {}
         }

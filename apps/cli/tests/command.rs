@@ -25,7 +25,7 @@ fn pictures_that_deserve_a_look_are_named() {
     let run = Run::new();
     std::fs::create_dir(run.path("photos")).unwrap();
     scene(&run.path("photos/reef.png"), 1, "blue");
-    let night = aquafuse::image::Image::from_raw(64, 64, vec![0; 64 * 64 * 3]).unwrap();
+    let night = aquafuse::image::Image::<u8>::from_raw(64, 64, vec![0; 64 * 64 * 3]).unwrap();
     let night = aquafuse_data::picture::Picture::new(night);
     night.write(&run.path("photos/night.png"), &Default::default()).unwrap();
     scene(&run.path("water.png"), 2, "clear");
@@ -80,12 +80,12 @@ fn one_bad_picture_does_not_spoil_the_folder() {
     scene(&run.path("water.png"), 9, "turbid");
     let ended = run.fails(1, &["fuse", "photos", "water.png", "-o", "fused"]);
     assert!(
-        ended.stderr.contains("bad.png") && ended.stderr.contains("neither PNG nor JPEG"),
+        ended.stderr.contains("bad.png") && ended.stderr.contains("none of PNG, JPEG"),
         "{}",
         ended.stderr
     );
     assert!(ended.stderr.contains("1 of 4 failed"), "{}", ended.stderr);
-    assert_eq!(std::fs::read_dir(run.path("fused")).unwrap().count(), 3);
+    assert_eq!(std::fs::read_dir(run.path("fused")).unwrap().count(), 3 + 1, "three pictures and the record");
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn wrong_usage_ends_with_two_and_says_what_to_do() {
     scenes_folder(&run.path("photos"));
     std::fs::create_dir(run.path("empty")).unwrap();
     let cases: [(&[&str], &str); 15] = [
-        (&["fuse", "content.png", "content.png", "-o", "out.gif"], ".png, .jpg or .jpeg"),
+        (&["fuse", "content.png", "content.png", "-o", "out.gif"], ".png, .jpg, .jpeg, .tif"),
         (&["fuse", "missing.png", "content.png", "-o", "out.png"], "cannot read missing.png"),
         (&["fuse", "content.png", "missing.png", "-o", "out.png"], "cannot read missing.png"),
         (&["inspect", "missing.png"], "cannot read missing.png"),
@@ -132,7 +132,7 @@ fn wrong_usage_ends_with_two_and_says_what_to_do() {
         (&["fuse", "photos/a.png", "content.png", "-o", "content.png", "--overwrite"], "is an input"),
         (&["fuse", "photos/a.png", "content.png", "-o", "content.png/o.png"], "there is a file of that name"),
         (&["--threads", "1000000", "inspect", "content.png"], "1..=512"),
-        (&["fuse", "empty", "content.png", "-o", "out"], "holds no .png, .jpg or .jpeg"),
+        (&["fuse", "empty", "content.png", "-o", "out"], "holds no .png, .jpg, .jpeg"),
         (&["depth", "content.png", "-o", "depth.jpg"], "must end in .png"),
     ];
     for (arguments, expected) in cases {
@@ -147,7 +147,7 @@ fn a_picture_that_cannot_be_read_ends_with_one() {
     std::fs::write(run.path("bad.png"), "no picture").unwrap();
     for arguments in [&["inspect", "bad.png"][..], &["depth", "bad.png", "-o", "z.png"]] {
         let failed = run.fails(1, arguments);
-        assert!(failed.stderr.contains("bad.png: it is neither PNG nor JPEG"), "{}", failed.stderr);
+        assert!(failed.stderr.contains("bad.png: its content is none of PNG, JPEG"), "{}", failed.stderr);
     }
     assert!(!run.path("z.png").exists());
 }

@@ -10,7 +10,7 @@ use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
 use aquafuse::image::Image;
 use aquafuse::truth::{Scene, Size};
 use aquafuse_data::depth_file;
-use aquafuse_data::pairs::{list, read_rgb};
+use aquafuse_data::pairs::list;
 use aquafuse_data::picture::{Picture, WriteOptions};
 use run::{Run, scene};
 use serde_json::Value;
@@ -108,7 +108,7 @@ fn wrong_declarations_are_refused_with_what_to_do() {
 #[test]
 fn a_picture_on_its_side_says_that_the_map_must_be_turned_back() {
     let run = Run::new();
-    let mut picture = Picture::new(Image::from_raw(8, 4, vec![90; 96]).unwrap());
+    let mut picture = Picture::new(Image::<u8>::from_raw(8, 4, vec![90; 96]).unwrap());
     // Little-endian EXIF of one entry: orientation 6.
     picture.metadata.exif = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec());
     picture.write(&run.path("side.jpg"), &WriteOptions::default()).unwrap();
@@ -131,7 +131,7 @@ fn pairs(run: &Run) -> Option<Vec<(PathBuf, PathBuf, bool)>> {
             let mut png = pair.clone();
             if pair.rgb.extension().unwrap() == "tiff" {
                 png.rgb = run.path(&format!("{}_rgb.png", pair.name));
-                read_rgb(&pair.rgb).unwrap().write(&png.rgb, &WriteOptions::default()).unwrap();
+                Picture::read(&pair.rgb).unwrap().write(&png.rgb, &WriteOptions::default()).unwrap();
             }
             if pair.depth.extension().unwrap() == "jpg" {
                 png.depth = run.path(&format!("{}_depth.png", pair.name));
@@ -192,7 +192,7 @@ fn open_water_without_measured_depth_is_far_in_real_pictures() {
 
         let picture = Picture::read(&picture).unwrap();
         let found = depth_file::read(&map, SuppliedKind::Metres).unwrap();
-        let z = found.seen_with(&picture.image, picture.top_edge()).unwrap().depth.distances();
+        let z = found.seen_with(&picture.bytes(), picture.top_edge()).unwrap().depth.distances();
         let mut measured: Vec<f32> = stored.iter().copied().filter(|z| *z > 0.0).collect();
         measured.sort_by(f32::total_cmp);
         let far_end = measured[measured.len() * 98 / 100];

@@ -30,7 +30,7 @@ fn main() -> Result<(), Error> {
         for (reference_name, reference) in &references {
             let water = analyse(reference, &DepthSource::default())?.estimate;
             let bounded = Bounded::new(&found.estimate, &water, Options::for_model(model));
-            let fused = fuse(&content.image, &found.depth, bounded.waters(), &bounded.options)?;
+            let fused = fuse(&content.bytes(), &found.depth, bounded.waters(), &bounded.options)?;
             let clipped = 100.0 * fused.clipping.share();
             let held = if bounded.bounds.any() { ", held" } else { "" };
             let caption = format!("{reference_name}, {clipped:.1} % clipped{held}");
@@ -53,5 +53,5 @@ fn read_all(paths: &[String]) -> Result<Vec<(String, Picture)>, Error> {
 }
 
 fn cell(caption: &str, picture: &Picture) -> Cell {
-    Cell { caption: caption.into(), image: Some(picture.image.clone()) }
+    Cell { caption: caption.into(), image: Some(picture.bytes().into_owned()) }
 }

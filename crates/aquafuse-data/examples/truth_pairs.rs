@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (seed, water) in SEEDS.zip(waters().iter().cycle()) {
         let scene = Scene::new(seed, SIZE);
         let name = format!("{seed}_{}.png", water.name);
-        let picture = Picture::new(scene.seen_through(&water.water).to_samples());
+        let picture = Picture::new(scene.seen_through(&water.water).to_samples::<u8>());
         picture.write(&rgb.join(&name), &WriteOptions::default())?;
         // 0 is unknown depth.
         let seen = |z: f32| if z < OPEN_WATER { z } else { 0.0 };

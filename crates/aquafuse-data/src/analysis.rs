@@ -72,28 +72,30 @@ pub struct Analysis {
 /// let distances = [2.0_f32, 3.0];
 /// std::fs::write(&path, [&b"Pf 2 1 -1\n"[..], &distances.map(f32::to_le_bytes).concat()].concat())?;
 ///
-/// let picture = Picture::new(Image::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
+/// let picture = Picture::new(Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
 /// let found = analyse(&picture, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
 /// assert_eq!(found.depth.distances(), distances);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn analyse(picture: &Picture, source: &DepthSource) -> Result<Analysis, FileError> {
     let top = picture.top_edge();
+    // Estimators count in 256 steps: what lies between is of no use to them.
+    let bytes = picture.bytes();
     let (depth, supplied) = match source {
-        DepthSource::Estimated(model) => (model.estimate_seen(&picture.image, top), None),
+        DepthSource::Estimated(model) => (picture.pixels.depth(model, top), None),
         DepthSource::Supplied { path, kind } => {
             let map = depth_file::read(path, *kind)?;
-            let found = map.seen_with(&picture.image, top).map_err(|error| FileError::UnfitDepth {
+            let found = map.seen_with(&bytes, top).map_err(|error| FileError::UnfitDepth {
                 path: path.clone(),
                 error,
-                turned: picture.metadata.orientation > 4,
+                turned: picture.metadata.orientation() > 4,
             })?;
             (found.depth, Some(found.report))
         }
     };
     let options = EstimateOptions { top, ..EstimateOptions::default() };
-    let mut estimate = waterbody::estimate(&picture.image, &depth, &options)
-        .expect("the depth map was made for this picture");
+    let mut estimate =
+        waterbody::estimate(&bytes, &depth, &options).expect("the depth map was made for this picture");
     if supplied.is_some_and(|report| report.looks_turned_round()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }

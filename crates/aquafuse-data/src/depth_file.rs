@@ -17,16 +17,15 @@ mod pfm;
 mod png;
 mod tiff;
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 pub use folder::DepthFolder;
 
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedKind};
 
-use crate::picture::{FileError, WriteOptions, write_atomically};
+use crate::barrier;
+use crate::picture::{FileError, WriteOptions, open_file, write_atomically};
 
 /// Values of a file, row by row from the top, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,10 +96,7 @@ fn read_values<const N: usize>(
 /// [`FileError`] when the file cannot be opened, is damaged, takes more than 512 MiB, or holds another format or
 /// kind of values.
 pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
-    let file = File::open(path).map_err(|error| FileError::Read { path: path.to_owned(), error })?;
-    if file.metadata().is_ok_and(|about| about.is_file() && about.len() == 0) {
-        return Err(FileError::Empty { path: path.to_owned() });
-    }
+    let (file, _) = open_file(path)?;
     let raster = decode(BufReader::new(file)).map_err(|fault| named(path, fault))?;
     let map = Supplied::new(raster.width, raster.height, raster.values, kind)
         .map_err(|size| named(path, Fault::Damaged(size.to_string())))?;
@@ -120,9 +116,8 @@ fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
         [b'P', b'f' | b'F', b' ' | b'\t' | b'\r' | b'\n', ..] => pfm::decode,
         _ => return Err(Fault::UnknownFormat),
     };
-    // A decoder that panics is a bug of its own, but it must not take a folder of pictures with it.
-    catch_unwind(AssertUnwindSafe(|| decoder(reader)))
-        .unwrap_or_else(|_| Err(Fault::Damaged("the decoder gave up on it".into())))
+    barrier::behind(|| decoder(reader))
+        .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))
 }
 
 fn named(path: &Path, fault: Fault) -> FileError {

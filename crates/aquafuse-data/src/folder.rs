@@ -7,7 +7,7 @@ use crate::picture::{FileError, Format};
 /// What stands in a folder, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listing {
-    /// Files whose extension names a picture format, sorted by name.
+    /// Files whose extension names a picture format (not GIF), sorted by name.
     pub pictures: Vec<PathBuf>,
     /// Files that were passed over because it does not; hidden ones not counted.
     pub others: usize,
@@ -27,9 +27,10 @@ pub fn list(folder: &Path) -> Result<Listing, FileError> {
         if hidden || path.is_dir() {
             continue;
         }
-        match Format::of(&path) {
-            Some(_) => listing.pictures.push(path),
-            None => listing.others += 1,
+        if Format::listed(&path) {
+            listing.pictures.push(path);
+        } else {
+            listing.others += 1;
         }
     }
     listing.pictures.sort();

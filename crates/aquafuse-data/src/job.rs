@@ -1,30 +1,60 @@
 //! A long run as a stream of messages: whoever started it decides what to show.
 
+mod record;
+
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::fusion::{Bounded, Bounds, Clipping, Options, fuse_mut};
+use aquafuse::fusion::{Bounded, Bounds, Clipping, Options};
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::{Estimate, Quality};
-use rayon::prelude::*;
 
 use crate::analysis::{DepthSource, analyse};
-use crate::picture::{FileError, Picture, WriteOptions};
+use crate::memory::Budget;
+use crate::picture::{FileError, Opened, Picture, ReadOptions, WriteOptions};
+
+pub use record::{Plan, RECORD, Record};
 
 /// Fuses pictures with one water.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Fuse {
     /// What to read, and where to write it.
     pub items: Vec<Item>,
+    /// How to fuse them.
+    pub recipe: Recipe,
+    /// How to run.
+    pub conduct: Conduct,
+    /// Which items are done already, and where to say so; none for single pictures.
+    pub record: Option<Record>,
+}
+
+/// Everything but the pictures that decides what is written.
+#[derive(Clone, Debug)]
+pub struct Recipe {
     /// The reference's water, and what it is worth.
     pub reference: Estimate,
     /// How to fuse.
     pub options: Options,
     /// How to smooth what was fused.
     pub smoothing: Smoothing,
+    /// Turn each output as its EXIF orientation asks for.
+    pub upright: bool,
+    /// How to read.
+    pub reading: ReadOptions,
     /// How to write.
     pub writing: WriteOptions,
+}
+
+/// How a job runs; nothing that is written depends on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conduct {
+    /// Pictures in work at once; none: one a core.
+    pub threads: Option<NonZeroUsize>,
+    /// Stop once more pictures than this have failed; none: never.
+    pub most_failures: Option<usize>,
 }
 
 /// One picture of a job.
@@ -47,6 +77,11 @@ pub enum Message<'a> {
         /// Pictures.
         total: usize,
     },
+    /// A picture was written by a run before this one.
+    Kept {
+        /// Which.
+        item: &'a Item,
+    },
     /// A picture is written.
     Done {
         /// Which.
@@ -64,7 +99,7 @@ pub enum Message<'a> {
 }
 
 /// What is worth knowing about a fused picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// Values that did not fit into the range.
     pub clipping: Clipping,
@@ -74,6 +109,10 @@ pub struct Report {
     pub bounds: Bounds,
     /// What is worth knowing about its depth, where that was supplied.
     pub supplied: Option<SuppliedReport>,
+    /// What was wrong with its file, where that was taken nevertheless.
+    pub damage: Option<String>,
+    /// What its file holds and the output does not, in words.
+    pub left_out: Vec<&'static str>,
 }
 
 /// How a job ended.
@@ -81,38 +120,145 @@ pub struct Report {
 pub struct Summary {
     /// Pictures written.
     pub done: usize,
+    /// Pictures that a run before had written.
+    pub kept: usize,
     /// Pictures that failed.
     pub failed: usize,
+    /// Pictures that were not tried, because too many had failed.
+    pub left: usize,
+}
+
+impl Recipe {
+    /// Everything in it that decides what is written, as text: two recipes of one text write the same bytes.
+    pub fn fingerprint(&self) -> String {
+        let Self { reference, options, smoothing, upright, reading, writing } = self;
+        let (water, verdict) = (&reference.water, reference.quality);
+        let (lenient, quality) = (reading.lenient, writing.quality);
+        let version = env!("CARGO_PKG_VERSION");
+        format!(
+            "{version} {water:?} {verdict:?} {options:?} {smoothing:?} upright {upright} lenient {lenient} JPEG {quality}"
+        )
+    }
 }
 
 impl Fuse {
-    /// Runs the job on the threads of the pool it is called in, telling `listener` in the order in which
-    /// pictures get done. The files do not depend on that order.
+    /// Runs the job, telling `listener` in the order in which pictures get done. The files do not depend on that
+    /// order.
     pub fn run(&self, listener: &(dyn Fn(Message<'_>) + Sync)) -> Summary {
         listener(Message::Started { total: self.items.len() });
-        let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        self.items.par_iter().for_each(|item| match self.fuse_file(item) {
-            Ok(report) => {
-                done.fetch_add(1, Ordering::Relaxed);
-                listener(Message::Done { item, report });
-            }
-            Err(error) => {
-                failed.fetch_add(1, Ordering::Relaxed);
-                listener(Message::Failed { item, error });
+        let cores = || thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        let threads = self.conduct.threads.map_or_else(cores, NonZeroUsize::get);
+        let progress = Progress::default();
+        let budget = self.recipe.reading.budget();
+        // Threads of its own: one that waits for memory in a pool could be given work that waits for it.
+        thread::scope(|scope| {
+            for _ in 0..threads.min(self.items.len()) {
+                scope.spawn(|| self.work(&progress, &budget, listener));
             }
         });
-        Summary { done: done.into_inner(), failed: failed.into_inner() }
+        let Progress { done, kept, failed, .. } = progress;
+        let [done, kept, failed] = [done, kept, failed].map(AtomicUsize::into_inner);
+        Summary { done, kept, failed, left: self.items.len() - done - kept - failed }
     }
 
-    fn fuse_file(&self, item: &Item) -> Result<Report, FileError> {
-        let mut picture = Picture::read(&item.input)?;
-        let found = analyse(&picture, &item.depth)?;
-        let bounded = Bounded::new(&found.estimate, &self.reference, self.options);
-        let clipping = fuse_mut(&mut picture.image, &found.depth, bounded.waters(), &bounded.options)
-            .expect("the depth map was made for this picture");
-        picture.image = self.smoothing.apply(picture.image);
-        picture.write(&item.output, &self.writing)?;
-        let quality = found.estimate.quality;
-        Ok(Report { clipping, quality, bounds: bounded.bounds, supplied: found.supplied })
+    /// Takes item after item until there is none left or too many failed.
+    fn work(&self, progress: &Progress, budget: &Budget, listener: &(dyn Fn(Message<'_>) + Sync)) {
+        while let Some(item) = self.items.get(progress.next.fetch_add(1, Ordering::Relaxed)) {
+            if progress.stopped.load(Ordering::Relaxed) {
+                return;
+            }
+            match self.make(item, budget) {
+                Ok(Some(report)) => {
+                    progress.done.fetch_add(1, Ordering::Relaxed);
+                    listener(Message::Done { item, report });
+                }
+                Ok(None) => {
+                    progress.kept.fetch_add(1, Ordering::Relaxed);
+                    listener(Message::Kept { item });
+                }
+                Err(error) => {
+                    let failed = 1 + progress.failed.fetch_add(1, Ordering::Relaxed);
+                    if self.conduct.most_failures.is_some_and(|most| failed > most) {
+                        progress.stopped.store(true, Ordering::Relaxed);
+                    }
+                    listener(Message::Failed { item, error });
+                }
+            }
+        }
     }
+
+    /// Makes one picture; none if it is there already.
+    fn make(&self, item: &Item, budget: &Budget) -> Result<Option<Report>, FileError> {
+        let mut writing = self.recipe.writing;
+        if let Some(record) = &self.record {
+            match record.plan(item, writing.overwrite) {
+                Plan::Kept => return Ok(None),
+                Plan::Replace => writing.overwrite = true,
+                Plan::Make | Plan::Foreign => {}
+            }
+        }
+        let made = self.fuse_file(item, budget, &writing);
+        if let (Err(error), Some(record)) = (&made, &self.record) {
+            record.failed(item, error)?;
+        }
+        made.map(Some)
+    }
+
+    fn fuse_file(&self, item: &Item, budget: &Budget, writing: &WriteOptions) -> Result<Report, FileError> {
+        let opened = Picture::open(&item.input, &self.recipe.reading)?;
+        let _room = budget.reserve(memory(item, &opened));
+        let mut picture = opened.decode()?;
+        let found = analyse(&picture, &item.depth)?;
+        let bounded = Bounded::new(&found.estimate, &self.recipe.reference, self.recipe.options);
+        let clipping = picture
+            .pixels
+            .fuse_mut(&found.depth, bounded.waters(), &bounded.options)
+            .expect("the depth map was made for this picture");
+        let (quality, supplied) = (found.estimate.quality, found.supplied);
+        drop(found.depth);
+        picture.pixels = picture.pixels.smoothed(self.recipe.smoothing);
+        if self.recipe.upright {
+            picture = picture.upright();
+        }
+        if let Some(record) = &self.record {
+            record.begin(item)?;
+        }
+        picture.write(&item.output, writing)?;
+        if let Some(record) = &self.record {
+            record.done(item)?;
+        }
+        let Picture { metadata, damage, .. } = picture;
+        Ok(Report {
+            clipping,
+            quality,
+            bounds: bounded.bounds,
+            supplied,
+            damage,
+            left_out: metadata.left_out,
+        })
+    }
+}
+
+/// What a supplied depth map takes in bytes a pixel: as stored, as floats of its file and as distances.
+const SUPPLIED: u64 = 16;
+
+/// Memory that work on an item takes.
+fn memory(item: &Item, opened: &Opened) -> u64 {
+    let supplied = match &item.depth {
+        DepthSource::Supplied { path, .. } => opened
+            .pixels()
+            .saturating_mul(SUPPLIED)
+            .saturating_add(path.metadata().map_or(0, |about| about.len())),
+        DepthSource::Estimated(_) => 0,
+    };
+    opened.memory().saturating_add(supplied)
+}
+
+#[derive(Default)]
+struct Progress {
+    next: AtomicUsize,
+    done: AtomicUsize,
+    kept: AtomicUsize,
+    failed: AtomicUsize,
+    stopped: AtomicBool,
 }

@@ -5,13 +5,13 @@
 //! ```
 //! use aquafuse::{fusion::Options, smooth::Smoothing};
 //! use aquafuse_data::analysis::{DepthSource, analyse};
-//! use aquafuse_data::{job, picture::{Picture, WriteOptions}};
+//! use aquafuse_data::{job, picture::{Picture, ReadOptions, WriteOptions}};
 //! # use aquafuse::truth::{Scene, Size, waters};
 //! # let folder = tempfile::tempdir()?;
 //! # let path = |name: &str| folder.path().join(name);
 //! # for (name, water) in ["content.png", "reference.png"].into_iter().zip(waters()) {
 //! #     let scene = Scene::new(1, Size { width: 64, height: 48 });
-//! #     let image = scene.seen_through(&water.water).to_samples();
+//! #     let image = scene.seen_through(&water.water).to_samples::<u8>();
 //! #     Picture::new(image).write(&path(name), &WriteOptions::default())?;
 //! # }
 //!
@@ -22,10 +22,16 @@
 //!         output: path("fused.png"),
 //!         depth: DepthSource::default(),
 //!     }],
-//!     reference: analyse(&reference, &DepthSource::default())?.estimate,
-//!     options: Options::default(),
-//!     smoothing: Smoothing::default(),
-//!     writing: WriteOptions::default(),
+//!     recipe: job::Recipe {
+//!         reference: analyse(&reference, &DepthSource::default())?.estimate,
+//!         options: Options::default(),
+//!         smoothing: Smoothing::default(),
+//!         upright: false,
+//!         reading: ReadOptions::default(),
+//!         writing: WriteOptions::default(),
+//!     },
+//!     conduct: job::Conduct::default(),
+//!     record: None,
 //! };
 //! let summary = job.run(&|message| println!("{message:?}"));
 //! assert_eq!((summary.done, summary.failed), (1, 0));
@@ -36,11 +42,12 @@
 //!
 //! | module | does |
 //! |---|---|
-//! | [`picture`] | PNG and JPEG files, 8 bit, with their colour profile and EXIF; written all or nothing |
+//! | [`picture`] | PNG, JPEG, TIFF, WebP, BMP and GIF files, 8 and 16 bits, with opacity, colour profile and EXIF; limits before memory is taken; written all or nothing |
+//! | [`memory`] | one budget of memory for all pictures in work |
 //! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, read as a declared kind |
 //! | [`analysis`] | what a picture tells about its depth and water: the one estimator of every command |
 //! | [`folder`] | which pictures a folder holds |
-//! | [`job`] | a long run as a stream of messages |
+//! | [`job`] | a long run as a stream of messages; one that was stopped goes on where it was |
 //! | [`pairs`] | pictures with known depth, a folder `rgb` and a folder `depth`, to fit a depth model to |
 //! | [`model_file`] | fitted depth models as TOML |
 //! | [`sheet`] | pictures side by side with captions |
@@ -50,10 +57,14 @@
 //! The command line and the network. Every error names its file, its cause and what to do.
 
 pub mod analysis;
+mod barrier;
 pub mod depth_file;
 pub mod folder;
 pub mod job;
+pub mod memory;
 pub mod model_file;
 pub mod pairs;
 pub mod picture;
 pub mod sheet;
+
+pub use barrier::hush_decoders;

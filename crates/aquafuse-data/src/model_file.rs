@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use aquafuse::depth::{Eq3, Eq3Error};
 use serde::{Deserialize, Serialize};
 
-use crate::picture::{FileError, write_atomically};
+use crate::picture::{FileError, shown, write_atomically};
 
 /// The version of the file; it changes when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
@@ -60,7 +60,7 @@ pub enum ModelFileError {
     #[error(transparent)]
     File(#[from] FileError),
     /// It is no TOML, or a field is missing or of the wrong kind.
-    #[error("{} is no depth model: {cause}. `aquafuse fit PAIRS -o {}` makes one", path.display(), path.display())]
+    #[error("{} is no depth model: {cause}. `aquafuse fit PAIRS -o {}` makes one", shown(path), shown(path))]
     Format {
         /// The file.
         path: PathBuf,
@@ -68,7 +68,10 @@ pub enum ModelFileError {
         cause: String,
     },
     /// It was written for another version of this program.
-    #[error("{} has schema {found}; this version reads schema {SCHEMA}. Fit the model again with it", path.display())]
+    #[error(
+        "{} has schema {found}; this version reads schema {SCHEMA}. Fit the model again with it",
+        shown(path)
+    )]
     Schema {
         /// The file.
         path: PathBuf,
@@ -76,7 +79,7 @@ pub enum ModelFileError {
         found: u32,
     },
     /// The coefficients make no depth.
-    #[error("{}: with this mu {error}. Correct them, or fit the model again", path.display())]
+    #[error("{}: with this mu {error}. Correct them, or fit the model again", shown(path))]
     Coefficients {
         /// The file.
         path: PathBuf,

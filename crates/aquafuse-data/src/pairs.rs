@@ -1,7 +1,5 @@
 //! Pictures with known depth: a folder with `rgb/` and `depth/`, whose files share their stems.
 
-mod rgb;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -11,8 +9,7 @@ use aquafuse::image::Image;
 use rayon::prelude::*;
 
 use crate::depth_file;
-use crate::picture::FileError;
-pub use rgb::read_rgb;
+use crate::picture::{FileError, Picture, shown};
 
 /// Two files that belong together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,7 +39,7 @@ pub enum PairError {
     #[error(transparent)]
     File(#[from] FileError),
     /// Two files of a folder have one stem.
-    #[error("{} and {} share their stem; leave one of them in the folder", .one.display(), .other.display())]
+    #[error("{} and {} share their stem; leave one of them in the folder", shown(.one), shown(.other))]
     Ambiguous {
         /// One file.
         one: PathBuf,
@@ -50,7 +47,7 @@ pub enum PairError {
         other: PathBuf,
     },
     /// The depth cannot be fitted to.
-    #[error("cannot use {}: {error}. Check --depth-kind, or take the pair out", path.display())]
+    #[error("cannot use {}: {error}. Check --depth-kind, or take the pair out", shown(path))]
     Labels {
         /// The depth file.
         path: PathBuf,
@@ -104,20 +101,20 @@ impl Pair {
     ///
     /// [`PairError`] when a file cannot be read, or the depth does not suit the picture or its kind.
     pub fn read(&self, kind: SuppliedKind) -> Result<(Image<u8>, Vec<f32>), PairError> {
-        let picture = read_rgb(&self.rgb)?;
+        let picture = Picture::read(&self.rgb)?;
         let path = || self.depth.clone();
         let labels =
-            depth_file::read(&self.depth, kind)?.labels(&picture.image).map_err(|error| match error {
+            depth_file::read(&self.depth, kind)?.labels(&picture.bytes()).map_err(|error| match error {
                 // Said as of labels that are flat in metres.
                 SuppliedError::Flat { value } => {
                     PairError::Labels { path: path(), error: LabelError::Flat { value } }
                 }
                 error => {
-                    let turned = picture.metadata.orientation > 4;
+                    let turned = picture.metadata.orientation() > 4;
                     FileError::UnfitDepth { path: path(), error, turned }.into()
                 }
             })?;
-        Ok((picture.image, labels))
+        Ok((picture.pixels.into_bytes(), labels))
     }
 }
 

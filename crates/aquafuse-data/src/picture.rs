@@ -2,7 +2,13 @@
 
 mod atomic;
 mod error;
+mod exif;
+mod format;
+mod limits;
+mod metadata;
+mod pixels;
 mod read;
+mod shown;
 mod write;
 
 use std::path::Path;
@@ -10,57 +16,30 @@ use std::path::Path;
 use aquafuse::image::{Image, TopEdge};
 
 pub(crate) use atomic::write_atomically;
+pub use atomic::{abandon_parts, remove_stale_parts};
 pub use error::FileError;
+pub use format::{Format, LISTED, WRITTEN};
+pub use limits::ReadOptions;
+pub use metadata::{Metadata, Resolution, ResolutionUnit};
+pub use pixels::{Layers, Pixels};
+pub use read::Opened;
+pub(crate) use read::open_file;
+pub use shown::shown;
 pub(crate) use write::encode_grey16;
 
 /// A picture with what its file said about it.
 ///
 /// Pixels stay in stored order: the EXIF orientation is kept as data, and written back, so that boxes and
-/// masks made for the file stay true.
+/// masks made for the file stay true. [`Picture::upright`] turns them on request.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// The pixels, encoded.
-    pub image: Image<u8>,
+    pub pixels: Pixels,
     /// What travels with them.
     pub metadata: Metadata,
-}
-
-/// What a file says about its pixels; carried over from content to output.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Metadata {
-    /// ICC colour profile, if it is one for RGB.
-    pub icc_profile: Option<Vec<u8>>,
-    /// EXIF block.
-    pub exif: Option<Vec<u8>>,
-    /// EXIF orientation, 1 to 8; 1 when none is given.
-    pub orientation: u8,
-}
-
-impl Default for Metadata {
-    fn default() -> Self {
-        Self { icc_profile: None, exif: None, orientation: 1 }
-    }
-}
-
-/// The formats we read and write.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// PNG, 8 bit.
-    Png,
-    /// JPEG; written without chroma subsampling.
-    Jpeg,
-}
-
-impl Format {
-    /// The format a file name asks for, by its extension.
-    pub fn of(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            "png" => Some(Self::Png),
-            "jpg" | "jpeg" => Some(Self::Jpeg),
-            _ => None,
-        }
-    }
+    /// What was wrong with the file, where [`ReadOptions::lenient`] took it nevertheless. Outputs are marked
+    /// with it: their EXIF description says so.
+    pub damage: Option<String>,
 }
 
 /// How to write.
@@ -80,34 +59,62 @@ impl Default for WriteOptions {
 
 impl Picture {
     /// A picture that did not come from a file.
-    pub fn new(image: Image<u8>) -> Self {
-        Self { image, metadata: Metadata::default() }
+    pub fn new(pixels: impl Into<Pixels>) -> Self {
+        Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None }
     }
 
-    /// Reads a PNG or JPEG file, told apart by its content.
+    /// Reads a PNG, JPEG, TIFF, WebP, BMP or GIF file, told apart by its content, within the default limits.
     ///
-    /// Grey and CMYK become RGB; their colour profile, which would be wrong for it, is left out.
+    /// Grey and CMYK become RGB; their colour profile, which would be wrong for it, is left out, and
+    /// [`Metadata::left_out`] says so.
     ///
     /// # Errors
     ///
-    /// [`FileError`] when the file cannot be opened, is damaged, or holds another format or kind of pixels.
+    /// [`FileError`] when the file cannot be opened, is too large, damaged or cut short, or holds another format
+    /// or kind of pixels.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        read::read(path)
+        Self::open(path, &ReadOptions::default())?.decode()
+    }
+
+    /// Reads a picture's header and holds it against the limits; [`Opened::decode`] does the rest.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when the file cannot be opened, holds another format, or is larger than `options` allow.
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileError> {
+        read::open(path, options)
     }
 
     /// Writes the picture in the format its extension names, whole or not at all.
     ///
+    /// PNG and TIFF hold 16 bits, TIFF floats too; the others hold bytes. JPEG holds no transparency.
+    ///
     /// # Errors
     ///
-    /// [`FileError`] when the name has another extension, the file exists and may not be replaced, or the
-    /// system refuses; whatever stood at `path` is then still there.
+    /// [`FileError`] when the name has another extension, the format cannot hold the picture, the file exists and
+    /// may not be replaced, or the system refuses; whatever stood at `path` is then still there.
     pub fn write(&self, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
         write::write(self, path, options)
     }
 
+    /// The colours in bytes, whatever the file holds.
+    pub fn bytes(&self) -> std::borrow::Cow<'_, Image<u8>> {
+        self.pixels.bytes()
+    }
+
     /// The stored edge that is up as seen.
     pub fn top_edge(&self) -> TopEdge {
-        TopEdge::from_exif(self.metadata.orientation)
+        TopEdge::from_exif(self.metadata.orientation())
+    }
+
+    /// The picture turned as its EXIF orientation asks for, which is then 1.
+    pub fn upright(self) -> Self {
+        let pixels = self.pixels.turned(self.metadata.orientation());
+        let mut metadata = self.metadata;
+        if let Some(block) = &mut metadata.exif {
+            exif::set_upright(block);
+        }
+        Self { pixels, metadata, ..self }
     }
 }
 

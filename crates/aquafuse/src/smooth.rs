@@ -3,7 +3,7 @@
 //! The paper ends with a bilateral filter and gives no parameters. Here nothing is smoothed unless asked for:
 //! what the filter takes for noise is as often texture.
 
-use crate::image::{Encoding, Image};
+use crate::image::{Encoding, Image, Sample};
 
 /// How a fused picture is smoothed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl Smoothing {
     }
 
     /// The picture, smoothed.
-    pub fn apply<E: Encoding>(self, image: Image<u8, E>) -> Image<u8, E> {
+    pub fn apply<T: Sample, E: Encoding>(self, image: Image<T, E>) -> Image<T, E> {
         match self {
             Self::None => image,
             Self::Bilateral => bilateral(&image),
@@ -48,8 +48,8 @@ const RADIUS: isize = 2;
 /// in pixels: the values of many OpenCV examples. Over a window this small the latter hardly counts.
 const SIGMA_COLOUR: f64 = 75.0;
 const SIGMA_SPACE: f64 = 75.0;
-/// The weight of a pixel itself. Thirteen such weights times 255 fit into 32 bits, and sums of whole
-/// numbers are the same in any order, on any machine.
+/// The weight of a pixel itself. Weights and values are whole numbers, whose sums are the same in any order, on
+/// any machine.
 const ONE: f64 = 65536.0;
 /// Differences two colours can have.
 const DIFFERENCES: usize = 3 * 255 + 1;
@@ -57,7 +57,8 @@ const DIFFERENCES: usize = 3 * 255 + 1;
 /// Smooths a picture but not its edges: each pixel becomes the mean of those within two pixels of it, weighted by
 /// `e^(-Δ² / 2σ²)` of their distance in pixels and in colour.
 ///
-/// d = 5, both σ = 75, Δ of colours the sum of the channels' differences in steps of a byte. Beyond the border the
+/// d = 5, both σ = 75, Δ of colours the sum of the channels' differences in steps of a byte, whatever the samples
+/// are. Beyond the border the
 /// picture is mirrored about its outermost pixels. The filter of C. Tomasi and R. Manduchi, "Bilateral filtering
 /// for gray and color images" (1998), as OpenCV's `bilateralFilter` computes it for bytes.
 ///
@@ -74,11 +75,11 @@ const DIFFERENCES: usize = 3 * 255 + 1;
 /// assert!(20 < worn[1] && worn[1] < worn[2] && worn[2] < 28);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn bilateral<E: Encoding>(image: &Image<u8, E>) -> Image<u8, E> {
+pub fn bilateral<T: Sample, E: Encoding>(image: &Image<T, E>) -> Image<T, E> {
     let taps = taps();
     let mut smoothed = image.clone();
     let width = image.width();
-    let row = |(y, row): (usize, &mut [[u8; 3]])| {
+    let row = |(y, row): (usize, &mut [[T; 3]])| {
         for (x, pixel) in row.iter_mut().enumerate() {
             *pixel = mean_around(image, x, y, &taps);
         }
@@ -112,23 +113,23 @@ fn taps() -> Vec<Tap> {
 }
 
 /// The weighted mean of the window around one place, rounded; halves go up.
-fn mean_around<E: Encoding>(image: &Image<u8, E>, x: usize, y: usize, taps: &[Tap]) -> [u8; 3] {
+fn mean_around<T: Sample, E: Encoding>(image: &Image<T, E>, x: usize, y: usize, taps: &[Tap]) -> [T; 3] {
     let (width, height) = image.size();
     let pixels = image.pixels();
-    let middle = pixels[y * width + x];
-    let (mut sums, mut total) = ([0_u32; 3], 0_u32);
+    let middle = pixels[y * width + x].map(T::to_byte);
+    let (mut sums, mut total) = ([0_u64; 3], 0_u64);
     for tap in taps {
         let column = mirrored(x as isize + tap.dx, width);
         let other = pixels[mirrored(y as isize + tap.dy, height) * width + column];
-        let difference: usize = (0..3).map(|c| usize::from(middle[c].abs_diff(other[c]))).sum();
-        let weight = tap.weights[difference];
+        let difference: usize = (0..3).map(|c| usize::from(middle[c].abs_diff(other[c].to_byte()))).sum();
+        let weight = u64::from(tap.weights[difference]);
         total += weight;
         for c in 0..3 {
-            sums[c] += weight * u32::from(other[c]);
+            sums[c] += weight * other[c].to_steps();
         }
     }
     // The pixel itself weighs ONE, so there is something to divide by.
-    sums.map(|sum| ((sum + total / 2) / total) as u8)
+    sums.map(|sum| T::from_steps((sum + total / 2) / total))
 }
 
 /// A place beyond the border, mirrored about the outermost pixels: -1 is 1, `length` is `length - 2`.
@@ -198,6 +199,14 @@ mod tests {
             };
             prop_assert_eq!(bilateral(&mirror(&image)), mirror(&bilateral(&image)));
         }
+    }
+
+    #[test]
+    fn finer_samples_are_smoothed_as_bytes_are() {
+        let image = Image::<u8>::from_raw(9, 5, (0..135).map(|i| (i * 37 % 251) as u8).collect()).unwrap();
+        let smoothed = bilateral(&image);
+        assert_eq!(bilateral(&image.to_samples::<u16>()).to_samples::<u8>(), smoothed);
+        assert_eq!(bilateral(&image.to_unit()).to_samples::<u8>(), smoothed);
     }
 
     #[cfg(feature = "threads")]

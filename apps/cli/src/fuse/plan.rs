@@ -1,12 +1,14 @@
 //! What is to be read and written: everything that can be refused before work begins is refused here.
 
+use std::collections::HashMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, anyhow};
 use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::folder;
-use aquafuse_data::job::Item;
-use aquafuse_data::picture::{FileError, Format};
+use aquafuse_data::job::{Item, Plan, RECORD, Record};
+use aquafuse_data::picture::{FileError, Format, LISTED, WRITTEN, shown};
 
 use crate::depth_arguments::Supply;
 
@@ -28,12 +30,24 @@ pub(super) fn items(content: &Path, water: &Path, output: &Path, supply: &Supply
 }
 
 fn written_over(input: &Path) -> Error {
-    anyhow!("{} is an input, not to be written over; give another output", input.display())
+    anyhow!("{} is an input, not to be written over; give another output", shown(input))
 }
 
-/// Refuses outputs that are there already.
-pub(super) fn refuse_existing(items: &[Item]) -> Result<()> {
-    let mut existing = items.iter().filter(|item| item.output.symlink_metadata().is_ok());
+/// Refuses outputs that are there already, unless a record in their folder may say that they are ours.
+pub(super) fn refuse_unrecorded(items: &[Item], is_job: bool) -> Result<()> {
+    let recorded = items.first().is_some_and(|item| item.output.with_file_name(RECORD).exists());
+    if is_job && recorded {
+        return Ok(());
+    }
+    refuse(items.iter().filter(|item| item.output.symlink_metadata().is_ok()))
+}
+
+/// Refuses outputs that are there and not of our making.
+pub(super) fn refuse_foreign(items: &[Item], record: &Record, overwrite: bool) -> Result<()> {
+    refuse(items.iter().filter(|item| record.plan(item, overwrite) == Plan::Foreign))
+}
+
+fn refuse<'a>(mut existing: impl Iterator<Item = &'a Item>) -> Result<()> {
     let Some(first) = existing.next() else { return Ok(()) };
     let exists = FileError::Exists { path: first.output.clone() };
     match existing.count() {
@@ -49,8 +63,8 @@ fn of_file(content: &Path, water: &Path, output: &Path) -> Result<(PathBuf, Path
         Some(name) if is_folder => output.join(name),
         _ => output.to_owned(),
     };
-    if Format::of(&output).is_none() {
-        return Err(FileError::UnknownExtension { path: output, expected: ".png, .jpg or .jpeg" }.into());
+    if Format::written(&output).is_none() {
+        return Err(FileError::UnknownExtension { path: output, expected: WRITTEN }.into());
     }
     if [content, water].into_iter().any(|input| same(input, &output)) {
         return Err(written_over(&output));
@@ -61,27 +75,44 @@ fn of_file(content: &Path, water: &Path, output: &Path) -> Result<(PathBuf, Path
 /// Input and output of each picture.
 fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     if same(content, output) {
-        return Err(anyhow!("{} is both content and output; give another output folder", content.display()));
+        return Err(anyhow!("{} is both content and output; give another output folder", shown(content)));
     }
     let named_as_a_file = Format::of(output).is_some() && !output.is_dir();
     if output.is_file() || named_as_a_file {
         return Err(anyhow!(
             "{} is a folder, so the output must be one; {} is a file's name",
-            content.display(),
-            output.display()
+            shown(content),
+            shown(output)
         ));
     }
     let listing = folder::list(content)?;
     if listing.pictures.is_empty() {
         let others = listing.others;
         return Err(anyhow!(
-            "{} holds no .png, .jpg or .jpeg, but {others} other files; name the folder in which the pictures \
-             themselves stand",
-            content.display()
+            "{} holds no {LISTED}, but {others} other files; name the folder in which the pictures themselves stand",
+            shown(content)
         ));
     }
-    let output = |input: &Path| output.join(input.file_name().unwrap_or_default());
-    Ok(listing.pictures.into_iter().map(|input| (input.clone(), output(&input))).collect())
+    let mut taken = HashMap::new();
+    for input in listing.pictures {
+        let output = output.join(output_name(&input));
+        if let Some(other) = taken.insert(output, input.clone()) {
+            let (one, other) = (shown(&input), shown(&other));
+            return Err(anyhow!("{one} and {other} would have one output; rename one of them"));
+        }
+    }
+    let mut files: Vec<_> = taken.into_iter().map(|(output, input)| (input, output)).collect();
+    files.sort();
+    Ok(files)
+}
+
+/// The name of the output of one of a folder's pictures: its own, with .png behind where we do not write its format.
+fn output_name(input: &Path) -> OsString {
+    let mut name = input.file_name().unwrap_or_default().to_owned();
+    if Format::written(input).is_none() {
+        name.push(".png");
+    }
+    name
 }
 
 fn same(a: &Path, b: &Path) -> bool {

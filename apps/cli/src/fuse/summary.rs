@@ -6,6 +6,7 @@ use aquafuse::depth::SuppliedReport;
 use aquafuse::fusion::Bounds;
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::job::{Item, Report};
+use aquafuse_data::picture::shown;
 
 use crate::depth_arguments::turned_round;
 use crate::inspect::reasons;
@@ -15,14 +16,17 @@ const MUCH: f64 = 0.05;
 /// Pictures named for each thing that is worth a word.
 const NAMED: usize = 5;
 
-/// The summary of these pictures.
-pub(super) fn of(reports: &[(Item, Report)]) -> String {
+/// The summary of these pictures, and of `kept` that were there before.
+pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     let mut text = String::new();
+    if kept > 0 {
+        let _ = writeln!(text, "{kept} pictures were there already, made by a run before this one");
+    }
     let mean = reports.iter().map(|(_, report)| report.clipping.share()).sum::<f64>() / reports.len() as f64;
     let _ = match reports {
         [] => Ok(()),
         [(item, _)] => {
-            writeln!(text, "{}: written, {:.2} % of the values clipped", item.output.display(), 100.0 * mean)
+            writeln!(text, "{}: written, {:.2} % of the values clipped", shown(&item.output), 100.0 * mean)
         }
         _ => {
             writeln!(text, "{} pictures written, {:.2} % of the values clipped", reports.len(), 100.0 * mean)
@@ -50,6 +54,18 @@ pub(super) fn of(reports: &[(Item, Report)]) -> String {
         let about = format!("{}, see `aquafuse inspect`", verdict.name());
         list(&mut text, &about, of_verdict.map(with_reasons));
     }
+    let damaged = reports.iter().filter_map(|(item, report)| Some((item, report.damage.as_ref()?)));
+    list(
+        &mut text,
+        "from damaged files, and marked as such",
+        damaged.map(|(item, damage)| format!("{} ({damage})", name(item))),
+    );
+    let left_out = reports.iter().filter(|(_, report)| !report.left_out.is_empty());
+    list(
+        &mut text,
+        "not carried over",
+        left_out.map(|(item, report)| format!("{} ({})", name(item), report.left_out.join(", "))),
+    );
     let held = reports.iter().filter(|(_, report)| report.bounds.any());
     list(
         &mut text,
@@ -81,5 +97,5 @@ fn list(text: &mut String, about: &str, names: impl Iterator<Item = String>) {
 }
 
 fn name(item: &Item) -> String {
-    item.output.file_name().unwrap_or(item.output.as_os_str()).to_string_lossy().into_owned()
+    shown(item.output.file_name().unwrap_or(item.output.as_os_str()).as_ref()).to_string()
 }

@@ -58,7 +58,7 @@ impl Run {
 /// Writes the picture of a truth scene in a water known by its name.
 pub(crate) fn scene(path: &Path, seed: u64, water: &str) {
     let water = waters().into_iter().find(|known| known.name == water).unwrap().water;
-    let image = Scene::new(seed, Size { width: 96, height: 64 }).seen_through(&water).to_samples();
+    let image = Scene::new(seed, Size { width: 96, height: 64 }).seen_through(&water).to_samples::<u8>();
     Picture::new(image).write(path, &WriteOptions::default()).unwrap();
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Options, Waters, fuse};
+use aquafuse::image::Image;
 use aquafuse::metrics::{DepthRmse, depth_rmse, psnr, ssim};
 use aquafuse::smooth::Smoothing;
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
@@ -25,7 +26,7 @@ pub(crate) struct Settings {
 /// A picture and what it tells about its water.
 pub(crate) struct Scene {
     pub(crate) name: String,
-    picture: Picture,
+    picture: Image<u8>,
     found: Analysis,
 }
 
@@ -42,7 +43,7 @@ pub(crate) fn read_all(folder: &Path) -> Result<Vec<Scene>, Box<dyn Error>> {
         let picture = Picture::read(path)?;
         let found = analyse(&picture, &DepthSource::default())?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Scene { name, picture, found })
+        Ok(Scene { name, picture: picture.pixels.into_bytes(), found })
     };
     Ok(folder::list(folder)?
         .pictures
@@ -68,7 +69,7 @@ impl Scene {
     }
 
     fn score(&self, reference: &Scene, settings: &Settings) -> Result<Scores, Box<dyn Error + Send + Sync>> {
-        let content = &self.picture.image;
+        let content = &self.picture;
         let waters =
             Waters { content: &self.found.estimate.water, reference: &reference.found.estimate.water };
         let fused =

@@ -75,7 +75,7 @@ fn what_cannot_be_a_pair_is_refused_by_cause() {
     };
     assert!(said("colour.png", "small.tiff").contains("the map is 4x4, the picture 8x8"));
     assert!(said("colour.png", "colour.png").contains("one channel"));
-    assert!(said("small.tiff", "small.tiff").contains("8-bit RGB"));
+    assert!(said("small.tiff", "small.tiff").contains("plain RGB"));
     assert!(said("colour.png", "no.tiff").contains("no depth map"));
     let flat = Pair { name: "p".into(), rgb: path("four.png"), depth: path("small.tiff") };
     let said_of_flat = flat.read(SuppliedKind::Disparity).unwrap_err().to_string();

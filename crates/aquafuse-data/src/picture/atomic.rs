@@ -1,11 +1,14 @@
 //! A file is there whole or not at all.
 
+mod parts;
+
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use tempfile::{Builder, NamedTempFile};
-
 use super::FileError;
+use parts::Part;
+
+pub use parts::{abandon_parts, remove_stale_parts};
 
 /// Writes a file through a temporary one in the same folder, which then takes its name.
 ///
@@ -26,33 +29,17 @@ pub(crate) fn write_atomically<E: std::fmt::Display>(
         _ => Path::new("."),
     };
     // The kind alone: the whole message would name the temporary file.
-    let part = create_part(folder).map_err(|error| failed(format!("its folder: {}", error.kind())))?;
-    let mut buffered = BufWriter::new(part);
+    let part = Part::create_in(folder).map_err(|error| failed(format!("its folder: {}", error.kind())))?;
+    let mut buffered = BufWriter::new(part.file());
     fill(&mut buffered).map_err(|error| failed(error.to_string()))?;
-    let part = buffered.into_inner().map_err(|error| failed(error.to_string()))?;
-    part.as_file().sync_all().map_err(|error| failed(error.to_string()))?;
-    if overwrite {
-        part.persist(path).map_err(|refused| failed(refused.error.to_string()))?;
-    } else {
-        part.persist_noclobber(path).map_err(|refused| match refused.error.kind() {
-            std::io::ErrorKind::AlreadyExists => exists(),
-            _ => failed(refused.error.to_string()),
-        })?;
-    }
+    let file = buffered.into_inner().map_err(|error| failed(error.to_string()))?;
+    file.sync_all().map_err(|error| failed(error.to_string()))?;
+    part.persist(path, overwrite).map_err(|error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists if !overwrite => exists(),
+        _ => failed(error.to_string()),
+    })?;
     sync_folder(folder);
     Ok(())
-}
-
-fn create_part(folder: &Path) -> std::io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(".aquafuse-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Temporary files are private by default; this one becomes an ordinary file, so the umask decides.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }
 
 /// Asks for the folder entry to be on the disk too. The file has its name by now: a folder that cannot be

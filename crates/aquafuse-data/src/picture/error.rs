@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use aquafuse::depth::SuppliedError;
 
+use super::shown;
+
 /// A file could not be read or written. Its message names the file, the cause and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// The file cannot be opened or read.
-    #[error("cannot read {}: {error}. {}", path.display(), remedy(error))]
+    #[error("cannot read {}: {error}. {}", shown(path), remedy(error))]
     Read {
         /// The file.
         path: PathBuf,
@@ -17,19 +19,31 @@ pub enum FileError {
         error: std::io::Error,
     },
     /// There is nothing in the file.
-    #[error("cannot read {}: the file is empty. Get a whole copy of it", path.display())]
+    #[error("cannot read {}: the file is empty. Get a whole copy of it", shown(path))]
     Empty {
         /// The file.
         path: PathBuf,
     },
+    /// There is something of that name that is no file.
+    #[error(
+        "cannot read {}: it is no file but a device, a pipe or a socket. Save what it gives to a file first",
+        shown(path)
+    )]
+    NoFile {
+        /// What is no file.
+        path: PathBuf,
+    },
     /// The content is none of our formats.
-    #[error("cannot read {}: it is neither PNG nor JPEG. If it is a picture, convert it first", path.display())]
+    #[error(
+        "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is a picture, convert it first",
+        shown(path)
+    )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
     /// The pixels are of a kind we do not read yet.
-    #[error("cannot read {}: its pixels are {found}; 8-bit RGB or grey is read. {remedy}", path.display())]
+    #[error("cannot read {}: it is {found}. {remedy}", shown(path))]
     UnsupportedPixels {
         /// The file.
         path: PathBuf,
@@ -42,14 +56,14 @@ pub enum FileError {
     #[error(
         "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY or PFM. Convert it first, best to one of \
          floats; JPEG alters the numbers",
-        path.display()
+        shown(path)
     )]
     UnknownDepthFormat {
         /// The file.
         path: PathBuf,
     },
     /// The values of a depth map are of a kind we do not read.
-    #[error("cannot read {} as depth: it holds {found}. {remedy}", path.display())]
+    #[error("cannot read {} as depth: it holds {found}. {remedy}", shown(path))]
     UnsupportedDepth {
         /// The file.
         path: PathBuf,
@@ -59,7 +73,7 @@ pub enum FileError {
         remedy: &'static str,
     },
     /// A depth map does not suit its picture or what it was declared to be.
-    #[error("cannot use {} as depth: {error}. {}", path.display(), unfit_remedy(error, *turned))]
+    #[error("cannot use {} as depth: {error}. {}", shown(path), unfit_remedy(error, *turned))]
     UnfitDepth {
         /// The depth map.
         path: PathBuf,
@@ -72,8 +86,8 @@ pub enum FileError {
     #[error(
         "{} holds {found} depth maps named as {}; put exactly one .png, .tif, .tiff, .exr, .npy or .pfm of that \
          name there",
-        folder.display(),
-        picture.display()
+        shown(folder),
+        shown(picture)
     )]
     NoDepthBeside {
         /// Where was looked.
@@ -84,15 +98,27 @@ pub enum FileError {
         found: usize,
     },
     /// The file is damaged.
-    #[error("cannot decode {}: {cause}. The file seems damaged; get a whole copy of it", path.display())]
+    #[error("cannot decode {}: {cause}. The file seems damaged; get a whole copy of it", shown(path))]
     Damaged {
         /// The file.
         path: PathBuf,
         /// What the decoder said.
         cause: String,
     },
+    /// There is less of the file than it says.
+    #[error(
+        "cannot decode {}: it was cut short ({cause}). Get a whole copy of it; if there is none, --lenient takes what is \
+         left of a picture",
+        shown(path)
+    )]
+    CutShort {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said.
+        cause: String,
+    },
     /// The picture is larger than we take on.
-    #[error("cannot decode {}: {cause}; a decoded picture may take 512 MiB. Scale it down or cut it into parts", path.display())]
+    #[error("cannot decode {}: {cause}. Raise the limit, scale it down or cut it into parts", shown(path))]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -100,7 +126,7 @@ pub enum FileError {
         cause: String,
     },
     /// The output's extension names no format we write.
-    #[error("cannot write {}: its name must end in {expected}", path.display())]
+    #[error("cannot write {}: its name must end in {expected}", shown(path))]
     UnknownExtension {
         /// The file.
         path: PathBuf,
@@ -108,13 +134,40 @@ pub enum FileError {
         expected: &'static str,
     },
     /// There is already a file of that name.
-    #[error("{} exists and was not touched; give another output, or --overwrite to replace it", path.display())]
+    #[error("{} exists and was not touched; give another output, or --overwrite to replace it", shown(path))]
     Exists {
         /// The file.
         path: PathBuf,
     },
+    /// Another process works in the folder.
+    #[error("another aquafuse works in {}; wait for it, or give another output", shown(folder))]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The outputs in a folder were made with other settings than asked for now.
+    #[error(
+        "{} holds pictures that were made with other settings or another WATER; give another output, or --overwrite \
+         to make them anew",
+        shown(folder)
+    )]
+    OtherSettings {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The record of a job is no such thing.
+    #[error(
+        "cannot go on from {}: line {line} is no record of ours. Move it away, or give another output",
+        shown(path)
+    )]
+    DamagedRecord {
+        /// The record.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+    },
     /// The file cannot be written.
-    #[error("cannot write {}: {cause}. Whatever was there before is still there", path.display())]
+    #[error("cannot write {}: {cause}. Whatever was there before is still there", shown(path))]
     Write {
         /// The file.
         path: PathBuf,

@@ -1,93 +1,245 @@
-//! From file to picture.
+//! From file to picture: look at the header, reserve memory, decode.
+
+mod bmp;
+mod gif;
+mod jpeg;
+mod png;
+mod tiff;
+mod webp;
 
 use std::fs::File;
-use std::io::BufReader;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
+use std::path::{Path, PathBuf};
 
-use ::image::{
-    ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits,
-};
-use aquafuse::image::Image;
+use ::image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
-use super::{FileError, Metadata, Picture};
+use super::limits::Size;
+use super::pixels::Layers;
+use super::{FileError, Format, Metadata, Picture, Pixels, ReadOptions};
+use crate::barrier;
 
-pub(super) fn read(path: &Path) -> Result<Picture, FileError> {
+/// A picture file whose header was read and found within the limits; its pixels are not decoded yet.
+#[derive(Debug)]
+pub struct Opened {
+    path: PathBuf,
+    file: File,
+    length: u64,
+    format: Format,
+    size: Size,
+    options: ReadOptions,
+}
+
+/// A picture as a decoder gives it.
+struct Decoded {
+    pixels: Pixels,
+    metadata: Metadata,
+    damage: Option<String>,
+}
+
+/// Why a file cannot be read, before its name is known.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    Read(std::io::Error),
+    Damaged(String),
+    /// There is less of it than it says.
+    CutShort(String),
+    TooLarge(String),
+    Unsupported(String, &'static str),
+}
+
+impl From<std::io::Error> for Fault {
+    fn from(error: std::io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::UnexpectedEof => Self::CutShort("it ends too early".into()),
+            ErrorKind::InvalidData | ErrorKind::InvalidInput => Self::Damaged(error.to_string()),
+            _ => Self::Read(error),
+        }
+    }
+}
+
+impl From<ImageError> for Fault {
+    fn from(error: ImageError) -> Self {
+        match error {
+            ImageError::IoError(error) => error.into(),
+            ImageError::Limits(limit) => Self::TooLarge(limit.to_string()),
+            ImageError::Unsupported(found) => {
+                Self::Unsupported(found.to_string(), "Save it as plain RGB first")
+            }
+            other => Self::Damaged(other.to_string()),
+        }
+    }
+}
+
+impl Fault {
+    fn named(self, path: &Path) -> FileError {
+        let path = path.to_owned();
+        match self {
+            Self::Read(error) => FileError::Read { path, error },
+            Self::Damaged(cause) => FileError::Damaged { path, cause },
+            Self::CutShort(cause) => FileError::CutShort { path, cause },
+            Self::TooLarge(cause) => FileError::TooLarge { path, cause },
+            Self::Unsupported(found, remedy) => FileError::UnsupportedPixels { path, found, remedy },
+        }
+    }
+}
+
+/// Opens a file that is to be read from its beginning: a regular one, and not empty.
+pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
     let cannot_read = |error| FileError::Read { path: path.to_owned(), error };
-    let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
-    let file = File::open(path).map_err(cannot_read)?;
-    if file.metadata().is_ok_and(|about| about.is_file() && about.len() == 0) {
+    // Before opening: that would wait for ever for somebody to write into a pipe.
+    let about = path.metadata().map_err(cannot_read)?;
+    if about.is_dir() {
+        return Err(cannot_read(ErrorKind::IsADirectory.into()));
+    }
+    if !about.is_file() {
+        return Err(FileError::NoFile { path: path.to_owned() });
+    }
+    if about.len() == 0 {
         return Err(FileError::Empty { path: path.to_owned() });
     }
-    let reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(cannot_read)?;
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
+    Ok((File::open(path).map_err(cannot_read)?, about.len()))
+}
+
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileError> {
+    let (file, length) = open_file(path)?;
+    let mut reader = BufReader::new(file);
+    let head = reader.fill_buf().map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+    let Some(format) = Format::of_content(head) else {
         return Err(FileError::UnknownFormat { path: path.to_owned() });
-    }
-    // A decoder that panics is a bug of its own, but it must not take a folder of pictures with it.
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(path, reader)))
-        .unwrap_or_else(|_| Err(damaged("the decoder gave up on it".into())))?;
-    let (metadata, pixels) = decoded;
-    let (width, height) = (pixels.width() as usize, pixels.height() as usize);
-    let image = Image::from_raw(width, height, pixels.into_rgb8().into_raw())
-        .map_err(|size| damaged(size.to_string()))?;
-    Ok(Picture { image, metadata })
-}
-
-fn decode(path: &Path, reader: ImageReader<BufReader<File>>) -> Result<(Metadata, DynamicImage), FileError> {
-    let failed = |error| decoding_error(path, error);
-    let mut decoder = reader.into_decoder().map_err(failed)?;
-    check_pixels(path, decoder.color_type())?;
-    reserve(&decoder).map_err(failed)?;
-    let metadata = Metadata {
-        icc_profile: decoder.icc_profile().map_err(failed)?.filter(|profile| is_for_rgb(profile)),
-        exif: decoder.exif_metadata().map_err(failed)?,
-        orientation: decoder.orientation().map_err(failed)?.to_exif(),
     };
-    Ok((metadata, DynamicImage::from_decoder(decoder).map_err(failed)?))
+    let header = barrier::behind(|| header(format, &mut reader))
+        .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on its header".into())));
+    let size = header.and_then(|size| check(size, length, options)).map_err(|fault| fault.named(path))?;
+    Ok(Opened { path: path.to_owned(), file: reader.into_inner(), length, format, size, options: *options })
 }
 
-/// Refuses from the header what would not fit into the decoder's limit of memory.
-fn reserve(decoder: &impl ImageDecoder) -> ImageResult<()> {
-    // Grey grows threefold on its way to RGB.
+fn header(format: Format, reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
+    match format {
+        Format::Png => png::header(reader),
+        Format::Jpeg => jpeg::header(reader),
+        Format::Tiff => tiff::header(reader),
+        Format::WebP => webp::header(reader),
+        Format::Bmp => bmp::header(reader),
+        Format::Gif => gif::header(reader),
+    }
+}
+
+/// Refuses what is empty or too large.
+fn check(size: Size, length: u64, options: &ReadOptions) -> Result<Size, Fault> {
+    let Size { width, height, .. } = size;
+    if width == 0 || height == 0 {
+        return Err(Fault::Damaged(format!("it says that it has {width}x{height} pixels")));
+    }
+    if size.pixels() > options.most_pixels {
+        return Err(Fault::TooLarge(format!(
+            "it has {width}x{height} pixels, {} are allowed (--max-pixels)",
+            options.most_pixels
+        )));
+    }
+    let memory = size.memory(length);
+    if memory > options.most_memory {
+        return Err(Fault::TooLarge(format!(
+            "work on its {width}x{height} pixels may take {} MiB of memory, {} are allowed (--max-memory)",
+            memory >> 20,
+            options.most_memory >> 20
+        )));
+    }
+    Ok(size)
+}
+
+impl Opened {
+    /// The most memory that reading the picture, fusing and writing it takes, in bytes, as far as the header tells.
+    pub fn memory(&self) -> u64 {
+        self.size.memory(self.length)
+    }
+
+    /// Pixels of the picture.
+    pub fn pixels(&self) -> u64 {
+        self.size.pixels()
+    }
+
+    /// Decodes the picture.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when the file is damaged, was cut short, or changed since it was opened.
+    pub fn decode(mut self) -> Result<Picture, FileError> {
+        self.decoded().map_err(|fault| fault.named(&self.path))
+    }
+
+    fn decoded(&mut self) -> Result<Picture, Fault> {
+        let mut bytes = Vec::new();
+        self.file.rewind()?;
+        // One byte more would tell that it grew; what is decoded is what was measured.
+        Read::by_ref(&mut self.file).take(self.length).read_to_end(&mut bytes)?;
+        let again = barrier::behind(|| header(self.format, &mut Cursor::new(&bytes)))
+            .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on its header".into())))?;
+        if again != self.size || bytes.len() as u64 != self.length {
+            return Err(Fault::Damaged("it changed while it was read".into()));
+        }
+        let decoded = barrier::behind(|| decode(self.format, &bytes, self.options.lenient))
+            .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))?;
+        let Decoded { pixels, metadata, damage } = decoded;
+        Ok(Picture { pixels, metadata, damage })
+    }
+}
+
+fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
+    match format {
+        Format::Png => png::decode(bytes, lenient),
+        Format::Jpeg => jpeg::decode(bytes, lenient),
+        Format::Tiff => tiff::decode(bytes),
+        Format::WebP => webp::decode(bytes, lenient),
+        Format::Bmp => bmp::decode(bytes, lenient),
+        Format::Gif => gif::decode(bytes, lenient),
+    }
+}
+
+/// Size and kind of pixels as a decoder of `image` tells them.
+fn size_of(decoder: &impl ImageDecoder) -> Size {
     let (width, height) = decoder.dimensions();
-    Limits::default().reserve(u64::from(width) * u64::from(height) * 3)
+    let colour = decoder.color_type();
+    let decoded = u64::from(colour.bytes_per_pixel());
+    let sample = decoded / u64::from(colour.channel_count().max(1));
+    Size { width: width.into(), height: height.into(), decoded, sample }
 }
 
-/// Whether an ICC profile describes RGB values: its header says so at byte 16.
-fn is_for_rgb(profile: &[u8]) -> bool {
-    profile.get(16..20) == Some(b"RGB ")
+/// Decodes by `image`, whose own limits act on what its decoders need beside the pixels.
+fn by_image(mut decoder: impl ImageDecoder) -> Result<Decoded, Fault> {
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(decoder.total_bytes().saturating_mul(2).saturating_add(64 << 20));
+    decoder.set_limits(limits)?;
+    let mut metadata = Metadata::default();
+    let profile = decoder.icc_profile()?;
+    metadata.set_profile(profile);
+    metadata.exif = decoder.exif_metadata()?;
+    let pixels = of_dynamic(DynamicImage::from_decoder(decoder)?)?;
+    Ok(Decoded { pixels, metadata, damage: None })
 }
 
-fn check_pixels(path: &Path, colour: ColorType) -> Result<(), FileError> {
-    let unsupported =
-        |found: String, remedy| FileError::UnsupportedPixels { path: path.to_owned(), found, remedy };
-    match colour {
-        ColorType::L8 | ColorType::Rgb8 => Ok(()),
-        ColorType::La8 | ColorType::Rgba8 => {
-            Err(unsupported("8-bit with transparency".into(), "Flatten the picture onto a background first"))
+fn of_dynamic(image: DynamicImage) -> Result<Pixels, Fault> {
+    let (w, h) = (image.width() as usize, image.height() as usize);
+    let pixels = match image {
+        DynamicImage::ImageRgb8(image) => {
+            aquafuse::image::Image::from_raw(w, h, image.into_raw()).map(Pixels::from)
         }
+        DynamicImage::ImageRgb16(image) => {
+            aquafuse::image::Image::from_raw(w, h, image.into_raw()).map(Pixels::from)
+        }
+        DynamicImage::ImageRgba8(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Bytes),
+        DynamicImage::ImageLuma8(image) => Layers::of_grey::<1>(w, h, &image).map(Pixels::Bytes),
+        DynamicImage::ImageLumaA8(image) => Layers::of_grey::<2>(w, h, &image).map(Pixels::Bytes),
+        DynamicImage::ImageRgba16(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Words),
+        DynamicImage::ImageLuma16(image) => Layers::of_grey::<1>(w, h, &image).map(Pixels::Words),
+        DynamicImage::ImageLumaA16(image) => Layers::of_grey::<2>(w, h, &image).map(Pixels::Words),
+        DynamicImage::ImageRgb32F(image) => Layers::of_interleaved::<3>(w, h, &image).map(Pixels::Floats),
+        DynamicImage::ImageRgba32F(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Floats),
         other => {
-            let bits = u32::from(other.bytes_per_pixel()) * 8 / u32::from(other.channel_count().max(1));
-            Err(unsupported(
-                format!("of {bits} bits a channel"),
-                "Convert the picture to 8 bits a channel first",
-            ))
+            return Err(Fault::Unsupported(
+                format!("of kind {:?}", other.color()),
+                "Save it as plain RGB first",
+            ));
         }
-    }
-}
-
-fn decoding_error(path: &Path, error: ImageError) -> FileError {
-    let path = path.to_owned();
-    match error {
-        ImageError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
-            FileError::Read { path, error }
-        }
-        ImageError::Limits(limit) => FileError::TooLarge { path, cause: limit.to_string() },
-        ImageError::Unsupported(found) => FileError::UnsupportedPixels {
-            path,
-            found: found.to_string(),
-            remedy: "Save the picture as plain 8-bit RGB first",
-        },
-        other => FileError::Damaged { path, cause: other.to_string() },
-    }
+    };
+    pixels.map_err(|size| Fault::Damaged(size.to_string()))
 }

@@ -1,44 +1,108 @@
 //! From picture to file.
 
-use std::io::Write;
+mod tiff;
+
+use std::borrow::Cow;
+use std::io::{self, Write};
 use std::path::Path;
 
-use ::image::codecs::jpeg::JpegEncoder;
-use ::image::codecs::png::PngEncoder;
-use ::image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
+use ::image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
+use ::image::codecs::webp::WebPEncoder;
+use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use ::png::{BitDepth, ColorType, Compression, Encoder, Info, PixelDimensions, Unit};
 
-use super::{FileError, Format, Metadata, Picture, WriteOptions, write_atomically};
+use super::format::WRITTEN;
+use super::metadata::{Metadata, Resolution, ResolutionUnit};
+use super::pixels::{Layers, Pixels};
+use super::{FileError, Format, Picture, WriteOptions, exif, write_atomically};
 
 /// The most EXIF that a JPEG segment holds beside its length and its name.
 const JPEG_EXIF: usize = 65535 - 2 - 6;
 
 pub(super) fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
-    let Some(format) = Format::of(path) else {
-        return Err(FileError::UnknownExtension { path: path.to_owned(), expected: ".png, .jpg or .jpeg" });
+    let Some(format) = Format::written(path) else {
+        return Err(FileError::UnknownExtension { path: path.to_owned(), expected: WRITTEN });
     };
-    if let (Format::Jpeg, Some(exif)) = (format, &picture.metadata.exif)
-        && exif.len() > JPEG_EXIF
-    {
-        let cause = format!("its EXIF block of {} bytes is too large for JPEG; write .png", exif.len());
-        return Err(FileError::Write { path: path.to_owned(), cause });
-    }
+    let failed = |cause: String| FileError::Write { path: path.to_owned(), cause };
+    let metadata = carried(picture).map_err(&failed)?;
+    check(picture, &metadata, format).map_err(failed)?;
     write_atomically(path, options.overwrite, |out| match format {
-        Format::Png => encode(PngEncoder::new(out), picture),
-        Format::Jpeg => encode(JpegEncoder::new_with_quality(out, options.quality.clamp(1, 100)), picture),
+        Format::Png => png(out, picture, &metadata),
+        Format::Jpeg => jpeg(out, picture, &metadata, options.quality),
+        Format::WebP => webp(out, picture, &metadata),
+        _ => tiff::encode(out, picture, &metadata),
     })
 }
 
-fn encode(mut encoder: impl ImageEncoder, picture: &Picture) -> ImageResult<()> {
-    let Metadata { icc_profile, exif, .. } = &picture.metadata;
-    if let Some(profile) = icc_profile {
-        encoder.set_icc_profile(profile.clone()).map_err(ImageError::Unsupported)?;
+/// What goes into the output: no thumbnail, which shows another picture, and the mark of damage.
+fn carried(picture: &Picture) -> Result<Cow<'_, Metadata>, String> {
+    let mut metadata = Cow::Borrowed(&picture.metadata);
+    if let Some(damage) = &picture.damage {
+        let text = format!("made by aquafuse from a damaged file: {damage}");
+        let marked = exif::with_description(picture.metadata.exif.as_deref(), &text);
+        metadata.to_mut().exif = Some(marked.map_err(|error| error.to_string())?);
+    } else if let Some(block) = &mut metadata.to_mut().exif {
+        exif::unlink_thumbnail(block);
     }
-    if let Some(exif) = exif {
-        encoder.set_exif_metadata(exif.clone()).map_err(ImageError::Unsupported)?;
+    Ok(metadata)
+}
+
+/// Refuses what a format cannot hold.
+fn check(picture: &Picture, metadata: &Metadata, format: Format) -> Result<(), String> {
+    let (width, height) = picture.pixels.size();
+    let (most, name) = match format {
+        Format::Jpeg => (65535, "JPEG"),
+        Format::WebP => (16384, "WebP"),
+        _ => (i32::MAX as usize, "the format"),
+    };
+    if width.max(height) > most {
+        return Err(format!("{width}x{height} pixels are more than {name} can hold; write .png or .tif"));
     }
-    let side = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
-    let image = &picture.image;
-    encoder.write_image(image.as_raw(), side(image.width()), side(image.height()), ExtendedColorType::Rgb8)
+    match (format, &metadata.exif) {
+        (Format::Jpeg, _) if picture.pixels.has_alpha() => {
+            Err("JPEG cannot hold its transparency; write .png, .tif or .webp".into())
+        }
+        (Format::Jpeg, Some(exif)) if exif.len() > JPEG_EXIF => {
+            Err(format!("its EXIF block of {} bytes is too large for JPEG; write .png", exif.len()))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn side(length: usize) -> u32 {
+    u32::try_from(length).unwrap_or(u32::MAX)
+}
+
+fn png(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
+    let (width, height) = picture.pixels.size();
+    let mut info = Info::with_size(side(width), side(height));
+    info.color_type = if picture.pixels.has_alpha() { ColorType::Rgba } else { ColorType::Rgb };
+    info.icc_profile = metadata.icc_profile.as_deref().map(Cow::Borrowed);
+    info.exif_metadata = metadata.exif.as_deref().map(Cow::Borrowed);
+    info.pixel_dims = metadata.resolution.map(|resolution| {
+        let Resolution { density: (x, y), unit } = resolution.into_unit(ResolutionUnit::Metre);
+        let unit = if unit == ResolutionUnit::Metre { Unit::Meter } else { Unit::Unspecified };
+        PixelDimensions { xppu: x.round() as u32, yppu: y.round() as u32, unit }
+    });
+    let big_endian = |layers: &Layers<u16>| -> Vec<u8> {
+        layers.interleaved().iter().flat_map(|word| word.to_be_bytes()).collect()
+    };
+    let (depth, samples) = match &picture.pixels {
+        Pixels::Bytes(layers) => (BitDepth::Eight, layers.interleaved()),
+        Pixels::Words(layers) => (BitDepth::Sixteen, big_endian(layers).into()),
+        Pixels::Floats(layers) => (BitDepth::Sixteen, big_endian(&layers.to_samples()).into()),
+    };
+    info.bit_depth = depth;
+    encode_png(out, info, &samples)
+}
+
+fn encode_png(out: &mut dyn Write, info: Info<'_>, samples: &[u8]) -> io::Result<()> {
+    let mut encoder = Encoder::with_info(out, info)?;
+    encoder.set_compression(Compression::Fast);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(samples)?;
+    writer.finish()?;
+    Ok(())
 }
 
 /// Encodes one grey channel of 16 bits as PNG.
@@ -47,8 +111,62 @@ pub(crate) fn encode_grey16(
     width: usize,
     height: usize,
     values: &[u16],
-) -> ImageResult<()> {
-    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
-    let side = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
-    PngEncoder::new(out).write_image(&bytes, side(width), side(height), ExtendedColorType::L16)
+) -> io::Result<()> {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();
+    let mut info = Info::with_size(side(width), side(height));
+    (info.color_type, info.bit_depth) = (ColorType::Grayscale, BitDepth::Sixteen);
+    encode_png(out, info, &bytes)
+}
+
+fn jpeg(out: &mut dyn Write, picture: &Picture, metadata: &Metadata, quality: u8) -> io::Result<()> {
+    let mut encoder = JpegEncoder::new_with_quality(out, quality.clamp(1, 100));
+    if let Some(resolution) = metadata.resolution {
+        encoder.set_pixel_density(density(resolution));
+    }
+    by_image(encoder, picture, metadata)
+}
+
+fn density(resolution: Resolution) -> PixelDensity {
+    let resolution = match resolution.unit {
+        ResolutionUnit::Metre => resolution.into_unit(ResolutionUnit::Inch),
+        _ => resolution,
+    };
+    let unit = match resolution.unit {
+        ResolutionUnit::Inch | ResolutionUnit::Metre => PixelDensityUnit::Inches,
+        ResolutionUnit::Centimetre => PixelDensityUnit::Centimeters,
+        ResolutionUnit::Unknown => PixelDensityUnit::PixelAspectRatio,
+    };
+    let whole = |density: f64| density.round().clamp(1.0, 65535.0) as u16;
+    PixelDensity { density: (whole(resolution.density.0), whole(resolution.density.1)), unit }
+}
+
+fn webp(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
+    by_image(WebPEncoder::new_lossless(out), picture, metadata)
+}
+
+/// Encodes bytes by `image`.
+fn by_image(mut encoder: impl ImageEncoder, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
+    let unsupported = |error| failure(ImageError::Unsupported(error));
+    if let Some(profile) = &metadata.icc_profile {
+        encoder.set_icc_profile(profile.clone()).map_err(unsupported)?;
+    }
+    if let Some(exif) = &metadata.exif {
+        encoder.set_exif_metadata(exif.clone()).map_err(unsupported)?;
+    }
+    let layers = match &picture.pixels {
+        Pixels::Bytes(layers) => Cow::Borrowed(layers),
+        Pixels::Words(layers) => Cow::Owned(layers.to_samples()),
+        Pixels::Floats(layers) => Cow::Owned(layers.to_samples()),
+    };
+    let colour = if layers.alpha.is_some() { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
+    let (width, height) = layers.image.size();
+    encoder.write_image(&layers.interleaved(), side(width), side(height), colour).map_err(failure)
+}
+
+/// What the system said, and not which library it was said to.
+fn failure(error: ImageError) -> io::Error {
+    match error {
+        ImageError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
 }

@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use super::DepthModel;
-use crate::image::{SizeError, check_same_size, check_size};
+use crate::image::{Sample as _, SizeError, check_same_size, check_size};
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
 ///
 /// **0 is at the camera, larger is farther.** Inverse depth and disparity run the other way: turn them
 /// round before they come here. Depth estimated from colour has 256 levels in `[0, 1]` and is kept as
-/// bytes; given depth is kept as floats in its own unit.
+/// bytes, or 65536 of a picture of more than 8 bits; given depth is kept as floats in its own unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMap {
     width: usize,
@@ -55,6 +55,8 @@ pub enum DepthError {
 enum Values {
     /// z = level / 255.
     Levels(Vec<u8>),
+    /// z = level / 65535.
+    FineLevels(Vec<u16>),
     Floats(Vec<f32>),
 }
 
@@ -92,10 +94,16 @@ fn quantise(distances: &[f32]) -> Quantised<'_> {
 
 /// Levels of depth estimated from colour; level 255 is z = 1.
 pub(crate) const LEVELS: usize = 256;
+const FINE_LEVELS: usize = 1 << 16;
 
 /// z of a level.
 pub(crate) fn level_to_z(level: u8) -> f32 {
     f32::from(level) / 255.0
+}
+
+/// z of a fine level.
+fn fine_level_to_z(level: u16) -> f32 {
+    f32::from(level) / f32::from(u16::MAX)
 }
 
 impl DepthMap {
@@ -107,6 +115,16 @@ impl DepthMap {
     pub fn from_levels(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, SizeError> {
         check_size(width, height, 1, levels.len())?;
         Ok(Self { width, height, kind: DepthKind::Relative, model: None, values: Values::Levels(levels) })
+    }
+
+    /// Relative depth from 16-bit words: `z = level / 65535`.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when a side is zero or the buffer has another length.
+    pub fn from_fine_levels(width: usize, height: usize, levels: Vec<u16>) -> Result<Self, SizeError> {
+        check_size(width, height, 1, levels.len())?;
+        Ok(Self { width, height, kind: DepthKind::Relative, model: None, values: Values::FineLevels(levels) })
     }
 
     /// Depth from distances in the unit that `kind` names.
@@ -169,15 +187,16 @@ impl DepthMap {
         let i = y * self.width + x;
         match &self.values {
             Values::Levels(levels) => level_to_z(levels[i]),
+            Values::FineLevels(levels) => fine_level_to_z(levels[i]),
             Values::Floats(distances) => distances[i],
         }
     }
 
-    /// The bytes of depth that has 256 levels; none for depth kept as floats.
+    /// The bytes of depth that has 256 levels; none for finer depth.
     pub fn levels(&self) -> Option<&[u8]> {
         match &self.values {
             Values::Levels(levels) => Some(levels),
-            Values::Floats(_) => None,
+            Values::FineLevels(_) | Values::Floats(_) => None,
         }
     }
 
@@ -185,6 +204,7 @@ impl DepthMap {
     pub fn distances(&self) -> Vec<f32> {
         match &self.values {
             Values::Levels(levels) => levels.iter().map(|&level| level_to_z(level)).collect(),
+            Values::FineLevels(levels) => levels.iter().map(|&level| fine_level_to_z(level)).collect(),
             Values::Floats(distances) => distances.clone(),
         }
     }
@@ -195,7 +215,7 @@ impl DepthMap {
     }
 
     /// Changes each pixel by what `law` says of its depth: the law is evaluated once a level where depth
-    /// has levels, once a pixel otherwise.
+    /// has levels and there are more pixels than levels, once a pixel otherwise.
     pub(crate) fn for_each_pixel<P, V: Copy>(
         &self,
         pixels: &mut [P],
@@ -207,6 +227,17 @@ impl DepthMap {
                 let table: [V; LEVELS] = std::array::from_fn(|level| law(level_to_z(level as u8)));
                 for (pixel, &level) in pixels.iter_mut().zip(levels) {
                     change(pixel, table[usize::from(level)]);
+                }
+            }
+            Values::FineLevels(levels) if levels.len() > FINE_LEVELS => {
+                let table: Vec<V> = (0..=u16::MAX).map(|level| law(fine_level_to_z(level))).collect();
+                for (pixel, &level) in pixels.iter_mut().zip(levels) {
+                    change(pixel, table[usize::from(level)]);
+                }
+            }
+            Values::FineLevels(levels) => {
+                for (pixel, &level) in pixels.iter_mut().zip(levels) {
+                    change(pixel, law(fine_level_to_z(level)));
                 }
             }
             Values::Floats(distances) => {
@@ -221,6 +252,11 @@ impl DepthMap {
     pub(crate) fn quantised(&self) -> Quantised<'_> {
         match &self.values {
             Values::Levels(levels) => Quantised { levels: levels.into(), step: level_to_z(1), beyond: None },
+            Values::FineLevels(levels) => Quantised {
+                levels: levels.iter().map(|&level| level.to_byte()).collect(),
+                step: level_to_z(1),
+                beyond: None,
+            },
             Values::Floats(distances) => quantise(distances),
         }
     }
@@ -247,6 +283,7 @@ impl DepthMap {
     pub fn mean(&self) -> f32 {
         let sum: f64 = match &self.values {
             Values::Levels(levels) => levels.iter().map(|&l| u64::from(l)).sum::<u64>() as f64 / 255.0,
+            Values::FineLevels(levels) => levels.iter().map(|&l| u64::from(l)).sum::<u64>() as f64 / 65535.0,
             Values::Floats(distances) => distances.iter().copied().map(f64::from).sum(),
         };
         (sum / (self.width * self.height) as f64) as f32

@@ -1,4 +1,4 @@
-//! The 7x7 median of bytes as a network of minima and maxima, the same for every pixel.
+//! The 7x7 median of bytes or 16-bit words as a network of minima and maxima, the same for every pixel.
 //!
 //! No branch depends on the data, so one run of the network filters [`LANES`] neighbouring pixels at once
 //! and the compiler turns each comparator into two vector instructions. Three steps:
@@ -18,7 +18,7 @@ const REACH: usize = SIDE / 2;
 /// Pixels filtered at once. Fewer than 64 pay more for each comparator's start than for its work; with more
 /// the 49 values of a window outgrow the nearest cache of a small processor.
 const LANES: usize = 64;
-type Lanes = [u8; LANES];
+type Lanes<T> = [T; LANES];
 
 /// The best network known for seven values (16 comparators).
 const SORT_7: [(usize, usize); 16] = [
@@ -56,13 +56,13 @@ const SELECT: [(usize, usize); 74] = [
 ];
 const MEDIAN: usize = 19;
 
-/// Median of the 7x7 neighbourhood of each of `width * height` bytes.
-pub(super) fn median_7x7(width: usize, height: usize, bytes: &[u8]) -> Vec<u8> {
-    let mut filtered = Vec::with_capacity(bytes.len());
+/// Median of the 7x7 neighbourhood of each of `width * height` values.
+pub(super) fn median_7x7<T: Copy + Default + Ord>(width: usize, height: usize, values: &[T]) -> Vec<T> {
+    let mut filtered = Vec::with_capacity(values.len());
     let mut columns = SortedColumns::new(width);
-    let mut window = [[0; LANES]; SIDE * SIDE];
+    let mut window = [[T::default(); LANES]; SIDE * SIDE];
     for y in 0..height {
-        columns.sort_around(y, height, bytes);
+        columns.sort_around(y, height, values);
         for x in (0..width).step_by(LANES) {
             columns.gather(x, &mut window);
             select_median(&mut window);
@@ -73,26 +73,26 @@ pub(super) fn median_7x7(width: usize, height: usize, bytes: &[u8]) -> Vec<u8> {
 }
 
 /// The columns of seven around one row, sorted: plane k holds every column's k-th smallest value.
-struct SortedColumns {
+struct SortedColumns<T> {
     width: usize,
     /// Each plane begins [`REACH`] places before column 0 and is long enough for whole lanes.
-    planes: [Vec<u8>; SIDE],
+    planes: [Vec<T>; SIDE],
 }
 
-impl SortedColumns {
+impl<T: Copy + Default + Ord> SortedColumns<T> {
     fn new(width: usize) -> Self {
         let length = width.next_multiple_of(LANES) + 2 * REACH;
-        Self { width, planes: std::array::from_fn(|_| vec![0; length]) }
+        Self { width, planes: std::array::from_fn(|_| vec![T::default(); length]) }
     }
 
-    fn sort_around(&mut self, y: usize, height: usize, bytes: &[u8]) {
+    fn sort_around(&mut self, y: usize, height: usize, all: &[T]) {
         let width = self.width;
-        let rows: [&[u8]; SIDE] = std::array::from_fn(|k| {
+        let rows: [&[T]; SIDE] = std::array::from_fn(|k| {
             let row = (y + k).saturating_sub(REACH).min(height - 1);
-            &bytes[row * width..][..width]
+            &all[row * width..][..width]
         });
         for x in (0..width).step_by(LANES) {
-            let mut values: [Lanes; SIDE] = std::array::from_fn(|k| load(rows[k], x));
+            let mut values: [Lanes<T>; SIDE] = std::array::from_fn(|k| load(rows[k], x));
             for (low, high) in SORT_7 {
                 compare(&mut values, low, high);
             }
@@ -108,7 +108,7 @@ impl SortedColumns {
     }
 
     /// The windows centred at `x` and the lanes after it: value k of column j at 7k + j.
-    fn gather(&self, x: usize, window: &mut [Lanes; SIDE * SIDE]) {
+    fn gather(&self, x: usize, window: &mut [Lanes<T>; SIDE * SIDE]) {
         for (row, plane) in window.chunks_exact_mut(SIDE).zip(&self.planes) {
             for (j, values) in row.iter_mut().enumerate() {
                 values.copy_from_slice(&plane[x + j..][..LANES]);
@@ -118,7 +118,7 @@ impl SortedColumns {
 }
 
 /// Brings the median of windows with sorted columns to [`MEDIAN`].
-fn select_median(window: &mut [Lanes; SIDE * SIDE]) {
+fn select_median<T: Copy + Ord>(window: &mut [Lanes<T>; SIDE * SIDE]) {
     for row in window.chunks_exact_mut(SIDE) {
         for (low, high) in SORT_7 {
             compare(row, low, high);
@@ -131,8 +131,8 @@ fn select_median(window: &mut [Lanes; SIDE * SIDE]) {
 
 /// The lanes from `x` on; past the end of `values` they hold nothing that is kept.
 #[inline(always)]
-fn load(values: &[u8], x: usize) -> Lanes {
-    let mut lanes = [0; LANES];
+fn load<T: Copy + Default>(values: &[T], x: usize) -> Lanes<T> {
+    let mut lanes = [T::default(); LANES];
     let rest = &values[x..];
     match rest.first_chunk() {
         Some(whole) => lanes = *whole,
@@ -145,7 +145,7 @@ fn load(values: &[u8], x: usize) -> Lanes {
 ///
 /// A loop over two slices known not to overlap: this form, and not one over copies, becomes vector code.
 #[inline(always)]
-fn compare(values: &mut [Lanes], low: usize, high: usize) {
+fn compare<T: Copy + Ord>(values: &mut [Lanes<T>], low: usize, high: usize) {
     let Ok([low, high]) = values.get_disjoint_mut([low, high]) else {
         unreachable!("a comparator joins two different values")
     };

@@ -6,7 +6,8 @@ use crate::image::{Image, Sample, TopEdge};
 
 /// A way from colour to relative depth.
 ///
-/// All read **encoded** values to 8 bits, give 256 levels in `[0, 1]`, 0 near, and fail where red is dead:
+/// All read **encoded** values and give 256 levels in `[0, 1]`, 0 near (pictures of more than 8 bits: 65536, but
+/// for `Layout`), and fail where red is dead:
 /// everything then looks far. All but `Layout` read `R` and `M = max(G, B)` of one pixel, and never rise with R
 /// nor fall with M; `Layout` reads the whole picture, and no such law holds for a pixel of it.
 ///
@@ -99,8 +100,17 @@ impl DepthModel {
     /// ```
     pub fn estimate_seen<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> DepthMap {
         let (width, height) = image.size();
-        let levels = median::median_7x7(width, height, &self.levels(image, top));
-        DepthMap::from_levels(width, height, levels).expect("one level a pixel").made_by(*self)
+        let map = match self.tables() {
+            Some(tables) if T::FINE => {
+                let levels = median::median_7x7(width, height, &tables.fine_levels(image));
+                DepthMap::from_fine_levels(width, height, levels)
+            }
+            _ => {
+                let levels = median::median_7x7(width, height, &self.levels(image, top));
+                DepthMap::from_levels(width, height, levels)
+            }
+        };
+        map.expect("one level a pixel").made_by(*self)
     }
 
     /// Depth of a picture whose first row is up, before the median.
@@ -192,6 +202,15 @@ mod tests {
         fn depth_never_falls_with_green_or_blue(model in model(), r: u8, g in 0..255_u8, b in 0..255_u8) {
             let levels = levels_of(model, &[[r, g, b], [r, g + 1, b], [r, g, b + 1]]);
             prop_assert!(levels[0] <= levels[1] && levels[0] <= levels[2]);
+        }
+
+        #[test]
+        fn fine_depth_is_that_of_bytes_and_rises_and_falls_as_it_does(model in model(), r: u8, m: u8, more: u16) {
+            let tables = model.tables().unwrap();
+            let (red, max) = (r.to_word(), m.to_word());
+            prop_assert!(tables.fine(red, max).to_byte().abs_diff(tables.level(r, m)) <= 1);
+            prop_assert!(tables.fine(red.saturating_add(more), max) <= tables.fine(red, max));
+            prop_assert!(tables.fine(red, max.saturating_add(more)) >= tables.fine(red, max));
         }
 
         #[test]

@@ -1,4 +1,6 @@
 //! Depth as the sum of a term in red and a term in the stronger of green and blue: two byte tables.
+//!
+//! Between bytes, for pictures whose values lie closer together, the tables are interpolated.
 
 use crate::image::{Image, Sample};
 
@@ -41,4 +43,31 @@ impl Tables {
         let level = |&[r, g, b]: &[T; 3]| self.level(r.to_byte(), g.to_byte().max(b.to_byte()));
         image.pixels().iter().map(level).collect()
     }
+
+    /// The depth of one colour of 16 bits in steps of 1 / 65535; [`Tables::level`] to the byte where the
+    /// colour is one of bytes.
+    #[inline]
+    pub(super) fn fine(&self, red: u16, max: u16) -> u16 {
+        let sum = between(&self.of_red, red) + between(&self.of_max, max);
+        // A level is 257 of these steps.
+        let steps = (sum * i64::from(WORDS_A_BYTE) + (1 << (FRACTION - 1))) >> FRACTION;
+        steps.clamp(0, i64::from(u16::MAX)) as u16
+    }
+
+    /// [`Tables::fine`] of each pixel.
+    pub(super) fn fine_levels<T: Sample>(&self, image: &Image<T>) -> Vec<u16> {
+        let fine = |&[r, g, b]: &[T; 3]| self.fine(r.to_word(), g.to_word().max(b.to_word()));
+        image.pixels().iter().map(fine).collect()
+    }
+}
+
+/// 65535 / 255: byte b is word 257 b.
+const WORDS_A_BYTE: u16 = 257;
+
+/// A table of bytes read at a word, on the line between the two entries around it.
+#[inline]
+fn between(table: &[i32; 256], word: u16) -> i64 {
+    let (byte, part) = (usize::from(word / WORDS_A_BYTE), i64::from(word % WORDS_A_BYTE));
+    let (low, high) = (i64::from(table[byte]), i64::from(table[(byte + 1).min(255)]));
+    low + (high - low) * part / i64::from(WORDS_A_BYTE)
 }

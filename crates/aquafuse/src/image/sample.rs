@@ -12,6 +12,14 @@ pub trait Sample: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + S
     fn from_unit(value: f32) -> Self;
     /// The nearest byte.
     fn to_byte(self) -> u8;
+    /// The nearest 16-bit word.
+    fn to_word(self) -> u16;
+    /// The value in whole steps, so that sums do not depend on their order: those of the stored type, or 2^-24.
+    fn to_steps(self) -> u64;
+    /// The value of so many steps.
+    fn from_steps(steps: u64) -> Self;
+    /// Whether values lie closer together than bytes.
+    const FINE: bool;
     /// This value plus `shift`, rounded to the nearest storable value and clipped to `[0, 1]`,
     /// and whether clipping changed it.
     fn shifted(self, shift: Self::Shift) -> (Self, bool);
@@ -27,7 +35,7 @@ pub trait Sample: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + S
 /// `round(255 (v + s)) = 255 v + round(255 s)`: for whole steps the rounding can be done on the shift
 /// alone, once a table instead of once a pixel.
 macro_rules! integer_sample {
-    ($stored:ty, $step:ty, $to_byte:expr) => {
+    ($stored:ty, $step:ty, $to_byte:expr, $to_word:expr) => {
         impl Sample for $stored {
             type Shift = $step;
 
@@ -43,6 +51,23 @@ macro_rules! integer_sample {
             fn to_byte(self) -> u8 {
                 $to_byte(self)
             }
+
+            #[inline]
+            fn to_word(self) -> u16 {
+                $to_word(self)
+            }
+
+            #[inline]
+            fn to_steps(self) -> u64 {
+                u64::from(self)
+            }
+
+            #[inline]
+            fn from_steps(steps: u64) -> Self {
+                steps.min(u64::from(Self::MAX)) as Self
+            }
+
+            const FINE: bool = size_of::<Self>() > 1;
 
             #[inline]
             fn shifted(self, shift: $step) -> (Self, bool) {
@@ -68,8 +93,11 @@ macro_rules! integer_sample {
     };
 }
 
-integer_sample!(u8, i16, |byte| byte);
-integer_sample!(u16, i32, |word: u16| ((u32::from(word) + 128) / 257) as u8);
+integer_sample!(u8, i16, |byte| byte, |byte: u8| u16::from(byte) * 257);
+integer_sample!(u16, i32, |word: u16| ((u32::from(word) + 128) / 257) as u8, |word| word);
+
+/// Steps of a float: as many as its fraction tells apart below 1.
+const FLOAT_STEPS: f64 = (1 << 24) as f64;
 
 impl Sample for f32 {
     type Shift = f32;
@@ -86,6 +114,20 @@ impl Sample for f32 {
     fn to_byte(self) -> u8 {
         u8::from_unit(self)
     }
+
+    fn to_word(self) -> u16 {
+        u16::from_unit(self)
+    }
+
+    fn to_steps(self) -> u64 {
+        (f64::from(Self::from_unit(self)) * FLOAT_STEPS).round() as u64
+    }
+
+    fn from_steps(steps: u64) -> Self {
+        Self::from_unit((steps as f64 / FLOAT_STEPS) as Self)
+    }
+
+    const FINE: bool = true;
 
     fn shifted(self, shift: f32) -> (Self, bool) {
         let moved = self + shift;

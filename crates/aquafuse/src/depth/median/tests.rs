@@ -2,10 +2,10 @@ use super::*;
 use proptest::prelude::*;
 
 /// The definition: collect, sort, take the middle.
-fn by_sorting(width: usize, height: usize, bytes: &[u8]) -> Vec<u8> {
+fn by_sorting<T: Copy + Ord>(width: usize, height: usize, bytes: &[T]) -> Vec<T> {
     let near = |i: usize, d: usize, length: usize| (i + d).saturating_sub(REACH).min(length - 1);
     let median = |x: usize, y: usize| {
-        let mut window: Vec<u8> = (0..SIDE)
+        let mut window: Vec<T> = (0..SIDE)
             .flat_map(|dy| (0..SIDE).map(move |dx| (dx, dy)))
             .map(|(dx, dy)| bytes[near(y, dy, height) * width + near(x, dx, width)])
             .collect();
@@ -51,7 +51,7 @@ fn the_selection_is_right_on_every_ascending_window_of_zeros_and_ones() {
 #[test]
 fn seven_values_are_sorted() {
     for bits in 0..1 << SIDE {
-        let mut values: [Lanes; SIDE] = std::array::from_fn(|k| [(bits >> k & 1) as u8; LANES]);
+        let mut values: [Lanes<u8>; SIDE] = std::array::from_fn(|k| [(bits >> k & 1) as u8; LANES]);
         for (low, high) in SORT_7 {
             compare(&mut values, low, high);
         }
@@ -67,5 +67,7 @@ proptest! {
         })
     ) {
         prop_assert_eq!(median_7x7(width, height, &bytes), by_sorting(width, height, &bytes));
+        let words: Vec<u16> = bytes.iter().rev().zip(&bytes).map(|(&a, &b)| u16::from_be_bytes([a, b])).collect();
+        prop_assert_eq!(median_7x7(width, height, &words), by_sorting(width, height, &words));
     }
 }

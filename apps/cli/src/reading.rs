@@ -1,0 +1,63 @@
+//! `--max-pixels`, `--max-memory` and `--lenient`: which pictures are taken on.
+
+use std::path::Path;
+
+use anyhow::{Result, anyhow};
+use aquafuse_data::picture::{Picture, ReadOptions};
+use clap::Args;
+
+use crate::failure::Failure;
+
+#[derive(Args)]
+pub(crate) struct Reading {
+    /// Refuse pictures of more pixels than this.
+    #[arg(long, global = true, value_name = "N", default_value_t = ReadOptions::default().most_pixels)]
+    max_pixels: u64,
+    /// Memory for all pictures in work at once: 512MiB, 2GiB or a number of bytes. One that needs more by itself is
+    /// refused, others wait their turn.
+    #[arg(long, global = true, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
+    max_memory: u64,
+    /// Take pictures whose file was cut short for what is left of them. Their outputs say so in their EXIF description.
+    #[arg(long, global = true)]
+    lenient: bool,
+}
+
+impl Reading {
+    pub(crate) fn options(&self) -> ReadOptions {
+        ReadOptions { most_pixels: self.max_pixels, most_memory: self.max_memory, lenient: self.lenient }
+    }
+
+    /// Reads one picture.
+    pub(crate) fn read(&self, path: &Path) -> Result<Picture, Failure> {
+        Ok(Picture::open(path, &self.options())?.decode()?)
+    }
+}
+
+/// A number of bytes, with a unit or without.
+fn size(text: &str) -> Result<u64> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit: u64 = match &text[digits.len()..] {
+        "" | "B" => 1,
+        "KiB" => 1 << 10,
+        "MiB" => 1 << 20,
+        "GiB" => 1 << 30,
+        _ => return Err(anyhow!("give a number of bytes, or one with KiB, MiB or GiB behind it")),
+    };
+    let number: u64 = digits.parse().map_err(|_| anyhow!("not a whole number"))?;
+    number.checked_mul(unit).filter(|&bytes| bytes > 0).ok_or_else(|| anyhow!("no such amount of memory"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units_or_are_bytes() {
+        assert_eq!(size("1GiB").unwrap(), 1 << 30);
+        assert_eq!(size("512MiB").unwrap(), 512 << 20);
+        assert_eq!(size("1000").unwrap(), 1000);
+        for wrong in ["", "GiB", "1GB", "-1", "1.5GiB", "0", "99999999999GiB"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Folder jobs: what is done is done once, whatever stops the run.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
+mod run;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use aquafuse::truth::{Scene, Size, waters};
+use aquafuse_data::picture::{Picture, WriteOptions};
+use run::{Run, scene, scenes_folder};
+
+const FUSE: [&str; 5] = ["fuse", "photos", "water.png", "-o", "fused"];
+
+/// The pictures of a folder; its record and whatever else is hidden left out.
+fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return BTreeMap::new() };
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let pictures = names.filter(|name| !name.starts_with('.') && name != "aquafuse-job.jsonl");
+    pictures.map(|name| (name.clone(), std::fs::read(folder.join(name)).unwrap())).collect()
+}
+
+fn parts(folder: &Path) -> usize {
+    let Ok(entries) = std::fs::read_dir(folder) else { return 0 };
+    entries.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with(".part")).count()
+}
+
+fn small() -> Run {
+    let run = Run::new();
+    scenes_folder(&run.path("photos"));
+    scene(&run.path("water.png"), 9, "turbid");
+    run
+}
+
+#[test]
+fn a_finished_job_is_not_done_again_and_a_new_picture_is_added() {
+    let run = small();
+    run.ok(&FUSE);
+    let time = || run.path("fused/a.png").metadata().unwrap().modified().unwrap();
+    let before = time();
+    let again = run.ok(&FUSE);
+    assert!(again.stdout.contains("3 pictures were there already"), "{}", again.stdout);
+    scene(&run.path("photos/d.png"), 5, "deep");
+    let added = run.ok(&FUSE);
+    assert!(added.stdout.contains("d.png: written"), "{}", added.stdout);
+    assert_eq!((time(), pictures(&run.path("fused")).len()), (before, 4));
+}
+
+#[test]
+fn other_settings_need_a_word() {
+    let run = small();
+    run.ok(&FUSE);
+    let before = pictures(&run.path("fused"));
+    let stronger = [&FUSE[..], &["--model", "physical"]].concat();
+    let refused = run.fails(2, &stronger);
+    assert!(
+        refused.stderr.contains("other settings") && refused.stderr.contains("--overwrite"),
+        "{}",
+        refused.stderr
+    );
+    assert_eq!(pictures(&run.path("fused")), before);
+    run.ok(&[&stronger[..], &["--overwrite"]].concat());
+    assert!(pictures(&run.path("fused")).iter().all(|(name, bytes)| bytes != &before[name]));
+}
+
+#[test]
+fn as_many_failures_as_allowed_and_the_failed_are_listed() {
+    let run = small();
+    for name in ["bad1.png", "bad2.png", "bad3.png"] {
+        std::fs::write(run.path("photos").join(name), "no picture").unwrap();
+    }
+    let ended = run.fails(1, &FUSE);
+    assert!(
+        ended.stderr.contains("3 of 6 failed") && ended.stderr.contains("aquafuse-job.jsonl"),
+        "{}",
+        ended.stderr
+    );
+    let record = String::from_utf8(run.bytes("fused/aquafuse-job.jsonl")).unwrap();
+    let listed: Vec<_> = record.lines().filter(|line| line.contains("\"failed\"")).collect();
+    assert_eq!(listed.len(), 3);
+    assert!(listed.iter().all(|line| line.contains("convert it first")), "{listed:?}");
+
+    std::fs::remove_dir_all(run.path("fused")).unwrap();
+    let one_thread = [&FUSE[..], &["--threads", "1", "--fail-fast"]].concat();
+    assert!(
+        run.fails(1, &one_thread).stderr.contains("1 of 6 failed, 3 were not tried"),
+        "a.png and b.png come before"
+    );
+    let with_two = [&FUSE[..], &["--threads", "1", "--max-errors", "2"]].concat();
+    assert!(run.fails(1, &with_two).stderr.contains("3 of 6 failed"), "the third is one too many");
+}
+
+#[test]
+fn each_picture_has_a_record_for_programs() {
+    let run = small();
+    std::fs::write(run.path("photos/bad.png"), "no picture").unwrap();
+    let ended = run.fails(1, &[&FUSE[..], &["--json"]].concat());
+    let mut statuses = BTreeMap::new();
+    for line in ended.stdout.lines() {
+        let record: serde_json::Value = serde_json::from_str(line).unwrap();
+        assert_eq!(record["schema"], 1);
+        let status = record["status"].as_str().unwrap().to_owned();
+        match status.as_str() {
+            "failed" => assert!(record["error"].as_str().unwrap().contains("bad.png")),
+            _ => assert!(record["clipping"]["pixels"].as_u64().unwrap() > 0, "{line}"),
+        }
+        statuses.insert(record["input"].as_str().unwrap().to_owned(), status);
+    }
+    let expected = [
+        ("photos/a.png", "done"),
+        ("photos/b.png", "done"),
+        ("photos/bad.png", "failed"),
+        ("photos/c.jpg", "done"),
+    ];
+    assert_eq!(statuses, expected.map(|(input, status)| (input.to_owned(), status.to_owned())).into());
+    let again = run.fails(1, &[&FUSE[..], &["--json"]].concat());
+    assert_eq!(again.stdout.matches("\"status\":\"kept\"").count(), 3);
+}
+
+#[test]
+fn bmp_becomes_png_and_two_pictures_never_share_an_output() {
+    let run = small();
+    let image = ::image::RgbImage::from_fn(32, 24, |x, y| ::image::Rgb([x as u8, y as u8, 90]));
+    image.save(run.path("photos/d.bmp")).unwrap();
+    image.save(run.path("photos/ignored.gif")).unwrap();
+    run.ok(&FUSE);
+    let names: Vec<_> = pictures(&run.path("fused")).into_keys().collect();
+    assert_eq!(names, ["a.png", "b.png", "c.jpg", "d.bmp.png"]);
+    image.save(run.path("photos/d.bmp.png")).unwrap();
+    assert!(run.fails(2, &FUSE).stderr.contains("rename one of them"));
+}
+
+/// Enough work that a run can be stopped in its midst.
+fn larger(count: usize) -> Run {
+    let run = Run::new();
+    std::fs::create_dir(run.path("photos")).unwrap();
+    let [blue, .., deep] = waters();
+    let picture = |seed| {
+        Picture::new(
+            Scene::new(seed, Size { width: 192, height: 128 }).seen_through(&blue.water).to_samples::<u8>(),
+        )
+    };
+    let made: Vec<_> = (0..4).map(picture).collect();
+    for i in 0..count {
+        made[i % 4].write(&run.path(&format!("photos/{i:02}.png")), &WriteOptions::default()).unwrap();
+    }
+    let water = Scene::new(9, Size { width: 96, height: 64 }).seen_through(&deep.water).to_samples::<u8>();
+    Picture::new(water).write(&run.path("water.png"), &WriteOptions::default()).unwrap();
+    run
+}
+
+/// How many kills a job has to bear; `cargo xtask soak` asks for more.
+fn kills() -> usize {
+    std::env::var("AQUAFUSE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(20)
+}
+
+#[test]
+fn killed_and_run_again_equals_one_clean_run() {
+    let run = larger(16);
+    let began = Instant::now();
+    run.ok(&["fuse", "photos", "water.png", "-o", "clean", "--quiet"]);
+    let whole_run = began.elapsed();
+    let clean = pictures(&run.path("clean"));
+    let folder = run.path("fused");
+    let (mut killed, mut finished, mut most_parts, mut chance) = (0, 0, 0, 1_u64);
+    while killed < kills() {
+        chance = chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let mut child = run.command(&FUSE).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(whole_run.mul_f64((chance >> 40) as f64 / f64::from(1 << 24)));
+        if child.try_wait().unwrap().is_none() {
+            child.kill().unwrap();
+            killed += 1;
+        }
+        let ended = child.wait().unwrap();
+        let there = pictures(&folder);
+        assert!(there.iter().all(|(name, bytes)| bytes == &clean[name]), "a half file");
+        most_parts = most_parts.max(parts(&folder));
+        if ended.success() {
+            assert_eq!((&there, parts(&folder)), (&clean, 0));
+            finished += 1;
+            std::fs::remove_dir_all(&folder).unwrap();
+        }
+    }
+    run.ok(&FUSE);
+    assert_eq!((pictures(&folder), parts(&folder)), (clean, 0));
+    let threads = std::thread::available_parallelism().unwrap().get();
+    assert!(most_parts <= threads, "{most_parts} temporary files of {threads} threads");
+    println!(
+        "kills: {killed}, jobs finished: {}, half files: 0, differing bytes: 0, temporary files left by a kill: {most_parts} at most",
+        finished + 1
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn signals_end_it_at_once_with_their_code_and_leave_nothing_half() {
+    let run = larger(16);
+    run.ok(&["fuse", "photos", "water.png", "-o", "clean", "--quiet"]);
+    let clean = pictures(&run.path("clean"));
+    let folder = run.path("fused");
+    for (name, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        let child = run.command(&FUSE).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        while pictures(&folder).is_empty() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let signal = std::process::Command::new("kill").args(["-s", name, &child.id().to_string()]).status();
+        assert!(signal.unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        // A fast machine may have been done before.
+        if output.status.code() != Some(0) {
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(code), "{said}");
+            assert!(said.contains("stopped") && said.contains("goes on"), "{said}");
+        }
+        assert_eq!(parts(&folder), 0);
+        assert!(pictures(&folder).iter().all(|(name, bytes)| bytes == &clean[name]));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,234 @@
+//! The record of a folder's job: what is begun and what is done, so that a job that was stopped goes on.
+//!
+//! One JSON object a line. The first says what the folder is made with; then each picture has a line when its
+//! output is about to get its name, and one when it has it, or failed. A picture with the first line but not the
+//! second may be there or not: it is made again. A line without its end was being written when the process was
+//! killed, and is cut off.
+
+use std::collections::HashMap;
+use std::ffi::{OsStr, OsString};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::UNIX_EPOCH;
+
+use serde::{Deserialize, Serialize};
+
+use super::Item;
+use crate::analysis::DepthSource;
+use crate::picture::FileError;
+
+/// The name of the record in the folder of a job's outputs.
+pub const RECORD: &str = "aquafuse-job.jsonl";
+
+/// A record, open and locked against other processes until dropped.
+#[derive(Debug)]
+pub struct Record {
+    path: PathBuf,
+    file: Mutex<File>,
+    items: HashMap<OsString, State>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum State {
+    Begun,
+    Done(Stamps),
+    Failed,
+}
+
+/// What is to be done about an item.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plan {
+    /// It is done, by a run before this one.
+    Kept,
+    /// Nothing stands in its place.
+    Make,
+    /// What stands in its place is ours, or may be replaced.
+    Replace,
+    /// What stands in its place is not ours, or was changed since.
+    Foreign,
+}
+
+/// Size and time of the files that an output was made from, and its own.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Stamps {
+    input: Stamp,
+    depth: Option<Stamp>,
+    output: Stamp,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Stamp {
+    bytes: u64,
+    modified_ns: u64,
+}
+
+impl Stamp {
+    fn of(path: &Path) -> io::Result<Self> {
+        let about = path.metadata()?;
+        let modified = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        let modified_ns = modified.and_then(|since| u64::try_from(since.as_nanos()).ok()).unwrap_or(0);
+        Ok(Self { bytes: about.len(), modified_ns })
+    }
+}
+
+impl Stamps {
+    fn of(item: &Item) -> io::Result<Self> {
+        let depth = match &item.depth {
+            DepthSource::Supplied { path, .. } => Some(Stamp::of(path)?),
+            DepthSource::Estimated(_) => None,
+        };
+        Ok(Self { input: Stamp::of(&item.input)?, depth, output: Stamp::of(&item.output)? })
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Line {
+    Job { schema: u32, settings: String },
+    Begun(Name),
+    Done { output: Name, stamps: Stamps },
+    Failed { output: Name, error: String },
+}
+
+const SCHEMA: u32 = 1;
+
+/// A file name: as text where it is text.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Name {
+    Text(String),
+    Bytes(Vec<u8>),
+}
+
+impl Name {
+    fn of(item: &Item) -> Self {
+        let name = item.output.file_name().unwrap_or_default();
+        match name.to_str() {
+            Some(text) => Self::Text(text.to_owned()),
+            None => Self::Bytes(name.as_encoded_bytes().to_vec()),
+        }
+    }
+
+    fn into_os(self) -> OsString {
+        match self {
+            Self::Text(text) => text.into(),
+            #[cfg(unix)]
+            Self::Bytes(bytes) => std::os::unix::ffi::OsStringExt::from_vec(bytes),
+            #[cfg(not(unix))]
+            Self::Bytes(bytes) => String::from_utf8_lossy(&bytes).into_owned().into(),
+        }
+    }
+}
+
+impl Record {
+    /// Opens the record in `folder`, or begins one.
+    ///
+    /// `settings` is everything but the files themselves that decides what the outputs hold. With `overwrite`, a
+    /// record of other settings is begun anew.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when another process works in the folder, the folder was made with other settings, or the
+    /// record cannot be read or written.
+    pub fn open(folder: &Path, settings: &str, overwrite: bool) -> Result<Self, FileError> {
+        let path = folder.join(RECORD);
+        let cannot_write =
+            |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
+        let file =
+            OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(cannot_write)?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(FileError::Busy { folder: folder.to_owned() });
+        }
+        let mut record = Self { path: path.clone(), file: Mutex::new(file), items: HashMap::new() };
+        let made_with = record.read_lines()?;
+        match made_with {
+            Some(made_with) if made_with == settings => return Ok(record),
+            Some(_) if !overwrite => return Err(FileError::OtherSettings { folder: folder.to_owned() }),
+            _ => {}
+        }
+        record.items.clear();
+        record.file().set_len(0).map_err(cannot_write)?;
+        record.append(&Line::Job { schema: SCHEMA, settings: settings.to_owned() })?;
+        Ok(record)
+    }
+
+    fn file(&self) -> std::sync::MutexGuard<'_, File> {
+        self.file.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Reads what is recorded, and gives the settings.
+    fn read_lines(&mut self) -> Result<Option<String>, FileError> {
+        let cannot_read = |error| FileError::Read { path: self.path.clone(), error };
+        let mut text = Vec::new();
+        {
+            let mut file = self.file();
+            file.seek(SeekFrom::Start(0)).map_err(cannot_read)?;
+            file.read_to_end(&mut text).map_err(cannot_read)?;
+            let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            if whole < text.len() {
+                file.set_len(whole as u64).map_err(cannot_read)?;
+                text.truncate(whole);
+            }
+        }
+        let mut settings = None;
+        for (i, line) in text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).enumerate() {
+            let damaged = || FileError::DamagedRecord { path: self.path.clone(), line: i + 1 };
+            match serde_json::from_slice(line).map_err(|_| damaged())? {
+                Line::Job { schema: SCHEMA, settings: made_with } if i == 0 => settings = Some(made_with),
+                _ if settings.is_none() => return Err(damaged()),
+                Line::Job { .. } => return Err(damaged()),
+                Line::Begun(name) => _ = self.items.insert(name.into_os(), State::Begun),
+                Line::Done { output, stamps } => _ = self.items.insert(output.into_os(), State::Done(stamps)),
+                Line::Failed { output, .. } => _ = self.items.insert(output.into_os(), State::Failed),
+            }
+        }
+        Ok(settings)
+    }
+
+    fn append(&self, line: &Line) -> Result<(), FileError> {
+        let failed = |cause: String| FileError::Write { path: self.path.clone(), cause };
+        let mut text = serde_json::to_vec(line).map_err(|error| failed(error.to_string()))?;
+        text.push(b'\n');
+        self.file().write_all(&text).map_err(|error| failed(error.to_string()))
+    }
+
+    /// What is to be done about an item.
+    pub fn plan(&self, item: &Item, overwrite: bool) -> Plan {
+        let there = item.output.symlink_metadata().is_ok();
+        let state = self.items.get(item.output.file_name().unwrap_or(OsStr::new("")));
+        match state {
+            Some(State::Done(stamps)) if there && Stamps::of(item).is_ok_and(|now| now == *stamps) => {
+                Plan::Kept
+            }
+            _ if !there => Plan::Make,
+            Some(State::Begun) => Plan::Replace,
+            _ if overwrite => Plan::Replace,
+            // Made by us from another input: that it is as we left it tells that it is ours.
+            Some(State::Done(stamps)) if Stamp::of(&item.output).is_ok_and(|now| now == stamps.output) => {
+                Plan::Replace
+            }
+            _ => Plan::Foreign,
+        }
+    }
+
+    /// An output is about to get its name.
+    pub(super) fn begin(&self, item: &Item) -> Result<(), FileError> {
+        self.append(&Line::Begun(Name::of(item)))
+    }
+
+    /// An output has its name.
+    pub(super) fn done(&self, item: &Item) -> Result<(), FileError> {
+        let stamps = Stamps::of(item).map_err(|error| FileError::Read { path: item.input.clone(), error })?;
+        self.append(&Line::Done { output: Name::of(item), stamps })
+    }
+
+    /// An item failed.
+    pub(super) fn failed(&self, item: &Item, error: &FileError) -> Result<(), FileError> {
+        self.append(&Line::Failed { output: Name::of(item), error: error.to_string() })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,124 @@
+use super::*;
+use crate::analysis::DepthSource;
+
+fn item(folder: &Path, name: &str) -> Item {
+    Item {
+        input: folder.join(format!("in_{name}")),
+        output: folder.join(name),
+        depth: DepthSource::default(),
+    }
+}
+
+fn write(path: &Path, text: &str) {
+    std::fs::write(path, text).unwrap();
+}
+
+/// A folder with one item that is done, and its record closed.
+fn done(name: &str) -> (tempfile::TempDir, Item) {
+    let folder = tempfile::tempdir().unwrap();
+    let item = item(folder.path(), name);
+    write(&item.input, "content");
+    let record = Record::open(folder.path(), "blue", false).unwrap();
+    assert_eq!(record.plan(&item, false), Plan::Make);
+    record.begin(&item).unwrap();
+    write(&item.output, "fused");
+    record.done(&item).unwrap();
+    (folder, item)
+}
+
+#[test]
+fn what_is_done_is_kept_by_the_next_run() {
+    let (folder, item) = done("a.png");
+    for overwrite in [false, true] {
+        let record = Record::open(folder.path(), "blue", overwrite).unwrap();
+        assert_eq!(record.plan(&item, overwrite), Plan::Kept);
+    }
+}
+
+#[test]
+fn what_was_begun_is_made_again_whether_it_got_its_name_or_not() {
+    let (folder, _) = done("a.png");
+    let item = item(folder.path(), "b.png");
+    write(&item.input, "content");
+    Record::open(folder.path(), "blue", false).unwrap().begin(&item).unwrap();
+    let plan = || Record::open(folder.path(), "blue", false).unwrap().plan(&item, false);
+    assert_eq!(plan(), Plan::Make);
+    write(&item.output, "fused");
+    assert_eq!(plan(), Plan::Replace);
+}
+
+#[test]
+fn another_input_is_made_anew_and_a_changed_output_is_not_ours() {
+    let (folder, item) = done("a.png");
+    write(&item.input, "another content");
+    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Replace);
+    write(&item.output, "touched up by hand");
+    let record = Record::open(folder.path(), "blue", false).unwrap();
+    assert_eq!(record.plan(&item, false), Plan::Foreign);
+    assert_eq!(record.plan(&item, true), Plan::Replace);
+    std::fs::remove_file(&item.output).unwrap();
+    assert_eq!(record.plan(&item, false), Plan::Make);
+}
+
+#[test]
+fn other_settings_are_refused_or_begin_anew() {
+    let (folder, item) = done("a.png");
+    let refused = Record::open(folder.path(), "green", false).unwrap_err();
+    assert!(matches!(refused, FileError::OtherSettings { .. }));
+    assert_eq!(Record::open(folder.path(), "green", true).unwrap().plan(&item, true), Plan::Replace);
+}
+
+#[test]
+fn a_folder_is_worked_in_by_one_process() {
+    let (folder, _) = done("a.png");
+    let _first = Record::open(folder.path(), "blue", false).unwrap();
+    assert!(matches!(Record::open(folder.path(), "blue", false), Err(FileError::Busy { .. })));
+}
+
+#[test]
+fn a_record_cut_anywhere_is_read_as_far_as_its_lines_are_whole() {
+    let (folder, item) = done("a.png");
+    let path = folder.path().join(RECORD);
+    let whole = std::fs::read(&path).unwrap();
+    let mut plans = Vec::new();
+    for cut in 0..=whole.len() {
+        std::fs::write(&path, &whole[..cut]).unwrap();
+        plans.push(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false));
+    }
+    // First nothing is known, then that it was begun, then that it is done.
+    plans.dedup();
+    assert_eq!(plans, [Plan::Foreign, Plan::Replace, Plan::Kept]);
+}
+
+#[test]
+fn what_is_no_record_is_left_alone() {
+    for text in
+        ["notes of my own\n", "{\"begun\":\"a.png\"}\n", "{\"job\":{\"schema\":99,\"settings\":\"blue\"}}\n"]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(RECORD);
+        write(&path, text);
+        let refused = Record::open(folder.path(), "blue", true).unwrap_err();
+        assert!(matches!(refused, FileError::DamagedRecord { line: 1, .. }), "{refused}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_text_is_known_again() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let name = OsStr::from_bytes(b"\xff\n\".png");
+    let item = Item {
+        input: folder.path().join("in"),
+        output: folder.path().join(name),
+        depth: DepthSource::default(),
+    };
+    write(&item.input, "content");
+    let record = Record::open(folder.path(), "blue", false).unwrap();
+    write(&item.output, "fused");
+    record.done(&item).unwrap();
+    drop(record);
+    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Kept);
+}

@@ -1,0 +1,103 @@
+//! One budget of memory for all pictures that are in work at once.
+
+use std::sync::{Condvar, Mutex, PoisonError};
+
+/// Memory that a run may take for its pictures, shared by its threads.
+///
+/// Each picture reserves what it needs, as far as its header tells, before it is decoded; where too little is
+/// free it waits for others to be done. What a run needs beside its pictures, some ten MiB, is not counted.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse_data::memory::Budget;
+///
+/// let budget = Budget::new(100 << 20);
+/// let room = budget.reserve(60 << 20);
+/// assert_eq!(budget.free(), 40 << 20);
+/// drop(room);
+/// assert_eq!(budget.free(), 100 << 20);
+/// ```
+#[derive(Debug)]
+pub struct Budget {
+    most: u64,
+    free: Mutex<u64>,
+    given_back: Condvar,
+}
+
+/// A part of a [`Budget`], given back when dropped.
+#[derive(Debug)]
+pub struct Reservation<'a> {
+    budget: &'a Budget,
+    bytes: u64,
+}
+
+impl Budget {
+    /// A budget of so many bytes.
+    pub fn new(bytes: u64) -> Self {
+        Self { most: bytes, free: Mutex::new(bytes), given_back: Condvar::new() }
+    }
+
+    /// All of it, in bytes.
+    pub fn most(&self) -> u64 {
+        self.most
+    }
+
+    /// What is not reserved, in bytes.
+    pub fn free(&self) -> u64 {
+        *self.free.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes `bytes` of the budget, waiting until they are free. More than all of it counts as all of it.
+    pub fn reserve(&self, bytes: u64) -> Reservation<'_> {
+        let bytes = bytes.min(self.most);
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        while *free < bytes {
+            free = self.given_back.wait(free).unwrap_or_else(PoisonError::into_inner);
+        }
+        *free -= bytes;
+        Reservation { budget: self, bytes }
+    }
+}
+
+impl Drop for Reservation<'_> {
+    fn drop(&mut self) {
+        *self.budget.free.lock().unwrap_or_else(PoisonError::into_inner) += self.bytes;
+        self.budget.given_back.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    #[test]
+    fn threads_never_hold_more_than_the_budget() {
+        let budget = Budget::new(100);
+        let (held, most) = (AtomicU64::new(0), AtomicU64::new(0));
+        std::thread::scope(|scope| {
+            for thread in 0..8 {
+                let (budget, held, most) = (&budget, &held, &most);
+                scope.spawn(move || {
+                    for i in 0..200 {
+                        let bytes = 1 + (37 * i + 11 * thread) % 70;
+                        let _room = budget.reserve(bytes);
+                        most.fetch_max(held.fetch_add(bytes, Ordering::SeqCst) + bytes, Ordering::SeqCst);
+                        held.fetch_sub(bytes, Ordering::SeqCst);
+                    }
+                });
+            }
+        });
+        assert!(most.into_inner() <= 100);
+        assert_eq!(budget.free(), 100);
+    }
+
+    #[test]
+    fn a_picture_larger_than_the_budget_gets_all_of_it_and_does_not_wait_for_ever() {
+        let budget = Budget::new(10);
+        let room = budget.reserve(u64::MAX);
+        assert_eq!(budget.free(), 0);
+        drop(room);
+    }
+}

@@ -1,0 +1,122 @@
+//! Temporary files: whose they are, and who removes them.
+//!
+//! A part is locked by the process that fills it, so that whoever finds one without a lock knows that its process
+//! is gone.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::{Builder, NamedTempFile};
+
+const PREFIX: &str = ".aquafuse-";
+const SUFFIX: &str = ".part";
+
+/// The parts that this process is filling.
+static IN_WORK: Mutex<InWork> = Mutex::new(InWork { paths: Vec::new(), abandoned: false });
+
+struct InWork {
+    paths: Vec<PathBuf>,
+    abandoned: bool,
+}
+
+fn in_work() -> MutexGuard<'static, InWork> {
+    IN_WORK.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary file that is removed unless it takes its name in the end.
+pub(super) struct Part(Option<NamedTempFile>);
+
+impl Part {
+    pub(super) fn create_in(folder: &Path) -> io::Result<Self> {
+        loop {
+            let mut in_work = in_work();
+            if in_work.abandoned {
+                drop(in_work);
+                // The process is about to end, and this thread with it.
+                loop {
+                    std::thread::park();
+                }
+            }
+            let part = builder().tempfile_in(folder)?;
+            // A file system without locks cannot tell whose a part is; then nobody removes it but we.
+            let _ = part.as_file().try_lock();
+            // Between making and locking it, another process may have taken it for one left behind.
+            if part.path().exists() {
+                in_work.paths.push(part.path().to_owned());
+                return Ok(Self(Some(part)));
+            }
+        }
+    }
+
+    pub(super) fn file(&self) -> &File {
+        self.0.as_ref().expect("a part holds its file until it takes its name").as_file()
+    }
+
+    /// Gives the file its name.
+    pub(super) fn persist(mut self, path: &Path, overwrite: bool) -> io::Result<()> {
+        let Some(part) = self.0.take() else { return Ok(()) };
+        let before = part.path().to_owned();
+        let named = if overwrite { part.persist(path) } else { part.persist_noclobber(path) };
+        forget(&before);
+        // Where it failed, the part is dropped with the error, and so removed.
+        named.map(|_| ()).map_err(|refused| refused.error)
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        if let Some(part) = self.0.take() {
+            let path = part.path().to_owned();
+            drop(part);
+            forget(&path);
+        }
+    }
+}
+
+fn forget(path: &Path) {
+    in_work().paths.retain(|part| part != path);
+}
+
+fn builder() -> Builder<'static, 'static> {
+    let mut builder = Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Temporary files are private by default; this one becomes an ordinary file, so the umask decides.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder
+}
+
+/// Removes the temporary files that this process is filling; whoever would begin another waits for ever.
+///
+/// For a program that was told to stop, right before it ends: what has its name by then is whole, and nothing
+/// else is left.
+pub fn abandon_parts() {
+    let mut in_work = in_work();
+    in_work.abandoned = true;
+    for path in in_work.paths.drain(..) {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+/// Removes the temporary files that processes which were killed left in a folder, and says how many.
+///
+/// Those of processes that are still at work are locked, and stay.
+pub fn remove_stale_parts(folder: &Path) -> usize {
+    let Ok(entries) = std::fs::read_dir(folder) else { return 0 };
+    let is_part = |path: &Path| {
+        path.file_name()
+            .and_then(|name| name.to_str())
+            .is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
+    };
+    let is_stale = |path: &Path| {
+        path.symlink_metadata().is_ok_and(|about| about.is_file())
+            && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+    };
+    let parts = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_part(path));
+    parts.filter(|path| is_stale(path) && std::fs::remove_file(path).is_ok()).count()
+}

@@ -1,0 +1,268 @@
+//! EXIF blocks: what has to be read of them, and how they get from one format into another.
+//!
+//! JPEG, PNG and WebP hold EXIF as a block, which is a TIFF file without pixels; in a TIFF file it is part of the
+//! file's own directory. Between blocks it travels byte for byte, but for two fields changed in place. Into and out
+//! of TIFF the fields are written anew: all of the main, the EXIF, the GPS and the interoperability directory.
+
+use std::io::Cursor;
+
+use ::tiff::TiffResult;
+use ::tiff::encoder::{DirectoryEncoder, TiffEncoder, TiffKindStandard};
+use ::tiff::tags::{Tag, Type};
+
+/// Fields of the directories of an EXIF block or a TIFF file; values in this machine's byte order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Exif {
+    fields: Vec<Field>,
+    /// Directories that a field of the main one, or of the EXIF one, points to.
+    inner: Vec<(u16, Exif)>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Field {
+    tag: u16,
+    kind: Type,
+    bytes: Vec<u8>,
+}
+
+const ORIENTATION: u16 = 0x0112;
+const DESCRIPTION: u16 = 0x010e;
+/// Fields that point to further directories: EXIF, GPS, and, in EXIF, interoperability.
+const INNER: [u16; 3] = [0x8769, 0x8825, 0xa005];
+/// What a directory tells about how pixels are stored: true of the file it stands in only. Size, bits, compression,
+/// strips, tiles, planes, palette, predictor, sample format, JPEG tables, subsampling, reference black and white.
+const OF_STORAGE: [u16; 32] = [
+    0x00fe, 0x00ff, 0x0100, 0x0101, 0x0102, 0x0103, 0x0106, 0x010a, 0x0111, 0x0115, 0x0116, 0x0117, 0x0118,
+    0x0119, 0x011c, 0x013d, 0x0140, 0x0142, 0x0143, 0x0144, 0x0145, 0x014a, 0x0152, 0x0153, 0x015b, 0x0200,
+    0x0201, 0x0202, 0x0211, 0x0212, 0x0213, 0x0214,
+];
+/// The colour profile of a TIFF file travels by itself.
+const PROFILE: u16 = 0x8773;
+/// More fields than any camera writes, in all directories together.
+const MOST_FIELDS: usize = 4096;
+
+/// Reads numbers of a block in its byte order; none past its end.
+struct Block<'a> {
+    bytes: &'a [u8],
+    little: bool,
+}
+
+impl<'a> Block<'a> {
+    fn new(bytes: &'a [u8]) -> Option<Self> {
+        let little = match bytes.get(..4)? {
+            [b'I', b'I', 42, 0] => true,
+            [b'M', b'M', 0, 42] => false,
+            _ => return None,
+        };
+        Some(Self { bytes, little })
+    }
+
+    fn get(&self, at: usize, length: usize) -> Option<&'a [u8]> {
+        self.bytes.get(at..at.checked_add(length)?)
+    }
+
+    fn short(&self, at: usize) -> Option<u16> {
+        let bytes = self.get(at, 2)?.try_into().ok()?;
+        Some(if self.little { u16::from_le_bytes(bytes) } else { u16::from_be_bytes(bytes) })
+    }
+
+    fn long(&self, at: usize) -> Option<u32> {
+        let bytes = self.get(at, 4)?.try_into().ok()?;
+        Some(if self.little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
+    }
+
+    fn offset(&self, at: usize) -> Option<usize> {
+        self.long(at).and_then(|offset| usize::try_from(offset).ok())
+    }
+
+    /// Where the entries of the directory at `at` begin, and how many there are.
+    fn directory(&self, at: usize) -> Option<(usize, usize)> {
+        let count = usize::from(self.short(at)?);
+        self.get(at + 2, 12 * count)?;
+        Some((at + 2, count))
+    }
+
+    /// The value of an entry in this machine's byte order.
+    fn value(&self, entry: usize) -> Option<Field> {
+        let kind = Type::from_u16(self.short(entry + 2)?)?;
+        let size = size_of_kind(kind)?;
+        let length = size.checked_mul(self.offset(entry + 4)?)?;
+        let at = if length <= 4 { entry + 8 } else { self.offset(entry + 8)? };
+        let mut bytes = self.get(at, length)?.to_vec();
+        if self.little != cfg!(target_endian = "little") {
+            let word = if matches!(kind, Type::RATIONAL | Type::SRATIONAL) { 4 } else { size };
+            bytes.chunks_exact_mut(word).for_each(<[u8]>::reverse);
+        }
+        Some(Field { tag: self.short(entry)?, kind, bytes })
+    }
+
+    /// The entry of a tag in the main directory.
+    fn main_entry(&self, tag: u16) -> Option<usize> {
+        let (first, count) = self.directory(self.offset(4)?)?;
+        (0..count).map(|i| first + 12 * i).find(|&entry| self.short(entry) == Some(tag))
+    }
+}
+
+fn size_of_kind(kind: Type) -> Option<usize> {
+    match kind {
+        Type::BYTE | Type::ASCII | Type::SBYTE | Type::UNDEFINED => Some(1),
+        Type::SHORT | Type::SSHORT => Some(2),
+        Type::LONG | Type::SLONG | Type::FLOAT | Type::IFD => Some(4),
+        Type::RATIONAL | Type::SRATIONAL | Type::DOUBLE => Some(8),
+        _ => None,
+    }
+}
+
+impl Exif {
+    /// The fields of a block, or of a TIFF file; none if it is neither. A field whose value lies outside is left out.
+    pub(super) fn read(bytes: &[u8]) -> Option<Self> {
+        let block = Block::new(bytes)?;
+        let mut left = MOST_FIELDS;
+        let mut exif = Self::directory(&block, block.offset(4)?, 0, &mut left)?;
+        exif.fields.retain(|field| !OF_STORAGE.contains(&field.tag) && field.tag != PROFILE);
+        Some(exif)
+    }
+
+    fn directory(block: &Block<'_>, at: usize, depth: usize, left: &mut usize) -> Option<Self> {
+        let (first, count) = block.directory(at)?;
+        let mut read = Self::default();
+        for entry in (0..count).map(|i| first + 12 * i) {
+            *left = left.checked_sub(1)?;
+            let tag = block.short(entry)?;
+            if INNER.contains(&tag) {
+                // EXIF in main, interoperability in EXIF: deeper there is nothing, but a loop.
+                let inner = (depth < 2)
+                    .then(|| block.offset(entry + 8))
+                    .flatten()
+                    .and_then(|at| Self::directory(block, at, depth + 1, left));
+                read.inner.extend(inner.map(|inner| (tag, inner)));
+            } else {
+                read.fields.extend(block.value(entry));
+            }
+        }
+        Some(read)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.fields.is_empty() && self.inner.is_empty()
+    }
+
+    /// Sets a text of the main directory, after what stands there.
+    fn add_description(&mut self, text: &str) {
+        let before = self.fields.iter().position(|field| field.tag == DESCRIPTION);
+        let mut bytes = before.map(|at| self.fields.remove(at).bytes).unwrap_or_default();
+        bytes.retain(|&byte| byte != 0);
+        if !bytes.is_empty() {
+            bytes.extend(b"; ");
+        }
+        bytes.extend(text.bytes().filter(u8::is_ascii));
+        bytes.push(0);
+        self.fields.push(Field { tag: DESCRIPTION, kind: Type::ASCII, bytes });
+    }
+
+    /// As a block.
+    pub(super) fn to_block(&self) -> TiffResult<Vec<u8>> {
+        let mut file = Cursor::new(Vec::new());
+        let mut encoder = TiffEncoder::new(&mut file)?;
+        let inner = self.write_inner(&mut encoder)?;
+        let mut directory = encoder.image_directory()?;
+        self.write_fields(&mut directory, &inner)?;
+        directory.finish()?;
+        Ok(file.into_inner())
+    }
+
+    /// Writes the directories that fields point to, and says where.
+    pub(super) fn write_inner<W: std::io::Write + std::io::Seek>(
+        &self,
+        encoder: &mut TiffEncoder<W, TiffKindStandard>,
+    ) -> TiffResult<Vec<(u16, u32)>> {
+        let mut written = Vec::new();
+        for (tag, exif) in &self.inner {
+            let further = exif.write_inner(encoder)?;
+            let mut directory = encoder.extra_directory()?;
+            exif.write_fields(&mut directory, &further)?;
+            written.push((*tag, directory.finish_with_offsets()?.offset));
+        }
+        Ok(written)
+    }
+
+    /// Writes the fields into a directory, `inner` among them.
+    pub(super) fn write_fields<W: std::io::Write + std::io::Seek>(
+        &self,
+        directory: &mut DirectoryEncoder<'_, W, TiffKindStandard>,
+        inner: &[(u16, u32)],
+    ) -> TiffResult<()> {
+        for field in &self.fields {
+            let entry = directory.write_entry_bytes(field.kind, &field.bytes)?;
+            directory
+                .extend_from(&::tiff::Directory::from_iter([(Tag::from_u16_exhaustive(field.tag), entry)]));
+        }
+        for &(tag, at) in inner {
+            directory.write_tag(Tag::from_u16_exhaustive(tag), at)?;
+        }
+        Ok(())
+    }
+}
+
+/// The colour profile of a TIFF file.
+pub(super) fn profile(file: &[u8]) -> Option<Vec<u8>> {
+    let block = Block::new(file)?;
+    Some(block.value(block.main_entry(PROFILE)?)?.bytes)
+}
+
+/// The orientation a block holds, 1 to 8; 1 where it holds none.
+pub(super) fn orientation(block: &[u8]) -> u8 {
+    let read = || {
+        let block = Block::new(block)?;
+        let field = block.value(block.main_entry(ORIENTATION)?)?;
+        let value = match field.kind {
+            Type::SHORT => u32::from(u16::from_ne_bytes(field.bytes.get(..2)?.try_into().ok()?)),
+            Type::LONG => u32::from_ne_bytes(field.bytes.get(..4)?.try_into().ok()?),
+            Type::BYTE => u32::from(*field.bytes.first()?),
+            _ => return None,
+        };
+        u8::try_from(value).ok().filter(|value| (1..=8).contains(value))
+    };
+    read().unwrap_or(1)
+}
+
+/// Sets the orientation of a block to 1, if it holds one.
+pub(super) fn set_upright(bytes: &mut [u8]) {
+    let place = Block::new(bytes).and_then(|block| {
+        let entry = block.main_entry(ORIENTATION)?;
+        let value: &[u8] = match (Type::from_u16(block.short(entry + 2)?)?, block.little) {
+            (Type::SHORT, true) => &[1, 0],
+            (Type::SHORT, false) => &[0, 1],
+            (Type::LONG, true) => &[1, 0, 0, 0],
+            (Type::LONG, false) => &[0, 0, 0, 1],
+            _ => &[1],
+        };
+        Some((entry + 8, value))
+    });
+    if let Some((at, value)) = place
+        && let Some(stored) = bytes.get_mut(at..at + value.len())
+    {
+        stored.copy_from_slice(value);
+    }
+}
+
+/// Takes the link to the thumbnail away: it shows the picture as it was.
+pub(super) fn unlink_thumbnail(bytes: &mut [u8]) {
+    let link = Block::new(bytes).and_then(|block| {
+        let (first, count) = block.directory(block.offset(4)?)?;
+        Some(first + 12 * count)
+    });
+    if let Some(link) = link.and_then(|at| bytes.get_mut(at..at.checked_add(4)?)) {
+        link.fill(0);
+    }
+}
+
+/// A block with `text` in its description, after what stands there already.
+pub(super) fn with_description(block: Option<&[u8]>, text: &str) -> TiffResult<Vec<u8>> {
+    let mut exif = block.and_then(Exif::read).unwrap_or_default();
+    exif.add_description(text);
+    exif.to_block()
+}
+
+#[cfg(test)]
+mod tests;

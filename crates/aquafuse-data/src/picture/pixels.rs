@@ -1,0 +1,185 @@
+//! The pixels of a picture, as fine as its file holds them.
+
+use std::borrow::Cow;
+
+use aquafuse::depth::{DepthMap, DepthModel};
+use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
+use aquafuse::image::{Encoded, Image, Sample, SizeError, TopEdge};
+use aquafuse::smooth::Smoothing;
+
+/// Pixels of 8 or 16 bits or in floats, encoded; fused as they are, so that nothing of 16 bits is lost.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels {
+    /// 8 bits a sample.
+    Bytes(Layers<u8>),
+    /// 16 bits a sample.
+    Words(Layers<u16>),
+    /// Floats from 0 to 1.
+    Floats(Layers<f32>),
+}
+
+/// Colour, and how opaque it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layers<T> {
+    /// The colours.
+    pub image: Image<T>,
+    /// Opacity of each pixel, none where the file holds none. It passes through fusion untouched.
+    pub alpha: Option<Vec<T>>,
+}
+
+/// The same work on whatever the samples are.
+macro_rules! each {
+    ($pixels:expr, $layers:ident => $work:expr) => {
+        match $pixels {
+            Pixels::Bytes($layers) => $work,
+            Pixels::Words($layers) => $work,
+            Pixels::Floats($layers) => $work,
+        }
+    };
+}
+
+impl From<Image<u8>> for Pixels {
+    fn from(image: Image<u8>) -> Self {
+        Self::Bytes(Layers { image, alpha: None })
+    }
+}
+
+impl From<Image<u16>> for Pixels {
+    fn from(image: Image<u16>) -> Self {
+        Self::Words(Layers { image, alpha: None })
+    }
+}
+
+impl Pixels {
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        each!(self, layers => layers.image.size())
+    }
+
+    /// Whether there is an opacity to each pixel.
+    pub fn has_alpha(&self) -> bool {
+        each!(self, layers => layers.alpha.is_some())
+    }
+
+    /// The colours in bytes.
+    pub fn bytes(&self) -> Cow<'_, Image<u8>> {
+        match self {
+            Self::Bytes(layers) => Cow::Borrowed(&layers.image),
+            Self::Words(layers) => Cow::Owned(layers.image.to_samples()),
+            Self::Floats(layers) => Cow::Owned(layers.image.to_samples()),
+        }
+    }
+
+    /// The colours in bytes, without a copy where they are.
+    pub fn into_bytes(self) -> Image<u8> {
+        match self {
+            Self::Bytes(layers) => layers.image,
+            other => other.bytes().into_owned(),
+        }
+    }
+
+    /// Depth from colour, as fine as the samples.
+    pub fn depth(&self, model: &DepthModel, top: TopEdge) -> DepthMap {
+        each!(self, layers => model.estimate_seen(&layers.image, top))
+    }
+
+    /// [`fuse_mut`] on whatever the samples are.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when picture and depth map differ in size.
+    pub fn fuse_mut(
+        &mut self,
+        depth: &DepthMap,
+        waters: Waters<'_, Encoded>,
+        options: &Options,
+    ) -> Result<Clipping, SizeError> {
+        each!(self, layers => fuse_mut(&mut layers.image, depth, waters, options))
+    }
+
+    /// The picture, smoothed; opacity is left as it is.
+    pub fn smoothed(self, smoothing: Smoothing) -> Self {
+        fn layers<T: Sample>(Layers { image, alpha }: Layers<T>, smoothing: Smoothing) -> Layers<T> {
+            Layers { image: smoothing.apply(image), alpha }
+        }
+        match self {
+            Self::Bytes(bytes) => Self::Bytes(layers(bytes, smoothing)),
+            Self::Words(words) => Self::Words(layers(words, smoothing)),
+            Self::Floats(floats) => Self::Floats(layers(floats, smoothing)),
+        }
+    }
+
+    /// The picture turned as an EXIF orientation of 1 to 8 asks for; other values turn nothing.
+    pub fn turned(self, orientation: u8) -> Self {
+        match self {
+            Self::Bytes(layers) => Self::Bytes(layers.turned(orientation)),
+            Self::Words(layers) => Self::Words(layers.turned(orientation)),
+            Self::Floats(layers) => Self::Floats(layers.turned(orientation)),
+        }
+    }
+}
+
+impl<T: Sample> Layers<T> {
+    /// Colour of `N` samples a pixel taken apart: the first three, and the fourth if there is one.
+    pub(super) fn of_interleaved<const N: usize>(
+        width: usize,
+        height: usize,
+        all: &[T],
+    ) -> Result<Self, SizeError> {
+        let pixels = all.as_chunks::<N>().0;
+        let colours = pixels.iter().flat_map(|pixel| [pixel[0], pixel[1 % N], pixel[2 % N]]).collect();
+        let image = Image::from_raw(width, height, colours)?;
+        let alpha = (N == 4).then(|| pixels.iter().map(|pixel| pixel[N - 1]).collect());
+        Ok(Self { image, alpha })
+    }
+
+    /// Grey, with or without opacity, as colour.
+    pub(super) fn of_grey<const N: usize>(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
+        let pixels = all.as_chunks::<N>().0;
+        let image = Image::from_raw(width, height, pixels.iter().flat_map(|pixel| [pixel[0]; 3]).collect())?;
+        let alpha = (N == 2).then(|| pixels.iter().map(|pixel| pixel[N - 1]).collect());
+        Ok(Self { image, alpha })
+    }
+
+    /// Colour and opacity side by side.
+    pub(super) fn interleaved(&self) -> Cow<'_, [T]> {
+        match &self.alpha {
+            None => Cow::Borrowed(self.image.as_raw()),
+            Some(alpha) => {
+                let pixels = self.image.pixels().iter().zip(alpha);
+                Cow::Owned(pixels.flat_map(|(&[r, g, b], &a)| [r, g, b, a]).collect())
+            }
+        }
+    }
+
+    /// The same in other samples.
+    pub(super) fn to_samples<U: Sample>(&self) -> Layers<U> {
+        let alpha = |alpha: &Vec<T>| alpha.iter().map(|value| U::from_unit(value.to_unit())).collect();
+        Layers { image: self.image.to_samples(), alpha: self.alpha.as_ref().map(alpha) }
+    }
+
+    fn turned(self, orientation: u8) -> Self {
+        if !(2..=8).contains(&orientation) {
+            return self;
+        }
+        let (width, height) = self.image.size();
+        let (across, down) = if orientation > 4 { (height, width) } else { (width, height) };
+        // Where the pixel seen at column x, row y is stored.
+        let stored = |x: usize, y: usize| match orientation {
+            2 => (width - 1 - x, y),
+            3 => (width - 1 - x, height - 1 - y),
+            4 => (x, height - 1 - y),
+            5 => (y, x),
+            6 => (y, height - 1 - x),
+            7 => (width - 1 - y, height - 1 - x),
+            _ => (width - 1 - y, x),
+        };
+        let places = || (0..down).flat_map(move |y| (0..across).map(move |x| stored(x, y)));
+        let at = |(x, y): (usize, usize)| y * width + x;
+        let pixels = self.image.pixels();
+        let colours = places().flat_map(|place| pixels[at(place)]).collect();
+        let image = Image::from_raw(across, down, colours).expect("as many pixels as before");
+        let alpha = self.alpha.map(|alpha| places().map(|place| alpha[at(place)]).collect());
+        Self { image, alpha }
+    }
+}

@@ -1,0 +1,182 @@
+//! JPEG: grey, colour and CMYK.
+
+use std::io::{BufRead, Seek, SeekFrom};
+
+use aquafuse::image::Image;
+use zune_core::bytestream::ZCursor;
+use zune_core::colorspace::ColorSpace;
+use zune_core::options::DecoderOptions;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
+
+use super::super::limits::Size;
+use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
+use super::super::pixels::Layers;
+use super::{Decoded, Fault, Pixels};
+
+/// Scans of a progressive picture; more is an attack on our time.
+const MOST_SCANS: usize = 100;
+const END_OF_IMAGE: u8 = 0xd9;
+const START_OF_SCAN: u8 = 0xda;
+
+/// Size and components as the frame header has them.
+pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
+    let mut fixed = [0; 2];
+    reader.read_exact(&mut fixed)?;
+    loop {
+        let marker = next_marker(reader)?;
+        match marker {
+            // Frames of every coding; 0xc4, 0xc8 and 0xcc among them are tables.
+            0xc0..=0xcf if !matches!(marker, 0xc4 | 0xc8 | 0xcc) => {
+                let mut frame = [0; 8];
+                reader.read_exact(&mut frame)?;
+                let [_, _, _, y1, y0, x1, x0, components] = frame;
+                let side = |high, low| u64::from(u16::from_be_bytes([high, low]));
+                let decoded = if components == 1 { 1 } else { 3 };
+                return Ok(Size { width: side(x1, x0), height: side(y1, y0), decoded, sample: 1 });
+            }
+            START_OF_SCAN | END_OF_IMAGE => {
+                return Err(Fault::Damaged("it does not say how large it is".into()));
+            }
+            0x01 | 0xd0..=0xd8 => {}
+            _ => {
+                let mut length = [0; 2];
+                reader.read_exact(&mut length)?;
+                let rest = i64::from(u16::from_be_bytes(length)) - 2;
+                if rest < 0 {
+                    return Err(Fault::Damaged("a part of it says that it is shorter than nothing".into()));
+                }
+                reader.seek(SeekFrom::Current(rest))?;
+            }
+        }
+    }
+}
+
+/// The code of the next marker; fill bytes before it are passed over.
+fn next_marker(reader: &mut impl BufRead) -> Result<u8, Fault> {
+    let mut byte = [0];
+    reader.read_exact(&mut byte)?;
+    if byte != [0xff] {
+        return Err(Fault::Damaged("it holds something between its parts".into()));
+    }
+    while byte == [0xff] {
+        reader.read_exact(&mut byte)?;
+    }
+    Ok(byte[0])
+}
+
+/// Whether every scan is followed by another or by the end of the image: a file that was cut short has no end.
+fn has_end(bytes: &[u8]) -> bool {
+    let mut at = 2;
+    while let Some(&code) = bytes.get(at + 1) {
+        match (bytes[at], code) {
+            (0xff, END_OF_IMAGE) => return true,
+            (0xff, 0xff) => at += 1,
+            (0xff, 0x01 | 0xd0..=0xd8) => at += 2,
+            (0xff, 0x00) | (..0xff, _) => return false,
+            (0xff, code) => {
+                let Some(length) = bytes.get(at + 2..at + 4) else { return false };
+                at += 2 + usize::from(u16::from_be_bytes([length[0], length[1]]));
+                if code == START_OF_SCAN {
+                    at = end_of_scan(bytes, at);
+                }
+            }
+        }
+    }
+    false
+}
+
+/// Where the coded data that begins at `at` ends: at a marker that is neither stuffing nor a restart.
+fn end_of_scan(bytes: &[u8], mut at: usize) -> usize {
+    while let Some(pair) = bytes.get(at..at + 2) {
+        match pair {
+            [0xff, 0x00 | 0xd0..=0xd7] => at += 2,
+            [0xff, 0xff] => at += 1,
+            [0xff, _] => return at,
+            _ => at += 1,
+        }
+    }
+    bytes.len()
+}
+
+pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
+    let whole = has_end(bytes);
+    let strictly = try_decode(bytes, true);
+    match strictly {
+        Ok(decoded) if whole => Ok(decoded),
+        strictly => {
+            let cause = match strictly {
+                Err(Fault::Damaged(cause)) => cause,
+                Err(other) => return Err(other),
+                Ok(_) => "its end is missing".into(),
+            };
+            if !lenient {
+                return Err(if whole { Fault::Damaged(cause) } else { Fault::CutShort(cause) });
+            }
+            let mut decoded = try_decode(bytes, false)?;
+            decoded.damage = Some(cause);
+            Ok(decoded)
+        }
+    }
+}
+
+fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {
+    let most = usize::from(u16::MAX);
+    let options = DecoderOptions::default()
+        .set_strict_mode(strict)
+        .set_max_width(most)
+        .set_max_height(most)
+        .jpeg_set_max_scans(MOST_SCANS);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers()?;
+    let source = decoder.input_colorspace();
+    let grey = source == Some(ColorSpace::Luma);
+    let out = if grey { ColorSpace::Luma } else { ColorSpace::RGB };
+    decoder.set_options(decoder.options().jpeg_set_out_colorspace(out));
+    let (width, height) = decoder.dimensions().ok_or_else(|| Fault::Damaged("it has no size".into()))?;
+    let samples = decoder.decode()?;
+    let pixels = if grey {
+        Layers::of_grey::<1>(width, height, &samples).map(Pixels::Bytes)
+    } else {
+        Image::from_raw(width, height, samples).map(Pixels::from)
+    };
+    let mut metadata = Metadata { resolution: resolution(bytes), ..Metadata::default() };
+    metadata.set_profile(decoder.icc_profile());
+    metadata.exif = decoder.exif().cloned();
+    Ok(Decoded { pixels: pixels.map_err(|size| Fault::Damaged(size.to_string()))?, metadata, damage: None })
+}
+
+/// The density in the JFIF segment, which comes first.
+fn resolution(bytes: &[u8]) -> Option<Resolution> {
+    let segment = bytes.get(2..18)?;
+    if segment[..2] != [0xff, 0xe0] || &segment[4..9] != b"JFIF\0" {
+        return None;
+    }
+    let unit = match segment[11] {
+        0 => ResolutionUnit::Unknown,
+        1 => ResolutionUnit::Inch,
+        2 => ResolutionUnit::Centimetre,
+        _ => return None,
+    };
+    let density = |at: usize| f64::from(u16::from_be_bytes([segment[at], segment[at + 1]]));
+    // Square pixels without a unit are what every file says that knows nothing.
+    let known = Resolution { density: (density(12), density(14)), unit };
+    (known.density.0 > 0.0
+        && known.density.1 > 0.0
+        && (unit, known.density) != (ResolutionUnit::Unknown, (1.0, 1.0)))
+        .then_some(known)
+}
+
+impl From<DecodeErrors> for Fault {
+    fn from(error: DecodeErrors) -> Self {
+        match error {
+            DecodeErrors::Unsupported(_) => Self::Unsupported(
+                format!("coded in a rare way: {error:?}"),
+                "Save it as a baseline or progressive JPEG first",
+            ),
+            DecodeErrors::LargeDimensions(_) => Self::TooLarge(format!("{error:?}")),
+            // Its `Display` is silent about some errors.
+            other => Self::Damaged(format!("{other:?}").replace('\n', " ")),
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! PNG: every colour type and depth, palettes and interlacing.
+
+use std::io::{BufRead, Cursor, Seek};
+
+use ::png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Reader, Transformations, Unit};
+use aquafuse::image::{Image, Sample, SizeError};
+
+use super::super::limits::Size;
+use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
+use super::super::pixels::Layers;
+use super::{Decoded, Fault, Pixels};
+
+/// What the decoder may take beside the pixels: rows, and a colour profile once it is inflated.
+const BESIDE: usize = 64 << 20;
+
+pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
+    let mut head = [0; 26];
+    reader.read_exact(&mut head)?;
+    if &head[12..16] != b"IHDR" {
+        return Err(Fault::Damaged("it does not begin with its header".into()));
+    }
+    let side =
+        |at: usize| u64::from(u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]));
+    let sample = if head[24] == 16 { 2 } else { 1 };
+    // A palette or a grey may turn out to be transparent.
+    let channels = if head[25] == 0 { 2 } else { 4 };
+    Ok(Size { width: side(16), height: side(20), decoded: channels * sample, sample })
+}
+
+pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: BESIDE });
+    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_ignore_text_chunk(true);
+    let mut reader = decoder.read_info()?;
+    if reader.info().animation_control().is_some() {
+        return Err(Fault::Unsupported(
+            "an animation".into(),
+            "Save the frame you mean as a picture of its own",
+        ));
+    }
+    let size = reader.output_buffer_size().ok_or_else(|| Fault::TooLarge("no memory holds it".into()))?;
+    let mut samples = vec![0; size];
+    let read = reader.next_frame(&mut samples).map(|_| ()).and_then(|()| reader.finish());
+    let damage = match read.map_err(Fault::from) {
+        Ok(()) => None,
+        // Rows that are missing stay black.
+        Err(Fault::CutShort(cause)) if lenient => Some(cause),
+        Err(fault) => return Err(fault),
+    };
+    let metadata = metadata(&reader);
+    let (width, height) = reader.info().size();
+    let (width, height) = (width as usize, height as usize);
+    let (colour, depth) = reader.output_color_type();
+    let pixels = match depth {
+        BitDepth::Sixteen => {
+            let words: Vec<u16> =
+                samples.as_chunks().0.iter().map(|&word| u16::from_be_bytes(word)).collect();
+            drop(samples);
+            layers(colour, width, height, words).map(Pixels::Words)
+        }
+        _ => layers(colour, width, height, samples).map(Pixels::Bytes),
+    };
+    Ok(Decoded { pixels: pixels.map_err(|size| Fault::Damaged(size.to_string()))?, metadata, damage })
+}
+
+fn layers<T: Sample>(
+    colour: ColorType,
+    width: usize,
+    height: usize,
+    all: Vec<T>,
+) -> Result<Layers<T>, SizeError> {
+    match colour {
+        ColorType::Rgb => Image::from_raw(width, height, all).map(|image| Layers { image, alpha: None }),
+        ColorType::Rgba => Layers::of_interleaved::<4>(width, height, &all),
+        ColorType::GrayscaleAlpha => Layers::of_grey::<2>(width, height, &all),
+        ColorType::Grayscale | ColorType::Indexed => Layers::of_grey::<1>(width, height, &all),
+    }
+}
+
+fn metadata<R: BufRead + Seek>(reader: &Reader<R>) -> Metadata {
+    let info = reader.info();
+    let mut metadata =
+        Metadata { exif: info.exif_metadata.as_deref().map(<[u8]>::to_vec), ..Metadata::default() };
+    metadata.set_profile(info.icc_profile.as_deref().map(<[u8]>::to_vec));
+    metadata.resolution = info.pixel_dims.map(|pixels| Resolution {
+        density: (pixels.xppu.into(), pixels.yppu.into()),
+        unit: match pixels.unit {
+            Unit::Meter => ResolutionUnit::Metre,
+            Unit::Unspecified => ResolutionUnit::Unknown,
+        },
+    });
+    metadata
+}
+
+impl From<DecodingError> for Fault {
+    fn from(error: DecodingError) -> Self {
+        match error {
+            DecodingError::IoError(error) => error.into(),
+            DecodingError::LimitsExceeded => {
+                Self::TooLarge("what it holds beside its pixels is too large".into())
+            }
+            other => Self::Damaged(other.to_string()),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! TIFF: 8 and 16 bits, floats from 0 to 1; its first page.
+
+use std::io::{BufRead, Cursor, Seek};
+
+use ::image::ExtendedColorType;
+use ::image::ImageDecoder as _;
+use ::image::codecs::tiff::TiffDecoder;
+
+use super::super::exif::{self, Exif};
+use super::super::limits::Size;
+use super::{Decoded, Fault, Pixels, by_image, size_of};
+
+pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
+    let decoder = TiffDecoder::new(reader)?;
+    let cmyk = matches!(decoder.original_color_type(), ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16);
+    let size = size_of(&decoder);
+    // It decodes into a buffer of its own first.
+    let own = if cmyk { 4 * size.sample } else { size.decoded };
+    Ok(Size { decoded: size.decoded + own, ..size })
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
+    let mut decoded = by_image(TiffDecoder::new(Cursor::new(bytes))?)?;
+    check_floats(&decoded.pixels)?;
+    let metadata = &mut decoded.metadata;
+    // `image` finds only profiles of a type that the specification does not name.
+    if metadata.icc_profile.is_none() {
+        metadata.set_profile(exif::profile(bytes));
+    }
+    match Exif::read(bytes) {
+        Some(exif) if !exif.is_empty() => {
+            metadata.exif = Some(exif.to_block().map_err(|error| Fault::Damaged(error.to_string()))?);
+        }
+        Some(_) => {}
+        None => metadata.left_out.push("EXIF and resolution of a BigTIFF"),
+    }
+    if has_further_pages(bytes) {
+        metadata.left_out.push("the pages after the first");
+    }
+    Ok(decoded)
+}
+
+fn has_further_pages(bytes: &[u8]) -> bool {
+    ::tiff::decoder::Decoder::new(Cursor::new(bytes)).is_ok_and(|decoder| decoder.more_images())
+}
+
+/// Floats outside the range are light, or numbers of another scale, and not what a camera encodes.
+fn check_floats(pixels: &Pixels) -> Result<(), Fault> {
+    let Pixels::Floats(layers) = pixels else { return Ok(()) };
+    let all = || layers.image.as_raw().iter().chain(layers.alpha.iter().flatten());
+    if all().all(|value| (0.0..=1.0).contains(value)) {
+        return Ok(());
+    }
+    let (low, high) =
+        all().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+    let missing = if all().any(|value| value.is_nan()) { ", some are no numbers" } else { "" };
+    Err(Fault::Unsupported(
+        format!("floats from {low} to {high}{missing}, not from 0 to 1"),
+        "Scale it to 0 to 1 and encode it as sRGB first",
+    ))
+}

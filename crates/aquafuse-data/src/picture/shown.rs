@@ -1,0 +1,35 @@
+//! File names in messages.
+
+use std::fmt::{self, Write};
+use std::path::Path;
+
+/// A file name as it is shown to people: on one line whatever it holds.
+///
+/// Control characters are escaped, so that no name can break a message, hide itself or move a terminal's cursor;
+/// what is not UTF-8 becomes `\u{fffd}`.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse_data::picture::shown;
+///
+/// assert_eq!(shown("two\nlines.png".as_ref()).to_string(), "two\\nlines.png");
+/// ```
+pub fn shown(path: &Path) -> impl fmt::Display + '_ {
+    Shown(path)
+}
+
+struct Shown<'a>(&'a Path);
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for character in self.0.to_string_lossy().chars() {
+            if character.is_control() {
+                write!(f, "{}", character.escape_default())?;
+            } else {
+                f.write_char(character)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -10,6 +10,8 @@ use ::tiff::TiffResult;
 use ::tiff::encoder::{DirectoryEncoder, TiffEncoder, TiffKindStandard};
 use ::tiff::tags::{Tag, Type};
 
+use super::metadata::{Resolution, ResolutionUnit};
+
 /// Fields of the directories of an EXIF block or a TIFF file; values in this machine's byte order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Exif {
@@ -141,6 +143,27 @@ impl Exif {
             }
         }
         Some(read)
+    }
+
+    /// The resolution of the main directory; inches where it names no unit.
+    pub(super) fn resolution(&self) -> Option<Resolution> {
+        let numbers = |tag: u16| {
+            let field = self.fields.iter().find(|field| field.tag == tag)?;
+            let longs = field.bytes.as_chunks().0.iter().map(|&long| f64::from(u32::from_ne_bytes(long)));
+            Some((field.kind, longs.collect::<Vec<_>>()))
+        };
+        let density = |tag: u16| match numbers(tag)? {
+            (Type::RATIONAL, ratio) if ratio.first()? / ratio.get(1)? > 0.0 => Some(ratio[0] / ratio[1]),
+            _ => None,
+        };
+        let unit = self.fields.iter().find(|field| field.tag == 0x0128 && field.kind == Type::SHORT);
+        let unit = match unit.map(|field| field.bytes.as_slice()) {
+            Some(&[a, b, ..]) if u16::from_ne_bytes([a, b]) == 1 => ResolutionUnit::Unknown,
+            Some(&[a, b, ..]) if u16::from_ne_bytes([a, b]) == 3 => ResolutionUnit::Centimetre,
+            _ => ResolutionUnit::Inch,
+        };
+        let density = (density(0x011a)?, density(0x011b)?);
+        (density.0.is_finite() && density.1.is_finite()).then_some(Resolution { density, unit })
     }
 
     pub(super) fn is_empty(&self) -> bool {

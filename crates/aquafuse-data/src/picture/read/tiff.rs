@@ -29,6 +29,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     }
     match Exif::read(bytes) {
         Some(exif) if !exif.is_empty() => {
+            metadata.resolution = exif.resolution();
             metadata.exif = Some(exif.to_block().map_err(|error| Fault::Damaged(error.to_string()))?);
         }
         Some(_) => {}

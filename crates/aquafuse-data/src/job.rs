@@ -14,7 +14,7 @@ use aquafuse::waterbody::{Estimate, Quality};
 
 use crate::analysis::{DepthSource, analyse};
 use crate::memory::Budget;
-use crate::picture::{FileError, Opened, Picture, ReadOptions, WriteOptions};
+use crate::picture::{FileError, Format, Opened, Picture, ReadOptions, WriteOptions};
 
 pub use record::{Plan, RECORD, Record};
 
@@ -206,7 +206,8 @@ impl Fuse {
 
     fn fuse_file(&self, item: &Item, budget: &Budget, writing: &WriteOptions) -> Result<Report, FileError> {
         let opened = Picture::open(&item.input, &self.recipe.reading)?;
-        let _room = budget.reserve(memory(item, &opened));
+        let format = Format::written(&item.output).unwrap_or(Format::Png);
+        let _room = budget.reserve(opened.memory_until_written(format, beside(item, &opened))?);
         let mut picture = opened.decode()?;
         let found = analyse(&picture, &item.depth)?;
         let bounded = Bounded::new(&found.estimate, &self.recipe.reference, self.recipe.options);
@@ -242,16 +243,15 @@ impl Fuse {
 /// What a supplied depth map takes in bytes a pixel: as stored, as floats of its file and as distances.
 const SUPPLIED: u64 = 16;
 
-/// Memory that work on an item takes.
-fn memory(item: &Item, opened: &Opened) -> u64 {
-    let supplied = match &item.depth {
-        DepthSource::Supplied { path, .. } => opened
-            .pixels()
-            .saturating_mul(SUPPLIED)
-            .saturating_add(path.metadata().map_or(0, |about| about.len())),
+/// Memory that an item takes beside its picture.
+fn beside(item: &Item, opened: &Opened) -> u64 {
+    match &item.depth {
+        DepthSource::Supplied { path, .. } => {
+            let length = path.metadata().map_or(0, |about| about.len());
+            opened.pixels().saturating_mul(SUPPLIED).saturating_add(length)
+        }
         DepthSource::Estimated(_) => 0,
-    };
-    opened.memory().saturating_add(supplied)
+    }
 }
 
 #[derive(Default)]

@@ -5,7 +5,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 /// Memory that a run may take for its pictures, shared by its threads.
 ///
 /// Each picture reserves what it needs, as far as its header tells, before it is decoded; where too little is
-/// free it waits for others to be done. What a run needs beside its pictures, some ten MiB, is not counted.
+/// free it waits for others to be done.
 ///
 /// # Examples
 ///

@@ -2,13 +2,18 @@
 
 mod parts;
 
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
 use super::FileError;
 use parts::Part;
 
 pub use parts::{abandon_parts, remove_stale_parts};
+
+/// What a file is written through.
+pub(crate) trait Output: Write + Seek {}
+
+impl<W: Write + Seek> Output for W {}
 
 /// Writes a file through a temporary one in the same folder, which then takes its name.
 ///
@@ -17,7 +22,7 @@ pub use parts::{abandon_parts, remove_stale_parts};
 pub(crate) fn write_atomically<E: std::fmt::Display>(
     path: &Path,
     overwrite: bool,
-    fill: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+    fill: impl FnOnce(&mut dyn Output) -> Result<(), E>,
 ) -> Result<(), FileError> {
     let failed = |cause: String| FileError::Write { path: path.to_owned(), cause };
     let exists = || FileError::Exists { path: path.to_owned() };

@@ -1,5 +1,6 @@
 //! What a picture may ask for, told from its header before memory is taken.
 
+use super::Format;
 use crate::memory::Budget;
 
 /// How pictures are read.
@@ -32,28 +33,49 @@ impl ReadOptions {
 pub(crate) struct Size {
     pub(crate) width: u64,
     pub(crate) height: u64,
-    /// Bytes that the decoder gives for a pixel.
-    pub(crate) decoded: u64,
-    /// Bytes of a sample as it is kept.
+    /// Samples of a pixel as it is kept: colour, and opacity if there may be one.
+    pub(crate) channels: u64,
+    /// Bytes of a sample.
     pub(crate) sample: u64,
+    /// Bytes of a pixel that decoding takes beside those.
+    pub(crate) beside: u64,
 }
 
-/// What work on a picture takes beside its pixels, in bytes a pixel: depth before and after its median and as
-/// seen by the estimators, and a view in bytes of finer samples.
-const WORK: u64 = 8;
-/// Tables, buffers and what allocators keep.
-const BESIDE: u64 = 4 << 20;
+/// What the estimators' view takes of a pixel of more than 8 bits: colour and depth in bytes.
+const VIEW: u64 = 4;
+/// What the encoder of WebP takes of a pixel: its own four samples, and as much again for the coded picture.
+const WEBP: u64 = 8;
+/// Tables, buffers, the program itself and what allocators keep.
+const OVERHEAD: u64 = 12 << 20;
 
 impl Size {
     pub(crate) fn pixels(&self) -> u64 {
         self.width.saturating_mul(self.height)
     }
 
-    /// Memory that reading, fusing and writing it take, at most, if its file has `length` bytes.
+    /// Memory that reading, analysing and fusing it take, at most, if its file has `length` bytes.
     pub(crate) fn memory(&self, length: u64) -> u64 {
-        // As decoded and as kept, which for a moment are both there; kept twice where it is turned or smoothed.
-        let kept = 4 * self.sample;
-        let a_pixel = kept + self.decoded.max(kept) + WORK * self.sample;
-        self.pixels().saturating_mul(a_pixel).saturating_add(length).saturating_add(BESIDE)
+        let reading = self.of_pixels(self.kept() + self.beside).saturating_add(length);
+        // Depth before and after its median.
+        let view = if self.sample > 1 { VIEW } else { 0 };
+        let analysing = self.of_pixels(self.kept() + 2 * self.sample + view);
+        reading.max(analysing).saturating_add(OVERHEAD)
+    }
+
+    /// Memory that turning, smoothing and writing it take, at most.
+    pub(crate) fn memory_to_write(&self, format: Format) -> u64 {
+        // Side by side with its opacity, or in bytes or words of the other order.
+        let copied = if self.channels == 3 && self.sample == 1 { 0 } else { self.kept() };
+        let encoder = if format == Format::WebP { WEBP } else { 0 };
+        let twice = 2 * self.kept();
+        self.of_pixels(twice.max(self.kept() + copied + encoder)).saturating_add(OVERHEAD)
+    }
+
+    fn kept(&self) -> u64 {
+        self.channels * self.sample
+    }
+
+    fn of_pixels(&self, bytes: u64) -> u64 {
+        self.pixels().saturating_mul(bytes)
     }
 }

@@ -50,6 +50,12 @@ impl From<Image<u16>> for Pixels {
     }
 }
 
+impl From<Image<f32>> for Pixels {
+    fn from(image: Image<f32>) -> Self {
+        Self::Floats(Layers { image, alpha: None })
+    }
+}
+
 impl Pixels {
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {

@@ -136,21 +136,37 @@ fn check(size: Size, length: u64, options: &ReadOptions) -> Result<Size, Fault> 
             options.most_pixels
         )));
     }
-    let memory = size.memory(length);
-    if memory > options.most_memory {
-        return Err(Fault::TooLarge(format!(
-            "work on its {width}x{height} pixels may take {} MiB of memory, {} are allowed (--max-memory)",
-            memory >> 20,
-            options.most_memory >> 20
-        )));
-    }
+    check_memory(size, size.memory(length), options)?;
     Ok(size)
 }
 
+fn check_memory(size: Size, memory: u64, options: &ReadOptions) -> Result<u64, Fault> {
+    let Size { width, height, .. } = size;
+    if memory > options.most_memory {
+        return Err(Fault::TooLarge(format!(
+            "work on its {width}x{height} pixels may take {} MiB of memory, {} are allowed (--max-memory)",
+            memory.div_ceil(1 << 20),
+            options.most_memory >> 20
+        )));
+    }
+    Ok(memory)
+}
+
 impl Opened {
-    /// The most memory that reading the picture, fusing and writing it takes, in bytes, as far as the header tells.
+    /// The most memory that reading and analysing the picture takes, in bytes, as far as the header tells.
     pub fn memory(&self) -> u64 {
         self.size.memory(self.length)
+    }
+
+    /// The most memory that the picture takes until it is written in a format, with `beside` bytes for what is
+    /// read with it.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::TooLarge`] when it is more than the options allow.
+    pub fn memory_until_written(&self, format: Format, beside: u64) -> Result<u64, FileError> {
+        let memory = self.memory().saturating_add(beside).max(self.size.memory_to_write(format));
+        check_memory(self.size, memory, &self.options).map_err(|fault| fault.named(&self.path))
     }
 
     /// Pixels of the picture.
@@ -201,7 +217,10 @@ fn size_of(decoder: &impl ImageDecoder) -> Size {
     let colour = decoder.color_type();
     let decoded = u64::from(colour.bytes_per_pixel());
     let sample = decoded / u64::from(colour.channel_count().max(1));
-    Size { width: width.into(), height: height.into(), decoded, sample }
+    let channels = if colour.has_alpha() { 4 } else { 3 };
+    // What is colour alone is kept as it is decoded; the rest is taken apart.
+    let beside = if decoded == 3 * sample { 0 } else { decoded };
+    Size { width: width.into(), height: height.into(), channels, sample, beside }
 }
 
 /// Decodes by `image`, whose own limits act on what its decoders need beside the pixels.
@@ -232,7 +251,9 @@ fn of_dynamic(image: DynamicImage) -> Result<Pixels, Fault> {
         DynamicImage::ImageRgba16(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Words),
         DynamicImage::ImageLuma16(image) => Layers::of_grey::<1>(w, h, &image).map(Pixels::Words),
         DynamicImage::ImageLumaA16(image) => Layers::of_grey::<2>(w, h, &image).map(Pixels::Words),
-        DynamicImage::ImageRgb32F(image) => Layers::of_interleaved::<3>(w, h, &image).map(Pixels::Floats),
+        DynamicImage::ImageRgb32F(image) => {
+            aquafuse::image::Image::from_raw(w, h, image.into_raw()).map(Pixels::from)
+        }
         DynamicImage::ImageRgba32F(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Floats),
         other => {
             return Err(Fault::Unsupported(

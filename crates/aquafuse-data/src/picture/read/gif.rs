@@ -8,7 +8,9 @@ use super::super::limits::Size;
 use super::{Decoded, Fault, Pixels, by_image, size_of};
 
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
-    Ok(size_of(&GifDecoder::new(reader)?))
+    // A frame is a picture of its own within the screen.
+    let size = size_of(&GifDecoder::new(reader)?);
+    Ok(Size { beside: size.beside + 4, ..size })
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {

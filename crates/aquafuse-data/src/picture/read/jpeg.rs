@@ -32,8 +32,14 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
                 reader.read_exact(&mut frame)?;
                 let [_, _, _, y1, y0, x1, x0, components] = frame;
                 let side = |high, low| u64::from(u16::from_be_bytes([high, low]));
-                let decoded = if components == 1 { 1 } else { 3 };
-                return Ok(Size { width: side(x1, x0), height: side(y1, y0), decoded, sample: 1 });
+                return Ok(Size {
+                    width: side(x1, x0),
+                    height: side(y1, y0),
+                    channels: 3,
+                    sample: 1,
+                    // Grey is tripled, the rest kept as it is decoded.
+                    beside: u64::from(components == 1),
+                });
             }
             START_OF_SCAN | END_OF_IMAGE => {
                 return Err(Fault::Damaged("it does not say how large it is".into()));

@@ -22,9 +22,8 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     let side =
         |at: usize| u64::from(u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]));
     let sample = if head[24] == 16 { 2 } else { 1 };
-    // A palette or a grey may turn out to be transparent.
-    let channels = if head[25] == 0 { 2 } else { 4 };
-    Ok(Size { width: side(16), height: side(20), decoded: channels * sample, sample })
+    // Whatever it says here, it may turn out to be transparent.
+    Ok(Size { width: side(16), height: side(20), channels: 4, sample, beside: 4 * sample })
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {

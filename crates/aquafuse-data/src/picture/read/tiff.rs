@@ -15,8 +15,8 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     let cmyk = matches!(decoder.original_color_type(), ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16);
     let size = size_of(&decoder);
     // It decodes into a buffer of its own first.
-    let own = if cmyk { 4 * size.sample } else { size.decoded };
-    Ok(Size { decoded: size.decoded + own, ..size })
+    let own = if cmyk { 4 } else { size.channels };
+    Ok(Size { beside: size.beside + own * size.sample, ..size })
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {

@@ -15,8 +15,9 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
             "Save the frame you mean as a picture of its own",
         ));
     }
-    // Lossless is decoded to four channels first.
-    Ok(Size { decoded: 4 + size_of(&decoder).decoded, ..size_of(&decoder) })
+    // Lossless is decoded to four samples first.
+    let size = size_of(&decoder);
+    Ok(Size { beside: size.beside + 4, ..size })
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {

@@ -1,6 +1,6 @@
 //! TIFF: as fine as the pixels are, deflated, with EXIF in the file's own directories.
 
-use std::io::{self, Cursor, Write};
+use std::io;
 
 use ::tiff::TiffError;
 use ::tiff::encoder::colortype::{ColorType, RGB8, RGB16, RGB32Float};
@@ -8,36 +8,37 @@ use ::tiff::encoder::{Compression, DeflateLevel, Rational, TiffEncoder, TiffValu
 use ::tiff::tags::{ExtraSamples, Predictor, ResolutionUnit as Unit, Tag};
 use aquafuse::image::Sample;
 
+use super::super::atomic::Output;
 use super::super::exif::Exif;
 use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::super::pixels::{Layers, Pixels};
 use super::{Picture, side};
 
-pub(super) fn encode(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
+pub(super) fn encode(out: &mut dyn Output, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
     let encoded = match &picture.pixels {
-        Pixels::Bytes(layers) => layered::<RGB8, u8>(layers, Predictor::Horizontal, metadata),
-        Pixels::Words(layers) => layered::<RGB16, u16>(layers, Predictor::Horizontal, metadata),
-        Pixels::Floats(layers) => layered::<RGB32Float, f32>(layers, Predictor::None, metadata),
+        Pixels::Bytes(layers) => layered::<RGB8, u8>(out, layers, Predictor::Horizontal, metadata),
+        Pixels::Words(layers) => layered::<RGB16, u16>(out, layers, Predictor::Horizontal, metadata),
+        Pixels::Floats(layers) => layered::<RGB32Float, f32>(out, layers, Predictor::None, metadata),
     };
-    out.write_all(&encoded.map_err(|error| match error {
+    encoded.map_err(|error| match error {
         TiffError::IoError(error) => error,
         other => io::Error::other(other),
-    })?)
+    })
 }
 
 fn layered<C: ColorType<Inner = T>, T: Sample>(
+    out: &mut dyn Output,
     layers: &Layers<T>,
     predictor: Predictor,
     metadata: &Metadata,
-) -> Result<Vec<u8>, TiffError>
+) -> Result<(), TiffError>
 where
     [T]: TiffValue,
 {
-    let mut file = Cursor::new(Vec::new());
     // Opacity as a fourth sample confuses the encoder's predictor, which counts three.
     let predictor = if layers.alpha.is_some() { Predictor::None } else { predictor };
-    let mut encoder = TiffEncoder::new(&mut file)?
-        .with_compression(Compression::Deflate(DeflateLevel::Balanced))
+    let mut encoder = TiffEncoder::new(out)?
+        .with_compression(Compression::Deflate(DeflateLevel::Fast))
         .with_predictor(predictor);
     let exif = metadata.exif.as_deref().and_then(Exif::read).unwrap_or_default();
     let inner = exif.write_inner(&mut encoder)?;
@@ -56,8 +57,7 @@ where
         let entry = directory.write_entry_bytes(::tiff::tags::Type::UNDEFINED, profile)?;
         directory.extend_from(&::tiff::Directory::from_iter([(Tag::IccProfile, entry)]));
     }
-    image.write_data(&layers.interleaved())?;
-    Ok(file.into_inner())
+    image.write_data(&layers.interleaved())
 }
 
 fn write_resolution<W: io::Write + io::Seek>(

@@ -43,7 +43,8 @@ pub(crate) fn run() -> Result<()> {
     let mut trials = files::listed(&folder)?;
     trials.extend(files::odd(&folder, &stage.good)?);
     say(&format!("Trying {} files; what went wrong:", trials.len()));
-    let text = report(&stage.all(&trials)?);
+    let seen = stage.all(&trials)?;
+    let text = report(&seen);
     println!("{text}");
     write_section("hostile", &text)
 }
@@ -59,6 +60,7 @@ struct Stage {
 
 /// One run of one of the two programs.
 struct Seen {
+    file: String,
     kind: String,
     is_rival: bool,
     outcome: Outcome,
@@ -76,7 +78,8 @@ impl Stage {
                 if tally.faults.iter().any(|count| *count > 0) {
                     complain(trial, is_rival, &outcome, &tally);
                 }
-                seen.push(Seen { kind: trial.kind.clone(), is_rival, outcome, tally });
+                let (file, kind) = (trial.name(), trial.kind.clone());
+                seen.push(Seen { file, kind, is_rival, outcome, tally });
             }
         }
         Ok(seen)
@@ -105,12 +108,13 @@ impl Stage {
 
 fn complain(trial: &Trial, is_rival: bool, outcome: &Outcome, tally: &Tally) {
     let who = if is_rival { "rival" } else { "aquafuse" };
-    let file = trial.path.file_name().unwrap_or_default().to_string_lossy();
     let said: String = outcome.said.chars().take(200).collect();
     let (faults, Outcome { end, milliseconds, peak, .. }) = (tally::names(tally), outcome);
     eprintln!(
-        "   {who}: {} {file} ({:?} is right): {faults}; {end:?} after {milliseconds:.0} ms, {peak:.0} MiB: {said}",
-        trial.kind, trial.right
+        "   {who}: {} {} ({:?} is right): {faults}; {end:?} after {milliseconds:.0} ms, {peak:.0} MiB: {said}",
+        trial.kind,
+        trial.name(),
+        trial.right
     );
 }
 
@@ -136,17 +140,15 @@ fn report(seen: &[Seen]) -> String {
     text
 }
 
-/// The worst of what ended in an error of its own.
+/// The worst of what ended in an error of its own; the files it was are said, not written.
 fn refusals<'a>(name: &str, seen: impl Iterator<Item = &'a Seen>) -> String {
-    let refused: Vec<&Outcome> = seen
-        .map(|seen| &seen.outcome)
-        .filter(|outcome| matches!(outcome.end, End::Exit(code) if code != 0))
-        .collect();
-    let most = |value: fn(&Outcome) -> f64| refused.iter().map(|outcome| value(outcome)).fold(0.0, f64::max);
-    format!(
-        "| {name}, {} | {:.0} | {:.0} |\n",
-        refused.len(),
-        most(|outcome| outcome.milliseconds),
-        most(|outcome| outcome.peak)
-    )
+    let refused: Vec<&Seen> =
+        seen.filter(|seen| matches!(seen.outcome.end, End::Exit(code) if code != 0)).collect();
+    let worst = |value: fn(&Outcome) -> f64| {
+        let worst = refused.iter().max_by(|a, b| value(&a.outcome).total_cmp(&value(&b.outcome)));
+        worst.map_or((0.0, "none"), |seen| (value(&seen.outcome), &seen.file))
+    };
+    let (slowest, peak) = (worst(|outcome| outcome.milliseconds), worst(|outcome| outcome.peak));
+    eprintln!("   {name}: slowest to refuse {}, most memory for {}", slowest.1, peak.1);
+    format!("| {name}, {} | {:.0} | {:.0} |\n", refused.len(), slowest.0, peak.0)
 }

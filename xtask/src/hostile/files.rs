@@ -13,6 +13,13 @@ pub(super) struct Trial {
     pub(super) right: Right,
 }
 
+impl Trial {
+    /// The file's name, without its folder.
+    pub(super) fn name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Picture,
@@ -75,8 +82,8 @@ pub(super) fn odd(folder: &Path, good: &Path) -> Result<Vec<Trial>> {
     symlink("/dev/zero", at("endless.png"))?;
     symlink("/dev/null", at("null.png"))?;
     symlink(good, at("link-to-a-good-one.png"))?;
-    // The socket stays when its listener goes.
-    drop(UnixListener::bind(at("socket.png"))?);
+    // It stays when its listener goes. Long paths cannot be bound to; the file is then only missing.
+    drop(UnixListener::bind(at("socket.png")));
     // Four gigabytes of zeros that take no room.
     fs::File::create(at("sparse.png"))?.set_len(4 << 30)?;
     let long = format!("{}.png", "long-name-".repeat(25));
@@ -99,7 +106,7 @@ pub(super) fn odd(folder: &Path, good: &Path) -> Result<Vec<Trial>> {
         add(Right::Refuse, name);
     }
     fs::copy(good, at("not-ours.png"))?;
-    fs::set_permissions(at("not-ours.png"), fs::Permissions::from_mode(0))?;
+    fs::set_permissions(at("not-ours.png"), fs::Permissions::from_mode(0o0))?;
     // The administrator may read everything.
     if fs::File::open(at("not-ours.png")).is_err() {
         add(Right::Refuse, "not-ours.png");

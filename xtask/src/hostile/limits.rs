@@ -8,8 +8,8 @@ use anyhow::{Context, Result, bail};
 
 /// After this long a program is taken to hang.
 const SECONDS: u32 = 20;
-/// Address space, in bytes: a program that asks for more is refused it, and mostly ends by that.
-const ADDRESS_SPACE: u64 = 2 << 30;
+/// Address space, in KiB: a program that asks for more is refused it, and mostly ends by that.
+const ADDRESS_SPACE: u32 = 2 << 20;
 
 /// What became of a run.
 #[derive(Clone, Debug)]

@@ -6,7 +6,6 @@ peak memory of a single child, as the system counts it, needs `wait4`, which Rus
 """
 
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -14,23 +13,18 @@ import tempfile
 import threading
 import time
 
-SECONDS, ADDRESS_SPACE = float(sys.argv[1]), int(sys.argv[2])
-
-
-def limit():
-    resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE, ADDRESS_SPACE))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
+SECONDS, ADDRESS_SPACE_KIB = float(sys.argv[1]), sys.argv[2]
+# The shell sets the limits and becomes the program, so that the child waited for is the program itself.
+LIMITED = ["sh", "-c", 'ulimit -v "$0" && ulimit -c 0 && exec "$@"', ADDRESS_SPACE_KIB]
 
 for line in sys.stdin:
     with tempfile.TemporaryFile() as said:
         began = time.monotonic()
         child = subprocess.Popen(
-            line.rstrip("\n").split("\t"),
+            LIMITED + line.rstrip("\n").split("\t"),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=said,
-            preexec_fn=limit,
         )
         late = threading.Event()
 

@@ -40,15 +40,13 @@ impl Tally {
 /// The faults of one run, whose output was to stand alone in `folder`.
 pub(super) fn judge(trial: &Trial, outcome: &Outcome, folder: &Path) -> Tally {
     let Outcome { end, said, .. } = outcome;
-    let name = trial.path.file_name().unwrap_or_default().to_string_lossy();
     let accepted = *end == End::Exit(0);
     let faults = [
         said.contains("panicked") || *end == End::Exit(101),
         matches!(end, End::Signal | End::Late),
         outcome.milliseconds > SLOW,
         is_half(accepted, folder),
-        // Spaces of a name are as they were said: words are parted by one space.
-        matches!(end, End::Exit(code) if *code != 0 && (!matches!(code, 1 | 2) || !said.contains(&*name))),
+        matches!(end, End::Exit(code) if *code != 0 && (!matches!(code, 1 | 2) || !said.contains(&trial.name()))),
         trial.right == Right::Refuse && accepted,
         trial.right == Right::Accept && !accepted,
     ];
@@ -107,4 +105,22 @@ pub(super) fn row(kind: &str, [ours, theirs]: &[Tally; 2]) -> String {
 pub(super) fn names(tally: &Tally) -> String {
     let seen = FAULTS.iter().zip(tally.faults).filter(|(_, count)| *count > 0);
     seen.map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_whole_png;
+
+    #[test]
+    fn a_png_is_whole_with_pixels_checksums_and_end() {
+        let chunk = |name: &[u8], checksum: u32| [&[0; 4], name, &checksum.to_be_bytes()].concat();
+        let (data, end) = (chunk(b"IDAT", 0x35af_061e), chunk(b"IEND", 0xae42_6082));
+        let file = |chunks: &[&[u8]]| [b"\x89PNG\r\n\x1a\n", &chunks.concat()[..]].concat();
+        assert!(is_whole_png(&file(&[&data, &end])));
+        assert!(!is_whole_png(&file(&[&end])), "no pixels");
+        assert!(!is_whole_png(&file(&[&data])), "no end");
+        assert!(!is_whole_png(&file(&[&data, &end[..11]])), "half an end");
+        assert!(!is_whole_png(&file(&[&chunk(b"IDAT", 1), &end])), "wrong checksum");
+        assert!(!is_whole_png(b""), "nothing");
+    }
 }

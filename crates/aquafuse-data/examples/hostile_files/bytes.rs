@@ -61,9 +61,9 @@ pub(crate) fn zlib(raw: &[u8]) -> Vec<u8> {
 /// One zero, then as often as needed "the last byte, 258 times", in the fixed code: 13 bits each.
 pub(crate) fn zlib_zeros(least: usize) -> Vec<u8> {
     let mut bits = Bits::least_first();
-    bits.put(0b01_1, 3); // the last block, fixed code
+    bits.put(0b011, 3); // the last block, fixed code
     bits.put_code(0b0011_0000, 8); // a zero
-    let repeats = least / 258;
+    let repeats = least.div_ceil(258);
     for _ in 0..repeats {
         bits.put_code(0b1100_0101, 8); // length 258
         bits.put_code(0, 5); // distance 1

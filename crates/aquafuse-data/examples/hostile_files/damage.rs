@@ -4,7 +4,8 @@ use std::error::Error;
 
 use crate::bytes::{Chance, find};
 use crate::list::{Files, Right, Role};
-use crate::seeds;
+use crate::tiff_bytes::Tiff;
+use crate::{jpeg_bytes, png_bytes, seeds};
 
 const PICTURES: [&str; 6] = ["png", "jpg", "webp", "tiff", "bmp", "gif"];
 const DEPTHS: [&str; 5] = ["png", "tiff", "exr", "npy", "pfm"];
@@ -19,23 +20,29 @@ pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
                 Role::Picture => seeds::picture(extension)?,
                 Role::Depth => seeds::depth(extension)?,
             };
-            cut(files, role, extension, &whole)?;
+            cut(files, role, "cut", extension, &whole)?;
             flip(files, role, extension, &whole, flips);
         }
     }
+    let mut also = |name, extension, whole: &[u8]| cut(files, Role::Picture, name, extension, whole);
     // The directory in front, as most writers but the crate's have it: then pixels are what is lost.
-    Ok(cut(files, Role::Picture, "tif", &crate::tiff_bytes::Tiff::grey().bytes())?)
+    also("cut-by-hand", "tif", &Tiff::grey().bytes())?;
+    // Larger ones, of which nearly everything is scan: decoders that fill up what is missing take them.
+    also("cut-photo", "jpg", &seeds::photo()?)?;
+    also("cut-progressive", "jpg", &jpeg_bytes::progressive(64))?;
+    also("cut-interlaced", "png", &png_bytes::interlaced())?;
+    Ok(())
 }
 
 /// Leaves so many bytes of a file.
-fn cut(files: &mut Files, role: Role, extension: &str, whole: &[u8]) -> Result<(), String> {
+fn cut(files: &mut Files, role: Role, name: &str, extension: &str, whole: &[u8]) -> Result<(), String> {
     let all = whole.len();
     let needed = needed(extension, whole)?;
     let eighths = [1, 2, 4, 6, 7].map(|eighths| all * eighths / 8);
     let near_the_end = [64, 24, 8, 1].map(|lost| all - lost);
     for left in [1, 3, 20].into_iter().chain(eighths).chain(near_the_end) {
         let right = if left < needed { Right::Refuse } else { Right::Any };
-        let name = format!("cut-to-{left:05}.{extension}");
+        let name = format!("{name}-to-{left:05}.{extension}");
         files.add("cut short", role, right, &name, &whole[..left]);
     }
     Ok(())
@@ -64,7 +71,7 @@ fn needed(extension: &str, whole: &[u8]) -> Result<usize, String> {
 }
 
 fn flip(files: &mut Files, role: Role, extension: &str, whole: &[u8], flips: usize) {
-    let mut chance = Chance(0xf11b ^ (role == Role::Depth) as u64);
+    let mut chance = Chance(0xf11b ^ u64::from(role == Role::Depth));
     for index in 0..flips {
         // Half of them among the first hundred bytes: that is where headers are.
         let reach = if index % 2 == 0 { whole.len().min(100) } else { whole.len() };

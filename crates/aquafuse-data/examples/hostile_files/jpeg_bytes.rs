@@ -147,3 +147,20 @@ pub(crate) fn whole_scan(components: &[Sampling]) -> Vec<u8> {
     let side = components.iter().map(|(across, _)| usize::from(*across)).max().unwrap_or(1);
     Scan { components, units: 24 / (side * side), restart: 0, block_ends: true }.bytes()
 }
+
+/// A grey progressive picture of `columns` by 8 blocks: constants first, then the rest, of which there is none.
+pub(crate) fn progressive(columns: u16) -> Vec<u8> {
+    let units = usize::from(columns) * 8;
+    let constants = Scan { components: GREY, units, restart: 0, block_ends: false }.bytes();
+    // "End of block" is the bit 0, and the last byte is filled with ones; 8 blocks a byte leave none to fill.
+    let rest = vec![0; units / 8];
+    file(&[
+        steps(),
+        codes(),
+        frame(0xc2, 8 * columns, 64, GREY),
+        scan_head(1, 0, 0),
+        constants,
+        scan_head(1, 1, 63),
+        rest,
+    ])
+}

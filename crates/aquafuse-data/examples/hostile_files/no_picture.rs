@@ -15,7 +15,7 @@ pub(crate) fn add(files: &mut Files) {
         ("wide-text", "\u{feff}reef".encode_utf16().flat_map(u16::to_le_bytes).collect()),
         ("web-page", b"<!DOCTYPE html><html><body><h1>404 Not Found</h1></body></html>".to_vec()),
         ("json", br#"{"error": "no such picture"}"#.to_vec()),
-        ("pdf", b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n1 0 obj\n<< /Type /Catalog >>\nendobj\n%%EOF\n".to_vec()),
+        ("pdf", b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n1 0 obj\n<< /Type /Pages >>\nendobj\n%%EOF\n".to_vec()),
         // What stands in for a large file until it is fetched.
         ("pointer", b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n".to_vec()),
         // What a Mac leaves beside each file on a foreign disk.

@@ -56,7 +56,7 @@ pub(crate) fn bit_rows() -> Vec<u8> {
 }
 
 /// The seed's pixels in the seven passes of Adam7.
-pub(crate) fn interlaced_rows() -> Vec<u8> {
+fn interlaced_rows() -> Vec<u8> {
     const PASSES: [[u32; 4]; 7] =
         [[0, 0, 8, 8], [4, 0, 8, 8], [0, 4, 4, 8], [2, 0, 4, 4], [0, 2, 2, 4], [1, 0, 2, 2], [0, 1, 1, 2]];
     let pass = |[left, top, across, down]: [u32; 4]| {
@@ -68,6 +68,11 @@ pub(crate) fn interlaced_rows() -> Vec<u8> {
 
 fn steps(from: u32, step: u32, to: u32) -> impl Iterator<Item = u32> {
     (from..to).step_by(step as usize)
+}
+
+/// The seed, interlaced.
+pub(crate) fn interlaced() -> Vec<u8> {
+    file(&[header(WIDTH, HEIGHT, 8, RGB, [0, 0, 1]), idat(&interlaced_rows()), end()])
 }
 
 /// PLTE of so many colours.

@@ -35,6 +35,13 @@ pub(crate) fn encoded(picture: &DynamicImage, format: ImageFormat) -> Made {
     Ok(file.into_inner())
 }
 
+/// A larger JPEG with more texture, some kilobytes of scan.
+pub(crate) fn photo() -> Made {
+    let textured =
+        |x: u32, y: u32| pixel(x % 48, y % 32).map(|value| value / 2 + (x * x * 7 + y * y * 3) as u8 % 97);
+    encoded(&RgbImage::from_fn(160, 120, |x, y| Rgb(textured(x, y))).into(), ImageFormat::Jpeg)
+}
+
 /// The picture whose water is taken.
 pub(crate) fn water() -> Made {
     let green = RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {

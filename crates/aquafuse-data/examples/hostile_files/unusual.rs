@@ -10,8 +10,8 @@ use crate::bytes::zlib;
 use crate::list::Files;
 use crate::list::Right::Accept;
 use crate::png_bytes::{
-    GREY, PALETTE, RGB, bit_rows, chunk, end, file, header, idat, index_rows, interlaced_rows, palette,
-    plain, rgb_rows, with,
+    GREY, PALETTE, RGB, bit_rows, chunk, end, file, idat, index_rows, interlaced, palette, plain, rgb_rows,
+    with,
 };
 use crate::seeds::{self, HEIGHT, WIDTH, encoded, metres, npy, pixel};
 use crate::tiff_bytes::Tiff;
@@ -73,8 +73,7 @@ fn pngs(files: &mut Files) {
     add("palette-with-transparency", coloured([palette(16), chunk(b"tRNS", &[0, 128, 255])].concat()));
     add("one-bit-grey", file(&[plain(1, GREY), idat(&bit_rows()), end()]));
     add("one-bit-palette", file(&[plain(1, PALETTE), palette(2), idat(&bit_rows()), end()]));
-    let adam7 = header(WIDTH, HEIGHT, 8, RGB, [0, 0, 1]);
-    add("interlaced", file(&[adam7, idat(&interlaced_rows()), end()]));
+    add("interlaced", interlaced());
     add("one-colour-transparent", with(&[chunk(b"tRNS", &[0, 30, 0, 80, 0, 120])]));
     let pieces: Vec<u8> = zlib(&rgb_rows()).iter().flat_map(|&byte| chunk(b"IDAT", &[byte])).collect();
     add("data-byte-by-byte", file(&[plain(8, RGB), pieces, end()]));
@@ -94,10 +93,7 @@ fn jpegs(files: &mut Files) {
     let interval = segment(0xdd, &[0, 2]);
     let head = [steps(), codes(), interval, frame(0xc0, 48, 32, COLOUR), scan_head(3, 0, 63), restarts];
     add("restart-marks", jpeg_bytes::file(&head));
-    // Constants first, then the rest, of which there is none: 24 times "end of block", one bit each.
-    let constants = Scan { components: GREY, units: 24, restart: 0, block_ends: false }.bytes();
-    let first = [steps(), codes(), frame(0xc2, 48, 32, GREY), scan_head(1, 0, 0), constants];
-    add("progressive", jpeg_bytes::file(&[first.concat(), scan_head(1, 1, 63), vec![0; 3]]));
+    add("progressive", jpeg_bytes::progressive(6));
     add("bytes-after-the-end", [jpeg_bytes::baseline(COLOUR), vec![0; 5000]].concat());
     let many = segment(0xe1, &[0; 65_000]).repeat(40);
     add("two-megabytes-of-metadata", jpeg_bytes::file(&[many, jpeg_bytes::baseline(COLOUR)[2..].to_vec()]));

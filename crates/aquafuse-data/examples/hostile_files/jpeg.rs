@@ -24,12 +24,13 @@ fn with_frame(frame: Vec<u8>, components: &[Sampling]) -> Vec<u8> {
 
 fn large(files: &mut Files) {
     for (width, height) in [(65_535, 65_535), (20_000, 20_000), (1, 65_535), (65_535, 1)] {
-        let name = |what: &str| format!("{what}-{width}x{height}.jpg");
+        let kind = if width.min(height) == 1 { LIES } else { LARGE };
+        let name = |what: &str| format!("{what}-{width}x{height}-without-data.jpg");
         // An empty scan holds no block of the picture.
         let nothing = file(&[steps(), codes(), frame(0xc0, width, height, COLOUR), scan_head(3, 0, 63)]);
-        files.picture(LARGE, Refuse, &name("baseline"), nothing);
+        files.picture(kind, Refuse, &name("baseline"), nothing);
         let nothing = file(&[steps(), codes(), frame(0xc2, width, height, CMYK), scan_head(4, 0, 0)]);
-        files.picture(LARGE, Refuse, &name("progressive-cmyk"), nothing);
+        files.picture(kind, Refuse, &name("progressive-cmyk"), nothing);
     }
     // Whole pictures of 256 million pixels in a megabyte: each block is two bits, "as before" and "end".
     let zeros = vec![0; 2048 * 2048 * 2 / 8];

@@ -11,6 +11,7 @@ use crate::seeds::{HEIGHT, WIDTH};
 const LIES: &str = "header lies";
 const CHUNKS: &str = "palette and chunks";
 const LARGE: &str = "header too large";
+const INFLATES: &str = "inflates too far";
 /// What the streams that inflate too far inflate to.
 const FAR: usize = 300 << 20;
 
@@ -145,14 +146,15 @@ fn streams(files: &mut Files) {
     add(Any, "wrong-checksum-of-stream", &put(&whole, whole.len() - 4, &[1, 2, 3, 4]));
     add(Refuse, "stream-without-its-second-half", &whole[..whole.len() / 2]);
     let zeros = zlib_zeros(FAR);
-    add(Any, "data-inflate-to-300-megabytes", &zeros);
+    let data = file(&[plain(8, RGB), chunk(b"IDAT", &zeros), end()]);
+    files.picture(INFLATES, Any, "data-inflate-to-300-megabytes.png", data);
     let mut named = |name: &str, chunk_name, head: &[u8]| {
         let bomb = chunk(chunk_name, &[head, &zeros].concat());
-        files.picture(CHUNKS, Any, &format!("{name}.png"), with(&[bomb]));
+        files.picture(INFLATES, Any, &format!("{name}-inflates-to-300-megabytes.png"), with(&[bomb]));
     };
-    named("profile-inflates-to-300-megabytes", b"iCCP", b"icc\0\0");
-    named("text-inflates-to-300-megabytes", b"zTXt", b"Title\0\0");
-    named("international-text-inflates-to-300-megabytes", b"iTXt", b"Title\0\x01\0\0\0");
+    named("profile", b"iCCP", b"icc\0\0");
+    named("text", b"zTXt", b"Title\0\0");
+    named("international-text", b"iTXt", b"Title\0\x01\0\0\0");
     files.picture(CHUNKS, Any, "profile-of-noise.png", with(&[chunk(b"iCCP", &[7; 100])]));
     files.picture(CHUNKS, Any, "profile-without-name.png", with(&[chunk(b"iCCP", &[0])]));
 }

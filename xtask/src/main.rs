@@ -1,7 +1,8 @@
-//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | bench`.
+//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | hostile | bench`.
 
 mod bench;
 mod checks;
+mod hostile;
 mod results;
 mod setup;
 mod shell;
@@ -17,6 +18,7 @@ cargo xtask COMMAND
   truth      how much of the true change is made on scenes of known truth, into docs/results.md
   depth      how well depth from colour orders measured depth, into docs/results.md
   published  real pictures scored beside the paper's tables, into docs/results.md
+  hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
   bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
         ["depth"] => results::depth(),
         ["published"] => results::published(),
         ["truth"] => results::truth(),
+        ["hostile"] => hostile::run(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");

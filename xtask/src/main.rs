@@ -1,11 +1,14 @@
-//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | hostile | bench`.
+//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | hostile | corpus |
+//! soak | bench`.
 
 mod bench;
 mod checks;
+mod corpus;
 mod hostile;
 mod results;
 mod setup;
 mod shell;
+mod soak;
 mod tests;
 
 use std::process::ExitCode;
@@ -19,6 +22,8 @@ cargo xtask COMMAND
   depth      how well depth from colour orders measured depth, into docs/results.md
   published  real pictures scored beside the paper's tables, into docs/results.md
   hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
+  corpus     the examples that fuzzing starts from, made anew
+  soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
   bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
@@ -35,6 +40,11 @@ fn main() -> ExitCode {
         ["published"] => results::published(),
         ["truth"] => results::truth(),
         ["hostile"] => hostile::run(),
+        ["corpus"] => corpus::run_all(),
+        ["soak"] => soak::run_for(soak::DEFAULT_MINUTES),
+        ["soak", minutes] if minutes.parse::<u64>().is_ok() => {
+            soak::run_for(minutes.parse().unwrap_or(soak::DEFAULT_MINUTES))
+        }
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");

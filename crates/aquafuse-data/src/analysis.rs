@@ -84,12 +84,13 @@ pub fn analyse(picture: &Picture, source: &DepthSource) -> Result<Analysis, File
     let (depth, supplied) = match source {
         DepthSource::Estimated(model) => (picture.pixels.depth(model, top), None),
         DepthSource::Supplied { path, kind } => {
-            let map = depth_file::read(path, *kind)?;
-            let found = map.seen_with(&bytes, top).map_err(|error| FileError::UnfitDepth {
-                path: path.clone(),
-                error,
-                turned: picture.metadata.orientation() > 4,
+            let turned = picture.metadata.orientation() > 4;
+            let unfit = |error| FileError::UnfitDepth { path: path.clone(), error, turned };
+            let map = depth_file::read_for(path, *kind, bytes.size()).map_err(|refused| match refused {
+                FileError::UnfitDepth { error, .. } => unfit(error),
+                other => other,
             })?;
+            let found = map.seen_with(&bytes, top).map_err(unfit)?;
             (found.depth, Some(found.report))
         }
     };

@@ -17,12 +17,12 @@ mod pfm;
 mod png;
 mod tiff;
 
-use std::io::{BufRead, BufReader, Read, Seek};
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 pub use folder::DepthFolder;
 
-use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedKind};
+use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
 use crate::barrier;
 use crate::picture::{FileError, WriteOptions, open_file, write_atomically};
@@ -44,6 +44,7 @@ enum Fault {
     Damaged(String),
     TooLarge(String),
     Unsupported(String, &'static str),
+    Unfit(SuppliedError),
     UnknownFormat,
 }
 
@@ -60,14 +61,22 @@ impl From<std::io::Error> for Fault {
 /// What a decoded file may take, as for pictures.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// Refuses, from the header, sizes that would take more memory than allowed, or none at all.
-fn check_size(width: u64, height: u64, bytes_a_place: u64) -> Result<(usize, usize), Fault> {
+/// Columns and rows a map must have, where that is known.
+type Wanted = Option<(usize, usize)>;
+
+/// Refuses, from the header, sizes that are not wanted, would take more memory than allowed, or none at all.
+fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Result<(usize, usize), Fault> {
     let bytes = width.checked_mul(height).and_then(|places| places.checked_mul(bytes_a_place.max(4)));
     if bytes.is_none_or(|bytes| bytes > MOST_BYTES) {
         return Err(Fault::TooLarge(format!("{width}x{height} values are too many")));
     }
     match (usize::try_from(width), usize::try_from(height)) {
-        (Ok(width @ 1..), Ok(height @ 1..)) => Ok((width, height)),
+        (Ok(width @ 1..), Ok(height @ 1..)) => match wanted {
+            Some(picture) if picture != (width, height) => {
+                Err(Fault::Unfit(SuppliedError::Size { map: (width, height), picture }))
+            }
+            _ => Ok((width, height)),
+        },
         _ => Err(Fault::Damaged(format!("it says that it holds {width}x{height} values"))),
     }
 }
@@ -96,8 +105,34 @@ fn read_values<const N: usize>(
 /// [`FileError`] when the file cannot be opened, is damaged, takes more than 512 MiB, or holds another format or
 /// kind of values.
 pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
+    read_wanted(path, kind, None)
+}
+
+/// Reads the depth map of a picture of `size` columns and rows; another size is refused from the header.
+///
+/// # Errors
+///
+/// [`FileError`] as for [`read`], and when the map has another size than the picture.
+pub fn read_for(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result<Supplied, FileError> {
+    read_wanted(path, kind, Some(size))
+}
+
+fn read_wanted(path: &Path, kind: SuppliedKind, wanted: Wanted) -> Result<Supplied, FileError> {
     let (file, _) = open_file(path)?;
-    let raster = decode(BufReader::new(file)).map_err(|fault| named(path, fault))?;
+    supplied(path, decode(BufReader::new(file), wanted), kind)
+}
+
+/// Reads a depth map whose file is in memory already; errors call it `name`.
+///
+/// # Errors
+///
+/// [`FileError`] as for [`read`].
+pub fn from_bytes(name: &Path, bytes: &[u8], kind: SuppliedKind) -> Result<Supplied, FileError> {
+    supplied(name, decode(Cursor::new(bytes), None), kind)
+}
+
+fn supplied(path: &Path, raster: Result<Raster, Fault>, kind: SuppliedKind) -> Result<Supplied, FileError> {
+    let raster = raster.map_err(|fault| named(path, fault))?;
     let map = Supplied::new(raster.width, raster.height, raster.values, kind)
         .map_err(|size| named(path, Fault::Damaged(size.to_string())))?;
     Ok(match raster.full_range {
@@ -106,7 +141,7 @@ pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
     })
 }
 
-fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let head = reader.fill_buf()?;
     let decoder = match head {
         [0x89, b'P', b'N', b'G', ..] => png::decode,
@@ -116,7 +151,7 @@ fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
         [b'P', b'f' | b'F', b' ' | b'\t' | b'\r' | b'\n', ..] => pfm::decode,
         _ => return Err(Fault::UnknownFormat),
     };
-    barrier::behind(|| decoder(reader))
+    barrier::behind(|| decoder(reader, wanted))
         .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))
 }
 
@@ -127,6 +162,8 @@ fn named(path: &Path, fault: Fault) -> FileError {
         Fault::Damaged(cause) => FileError::Damaged { path, cause },
         Fault::TooLarge(cause) => FileError::TooLarge { path, cause },
         Fault::Unsupported(found, remedy) => FileError::UnsupportedDepth { path, found, remedy },
+        // Whoever knows how the picture is turned says more of it.
+        Fault::Unfit(error) => FileError::UnfitDepth { path, error, turned: false },
         Fault::UnknownFormat => FileError::UnknownDepthFormat { path },
     }
 }

@@ -16,6 +16,8 @@ use crate::analysis::{DepthSource, analyse};
 use crate::memory::Budget;
 use crate::picture::{FileError, Format, Opened, Picture, ReadOptions, WriteOptions};
 
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use record::try_parse;
 pub use record::{Plan, RECORD, Record};
 
 /// Fuses pictures with one water.
@@ -246,10 +248,7 @@ const SUPPLIED: u64 = 16;
 /// Memory that an item takes beside its picture.
 fn beside(item: &Item, opened: &Opened) -> u64 {
     match &item.depth {
-        DepthSource::Supplied { path, .. } => {
-            let length = path.metadata().map_or(0, |about| about.len());
-            opened.pixels().saturating_mul(SUPPLIED).saturating_add(length)
-        }
+        DepthSource::Supplied { .. } => opened.pixels().saturating_mul(SUPPLIED),
         DepthSource::Estimated(_) => 0,
     }
 }

@@ -52,6 +52,8 @@
 //! | [`model_file`] | fitted depth models as TOML |
 //! | [`sheet`] | pictures side by side with captions |
 //!
+//! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing.
+//!
 //! # Out of scope
 //!
 //! The command line and the network. Every error names its file, its cause and what to do.
@@ -66,5 +68,7 @@ pub mod model_file;
 pub mod pairs;
 pub mod picture;
 pub mod sheet;
+#[cfg(feature = "fuzz-targets")]
+pub mod targets;
 
 pub use barrier::hush_decoders;

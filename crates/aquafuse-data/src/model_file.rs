@@ -1,11 +1,12 @@
 //! Depth models as files: `aquafuse fit` writes them, `--depth-model FILE.toml` reads them.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::{Eq3, Eq3Error};
 use serde::{Deserialize, Serialize};
 
-use crate::picture::{FileError, shown, write_atomically};
+use crate::picture::{FileError, open_file, shown, write_atomically};
 
 /// The version of the file; it changes when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
@@ -88,6 +89,9 @@ pub enum ModelFileError {
     },
 }
 
+/// More than the record of ten thousand pairs takes; what is longer is no model.
+const MOST_BYTES: u64 = 4 << 20;
+
 /// The file as it stands.
 #[derive(Serialize, Deserialize)]
 struct Stored {
@@ -118,16 +122,27 @@ impl ModelFile {
     /// [`ModelFileError`] when the file cannot be read, is of another format or schema, or breaks a law of depth.
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
         let failed = |error| FileError::Read { path: path.to_owned(), error };
+        let (file, _) = open_file(path)?;
+        let mut text = String::new();
+        file.take(MOST_BYTES).read_to_string(&mut text).map_err(failed)?;
+        Self::from_text(path, &text)
+    }
+
+    /// Reads a model that is in memory already; errors call it `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelFileError`] when it is of another format or schema, or breaks a law of depth.
+    pub fn from_text(path: &Path, text: &str) -> Result<Self, ModelFileError> {
         let format = |error: toml::de::Error| ModelFileError::Format {
             path: path.to_owned(),
             cause: error.message().to_owned(),
         };
-        let text = std::fs::read_to_string(path).map_err(failed)?;
-        let Version { schema } = toml::from_str(&text).map_err(format)?;
+        let Version { schema } = toml::from_str(text).map_err(format)?;
         if schema != SCHEMA {
             return Err(ModelFileError::Schema { path: path.to_owned(), found: schema });
         }
-        let stored: Stored = toml::from_str(&text).map_err(format)?;
+        let stored: Stored = toml::from_str(text).map_err(format)?;
         let eq3 = Eq3::new(stored.mu)
             .map_err(|error| ModelFileError::Coefficients { path: path.to_owned(), error })?;
         Ok(Self { eq3, fit: stored.fit })

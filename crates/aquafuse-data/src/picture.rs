@@ -18,6 +18,8 @@ use aquafuse::image::{Image, TopEdge};
 pub(crate) use atomic::write_atomically;
 pub use atomic::{abandon_parts, remove_stale_parts};
 pub use error::FileError;
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use exif::try_exif;
 pub use format::{Format, LISTED, WRITTEN};
 pub use limits::ReadOptions;
 pub use metadata::{Metadata, Resolution, ResolutionUnit};
@@ -83,6 +85,27 @@ impl Picture {
     /// [`FileError`] when the file cannot be opened, holds another format, or is larger than `options` allow.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileError> {
         read::open(path, options)
+    }
+
+    /// Reads a picture whose file is in memory already; errors call it `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when it holds another format, is larger than `options` allow, damaged or cut short.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse_data::picture::{Picture, ReadOptions};
+    ///
+    /// let bitmap = b"BM:\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x18\0\0\0\0\0\x04\0\0\0\
+    ///     \0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\xa0\x78\x14\0";
+    /// let picture = Picture::from_bytes("upload.bmp".as_ref(), bitmap, &ReadOptions::default())?;
+    /// assert_eq!(picture.bytes().pixels(), [[0x14, 0x78, 0xa0]]);
+    /// # Ok::<(), aquafuse_data::picture::FileError>(())
+    /// ```
+    pub fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Self, FileError> {
+        read::from_bytes(name, bytes, options)
     }
 
     /// Writes the picture in the format its extension names, whole or not at all.

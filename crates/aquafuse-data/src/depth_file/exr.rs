@@ -13,15 +13,15 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, Text, read};
 use aquafuse::depth::DepthMap;
 
-use super::{Fault, MOST_BYTES, Raster, check_size};
+use super::{Fault, MOST_BYTES, Raster, Wanted, check_size};
 
 /// The names of depth, in the order in which they are looked for.
 const CHANNELS: [&str; 3] = ["Z", "Y", "R"];
 
-pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let chunks = block::read(reader, false)?;
     for header in chunks.headers() {
-        check(header)?;
+        check(header, wanted)?;
     }
     let name = chunks.headers().first().and_then(channel).ok_or_else(|| {
         Fault::Unsupported(
@@ -51,13 +51,13 @@ pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Raster, Fault> {
 }
 
 /// Refuses what would take too much memory, and what is no flat picture.
-fn check(header: &Header) -> Result<(), Fault> {
+fn check(header: &Header, wanted: Wanted) -> Result<(), Fault> {
     if header.deep {
         return Err(Fault::Unsupported("deep data".into(), "Flatten it to one value a pixel"));
     }
     let whole = |length: usize| length as u64;
     let bytes = whole(header.channels.bytes_per_pixel);
-    check_size(whole(header.layer_size.0), whole(header.layer_size.1), bytes)?;
+    check_size(wanted, whole(header.layer_size.0), whole(header.layer_size.1), bytes)?;
     let Vec2(columns, rows) = header.max_block_pixel_size();
     let block = whole(columns).checked_mul(whole(rows)).and_then(|pixels| pixels.checked_mul(bytes.max(4)));
     if block.is_none_or(|block| block > MOST_BYTES) {

@@ -8,14 +8,14 @@ use std::io::{BufRead, Read, Seek, Write};
 
 use aquafuse::depth::DepthMap;
 
-use super::{Fault, Raster, check_size, read_values};
+use super::{Fault, Raster, Wanted, check_size, read_values};
 
 /// Headers are one line of some hundred bytes; more is refused before it is read.
 const LONGEST_HEADER: u32 = 1 << 16;
 /// The header is padded so that the values begin at a multiple of this.
 const ALIGNMENT: usize = 64;
 
-pub(super) fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let mut start = [0; 8];
     reader.read_exact(&mut start)?;
     let length = match start[6] {
@@ -35,7 +35,7 @@ pub(super) fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
             "Save a plane of rows and columns, for one by np.squeeze",
         ));
     };
-    let (width, height) = check_size(columns, rows, 8)?;
+    let (width, height) = check_size(wanted, columns, rows, 8)?;
     let count = width * height;
     let (values, full_range) = match header.descr.as_str() {
         "|u1" | "<u1" | ">u1" => (read_values(reader, count, |[byte]| f32::from(byte))?, Some(255.0)),

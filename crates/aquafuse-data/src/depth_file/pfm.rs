@@ -7,12 +7,12 @@ use std::io::{BufRead, Read, Seek, Write};
 
 use aquafuse::depth::DepthMap;
 
-use super::{Fault, Raster, check_size, read_values};
+use super::{Fault, Raster, Wanted, check_size, read_values};
 
 /// Words of the header are numbers; longer ones are none.
 const LONGEST_WORD: usize = 32;
 
-pub(super) fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     if word(&mut reader)? != "Pf" {
         return Err(Fault::Unsupported("three channels".into(), "Save one channel (Pf)"));
     }
@@ -20,7 +20,7 @@ pub(super) fn decode(mut reader: impl BufRead + Seek) -> Result<Raster, Fault> {
     if !scale.is_finite() || scale == 0.0 {
         return Err(Fault::Damaged(format!("its scale is {scale}")));
     }
-    let (width, height) = check_size(columns, rows, 4)?;
+    let (width, height) = check_size(wanted, columns, rows, 4)?;
     let little_endian = scale < 0.0;
     let value = |bytes| if little_endian { f32::from_le_bytes(bytes) } else { f32::from_be_bytes(bytes) };
     let values = flipped(&read_values(reader, width * height, value)?, width);

@@ -5,12 +5,12 @@ use std::io::{BufRead, Seek};
 use ::image::codecs::png::PngDecoder;
 use ::image::{ColorType, DynamicImage, ImageDecoder, ImageError, Limits};
 
-use super::{Fault, Raster, check_size};
+use super::{Fault, Raster, Wanted, check_size};
 
-pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let decoder = PngDecoder::with_limits(reader, Limits::default())?;
     let (width, height) = decoder.dimensions();
-    let (width, height) = check_size(width.into(), height.into(), 4)?;
+    let (width, height) = check_size(wanted, width.into(), height.into(), 4)?;
     if !matches!(decoder.color_type(), ColorType::L8 | ColorType::L16) {
         return Err(Fault::Unsupported(
             format!("{:?} pixels", decoder.color_type()),

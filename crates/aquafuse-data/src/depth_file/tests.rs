@@ -20,7 +20,7 @@ fn file(name: &str, depth: &DepthMap) -> Vec<u8> {
 }
 
 fn decoded(bytes: &[u8]) -> Result<Raster, Fault> {
-    decode(Cursor::new(bytes))
+    decode(Cursor::new(bytes), None)
 }
 
 fn npy(header: &str, values: &[u8]) -> Vec<u8> {
@@ -192,5 +192,21 @@ proptest! {
         if let Ok(raster) = decoded(&bytes) {
             prop_assert_eq!(raster.values.len(), raster.width * raster.height);
         }
+    }
+}
+
+#[test]
+fn a_map_of_another_size_than_the_picture_is_refused_from_its_header() {
+    let folder = tempfile::tempdir().unwrap();
+    for extension in ["png", "tif", "exr", "npy", "pfm"] {
+        let path = folder.path().join(format!("z.{extension}"));
+        write(&path, &map(DepthKind::Relative), &WriteOptions::default()).unwrap();
+        let (width, height) = map(DepthKind::Relative).size();
+        assert!(read_for(&path, SuppliedKind::Relative, (width, height)).is_ok());
+        let refused = read_for(&path, SuppliedKind::Relative, (width + 1, height)).unwrap_err();
+        assert!(
+            matches!(refused, FileError::UnfitDepth { error: SuppliedError::Size { .. }, .. }),
+            "{refused}"
+        );
     }
 }

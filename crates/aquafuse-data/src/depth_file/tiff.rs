@@ -7,11 +7,11 @@ use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::encoder::{TiffEncoder, colortype};
 use aquafuse::depth::DepthMap;
 
-use super::{Fault, MOST_BYTES, Raster, check_size};
+use super::{Fault, MOST_BYTES, Raster, Wanted, check_size};
 
 const REMEDY: &str = "Save it as grey, one channel of 32-bit float or 16-bit unsigned numbers";
 
-pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Raster, Fault> {
+pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let most = usize::try_from(MOST_BYTES).unwrap_or(usize::MAX);
     let mut limits = Limits::default();
     (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most);
@@ -19,7 +19,8 @@ pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Raster, Fault> {
     let mut decoder = Decoder::new(reader)?.with_limits(limits);
     let (width, height) = decoder.dimensions()?;
     let colour = decoder.colortype()?;
-    let (width, height) = check_size(width.into(), height.into(), u64::from(colour.bit_depth()).div_ceil(8))?;
+    let (width, height) =
+        check_size(wanted, width.into(), height.into(), u64::from(colour.bit_depth()).div_ceil(8))?;
     if !matches!(colour, ::tiff::ColorType::Gray(8 | 16 | 32 | 64)) {
         return Err(Fault::Unsupported(format!("{colour:?} pixels"), REMEDY));
     }

@@ -122,6 +122,34 @@ impl Name {
     }
 }
 
+/// The settings, and the state of each output by its name.
+type Recorded = (Option<String>, HashMap<OsString, State>);
+
+/// What a record of whole lines says; the number of the line that is none otherwise.
+fn parse(text: &[u8]) -> Result<Recorded, usize> {
+    let (mut settings, mut items) = (None, HashMap::new());
+    for (i, line) in text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).enumerate() {
+        let (name, state) = match serde_json::from_slice(line).map_err(|_| i + 1)? {
+            Line::Job { schema: SCHEMA, settings: made_with } if i == 0 => {
+                settings = Some(made_with);
+                continue;
+            }
+            Line::Begun(name) if settings.is_some() => (name, State::Begun),
+            Line::Done { output, stamps } if settings.is_some() => (output, State::Done(stamps)),
+            Line::Failed { output, .. } if settings.is_some() => (output, State::Failed),
+            _ => return Err(i + 1),
+        };
+        items.insert(name.into_os(), state);
+    }
+    Ok((settings, items))
+}
+
+/// Reads a record for nothing but that: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_parse(text: &[u8]) {
+    let _ = parse(text);
+}
+
 impl Record {
     /// Opens the record in `folder`, or begins one.
     ///
@@ -172,19 +200,10 @@ impl Record {
                 text.truncate(whole);
             }
         }
-        let mut settings = None;
-        for (i, line) in text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).enumerate() {
-            let damaged = || FileError::DamagedRecord { path: self.path.clone(), line: i + 1 };
-            match serde_json::from_slice(line).map_err(|_| damaged())? {
-                Line::Job { schema: SCHEMA, settings: made_with } if i == 0 => settings = Some(made_with),
-                _ if settings.is_none() => return Err(damaged()),
-                Line::Job { .. } => return Err(damaged()),
-                Line::Begun(name) => _ = self.items.insert(name.into_os(), State::Begun),
-                Line::Done { output, stamps } => _ = self.items.insert(output.into_os(), State::Done(stamps)),
-                Line::Failed { output, .. } => _ = self.items.insert(output.into_os(), State::Failed),
-            }
-        }
-        Ok(settings)
+        let lines =
+            parse(&text).map_err(|line| FileError::DamagedRecord { path: self.path.clone(), line })?;
+        self.items = lines.1;
+        Ok(lines.0)
     }
 
     fn append(&self, line: &Line) -> Result<(), FileError> {

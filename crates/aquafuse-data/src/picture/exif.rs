@@ -84,13 +84,19 @@ impl<'a> Block<'a> {
         Some((at + 2, count))
     }
 
+    /// What kind of value an entry has, and where: in itself where it fits.
+    fn place(&self, entry: usize) -> Option<(Type, std::ops::Range<usize>)> {
+        let kind = Type::from_u16(self.short(entry + 2)?)?;
+        let length = size_of_kind(kind)?.checked_mul(self.offset(entry + 4)?)?;
+        let at = if length <= 4 { entry + 8 } else { self.offset(entry + 8)? };
+        Some((kind, at..at.checked_add(length)?))
+    }
+
     /// The value of an entry in this machine's byte order.
     fn value(&self, entry: usize) -> Option<Field> {
-        let kind = Type::from_u16(self.short(entry + 2)?)?;
+        let (kind, place) = self.place(entry)?;
+        let mut bytes = self.bytes.get(place)?.to_vec();
         let size = size_of_kind(kind)?;
-        let length = size.checked_mul(self.offset(entry + 4)?)?;
-        let at = if length <= 4 { entry + 8 } else { self.offset(entry + 8)? };
-        let mut bytes = self.get(at, length)?.to_vec();
         if self.little != cfg!(target_endian = "little") {
             let word = if matches!(kind, Type::RATIONAL | Type::SRATIONAL) { 4 } else { size };
             bytes.chunks_exact_mut(word).for_each(<[u8]>::reverse);
@@ -252,20 +258,22 @@ pub(super) fn orientation(block: &[u8]) -> u8 {
 /// Sets the orientation of a block to 1, if it holds one.
 pub(super) fn set_upright(bytes: &mut [u8]) {
     let place = Block::new(bytes).and_then(|block| {
-        let entry = block.main_entry(ORIENTATION)?;
-        let value: &[u8] = match (Type::from_u16(block.short(entry + 2)?)?, block.little) {
+        let (kind, place) = block.place(block.main_entry(ORIENTATION)?)?;
+        let value: &[u8] = match (kind, block.little) {
+            (Type::BYTE, _) => &[1],
             (Type::SHORT, true) => &[1, 0],
             (Type::SHORT, false) => &[0, 1],
             (Type::LONG, true) => &[1, 0, 0, 0],
             (Type::LONG, false) => &[0, 0, 0, 1],
-            _ => &[1],
+            _ => return None,
         };
-        Some((entry + 8, value))
+        Some((place, value))
     });
-    if let Some((at, value)) = place
-        && let Some(stored) = bytes.get_mut(at..at + value.len())
+    if let Some((place, value)) = place
+        && let Some(stored) = bytes.get_mut(place)
+        && let Some(first) = stored.get_mut(..value.len())
     {
-        stored.copy_from_slice(value);
+        first.copy_from_slice(value);
     }
 }
 
@@ -285,6 +293,21 @@ pub(super) fn with_description(block: Option<&[u8]>, text: &str) -> TiffResult<V
     let mut exif = block.and_then(Exif::read).unwrap_or_default();
     exif.add_description(text);
     exif.to_block()
+}
+
+/// Does with a block whatever is ever done with one: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_exif(bytes: &[u8]) {
+    let _ = (orientation(bytes), profile(bytes), with_description(Some(bytes), "fuzz"));
+    if let Some(exif) = Exif::read(bytes) {
+        let _ = exif.resolution();
+        let block = exif.to_block().expect("fields that were read can be written");
+        assert_eq!(Exif::read(&block).expect("what was written can be read").fields.len(), exif.fields.len());
+    }
+    let mut block = bytes.to_vec();
+    unlink_thumbnail(&mut block);
+    set_upright(&mut block);
+    assert_eq!(orientation(&block), 1);
 }
 
 #[cfg(test)]

@@ -107,21 +107,23 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileErr
     let Some(format) = Format::of_content(head) else {
         return Err(FileError::UnknownFormat { path: path.to_owned() });
     };
-    let header = barrier::behind(|| header(format, &mut reader))
-        .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on its header".into())));
-    let size = header.and_then(|size| check(size, length, options)).map_err(|fault| fault.named(path))?;
+    let size = header(format, &mut reader)
+        .and_then(|size| check(size, length, options))
+        .map_err(|fault| fault.named(path))?;
     Ok(Opened { path: path.to_owned(), file: reader.into_inner(), length, format, size, options: *options })
 }
 
+/// Reads a header behind the barrier.
 fn header(format: Format, reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
-    match format {
+    let size = barrier::behind(|| match format {
         Format::Png => png::header(reader),
         Format::Jpeg => jpeg::header(reader),
         Format::Tiff => tiff::header(reader),
         Format::WebP => webp::header(reader),
         Format::Bmp => bmp::header(reader),
         Format::Gif => gif::header(reader),
-    }
+    });
+    size.unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on its header".into())))
 }
 
 /// Refuses what is empty or too large.
@@ -186,29 +188,39 @@ impl Opened {
     fn decoded(&mut self) -> Result<Picture, Fault> {
         let mut bytes = Vec::new();
         self.file.rewind()?;
-        // One byte more would tell that it grew; what is decoded is what was measured.
         Read::by_ref(&mut self.file).take(self.length).read_to_end(&mut bytes)?;
-        let again = barrier::behind(|| header(self.format, &mut Cursor::new(&bytes)))
-            .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on its header".into())))?;
-        if again != self.size || bytes.len() as u64 != self.length {
+        // What is decoded is what was measured.
+        if bytes.len() as u64 != self.length || header(self.format, &mut Cursor::new(&bytes))? != self.size {
             return Err(Fault::Damaged("it changed while it was read".into()));
         }
-        let decoded = barrier::behind(|| decode(self.format, &bytes, self.options.lenient))
-            .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))?;
-        let Decoded { pixels, metadata, damage } = decoded;
-        Ok(Picture { pixels, metadata, damage })
+        decode(self.format, &bytes, self.options.lenient)
     }
 }
 
-fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
-    match format {
+pub(super) fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Picture, FileError> {
+    let Some(format) = Format::of_content(bytes) else {
+        return Err(FileError::UnknownFormat { path: name.to_owned() });
+    };
+    let size = header(format, &mut Cursor::new(bytes));
+    let picture = size
+        .and_then(|size| check(size, bytes.len() as u64, options))
+        .and_then(|_| decode(format, bytes, options.lenient));
+    picture.map_err(|fault| fault.named(name))
+}
+
+/// Decodes behind the barrier.
+fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<Picture, Fault> {
+    let decoded = barrier::behind(|| match format {
         Format::Png => png::decode(bytes, lenient),
         Format::Jpeg => jpeg::decode(bytes, lenient),
         Format::Tiff => tiff::decode(bytes),
         Format::WebP => webp::decode(bytes, lenient),
         Format::Bmp => bmp::decode(bytes, lenient),
         Format::Gif => gif::decode(bytes, lenient),
-    }
+    });
+    let Decoded { pixels, metadata, damage } =
+        decoded.unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))?;
+    Ok(Picture { pixels, metadata, damage })
 }
 
 /// Size and kind of pixels as a decoder of `image` tells them.

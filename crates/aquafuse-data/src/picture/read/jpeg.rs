@@ -15,9 +15,10 @@ use super::super::pixels::Layers;
 use super::{Decoded, Fault, Pixels};
 
 /// Scans of a progressive picture; more is an attack on our time.
-const MOST_SCANS: usize = 100;
+const MOST_SCANS: usize = 50;
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
+const PROGRESSIVE: u8 = 0xc2;
 
 /// Size and components as the frame header has them.
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
@@ -26,8 +27,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     loop {
         let marker = next_marker(reader)?;
         match marker {
-            // Frames of every coding; 0xc4, 0xc8 and 0xcc among them are tables.
-            0xc0..=0xcf if !matches!(marker, 0xc4 | 0xc8 | 0xcc) => {
+            _ if is_frame(marker) => {
                 let mut frame = [0; 8];
                 reader.read_exact(&mut frame)?;
                 let [_, _, _, y1, y0, x1, x0, components] = frame;
@@ -58,6 +58,11 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     }
 }
 
+/// Frames of every coding; 0xc4, 0xc8 and 0xcc among them are tables.
+fn is_frame(code: u8) -> bool {
+    matches!(code, 0xc0..=0xcf) && !matches!(code, 0xc4 | 0xc8 | 0xcc)
+}
+
 /// The code of the next marker; fill bytes before it are passed over.
 fn next_marker(reader: &mut impl BufRead) -> Result<u8, Fault> {
     let mut byte = [0];
@@ -71,26 +76,67 @@ fn next_marker(reader: &mut impl BufRead) -> Result<u8, Fault> {
     Ok(byte[0])
 }
 
-/// Whether every scan is followed by another or by the end of the image: a file that was cut short has no end.
-fn has_end(bytes: &[u8]) -> bool {
-    let mut at = 2;
-    while let Some(&code) = bytes.get(at + 1) {
-        match (bytes[at], code) {
-            (0xff, END_OF_IMAGE) => return true,
-            (0xff, 0xff) => at += 1,
-            (0xff, 0x01 | 0xd0..=0xd8) => at += 2,
-            (0xff, 0x00) | (..0xff, _) => return false,
-            (0xff, code) => {
-                let Some(length) = bytes.get(at + 2..at + 4) else { return false };
-                at += 2 + usize::from(u16::from_be_bytes([length[0], length[1]]));
-                if code == START_OF_SCAN {
-                    at = end_of_scan(bytes, at);
+/// The marks of a file: where the image ends, which a file that was cut short does not say, and its scans.
+#[derive(Default)]
+struct Marks {
+    end: Option<usize>,
+    scans: usize,
+    /// Bytes of coded data in the first scan.
+    first_scan: usize,
+    progressive: bool,
+    /// Columns and rows.
+    size: (usize, usize),
+}
+
+impl Marks {
+    fn of(bytes: &[u8]) -> Self {
+        let mut marks = Self::default();
+        let mut at = 2;
+        while let Some(&[mark, code]) = bytes.get(at..at + 2).and_then(|pair| pair.first_chunk()) {
+            match (mark, code) {
+                (0xff, END_OF_IMAGE) => {
+                    marks.end = Some(at);
+                    break;
+                }
+                (0xff, 0xff) => at += 1,
+                (0xff, 0x01 | 0xd0..=0xd8) => at += 2,
+                (0xff, 0x00) | (..0xff, _) => break,
+                (0xff, code) => {
+                    let Some(&length) = bytes.get(at + 2..at + 4).and_then(|length| length.first_chunk())
+                    else {
+                        break;
+                    };
+                    if is_frame(code)
+                        && let Some(&[y1, y0, x1, x0]) =
+                            bytes.get(at + 5..at + 9).and_then(|size| size.first_chunk())
+                    {
+                        let side = |high, low| usize::from(u16::from_be_bytes([high, low]));
+                        (marks.progressive, marks.size) = (code == PROGRESSIVE, (side(x1, x0), side(y1, y0)));
+                    }
+                    at += 2 + usize::from(u16::from_be_bytes(length));
+                    if code == START_OF_SCAN {
+                        let began = at;
+                        at = end_of_scan(bytes, at);
+                        if marks.scans == 0 {
+                            marks.first_scan = at.saturating_sub(began);
+                        }
+                        marks.scans += 1;
+                    }
                 }
             }
         }
+        marks
     }
-    false
+
+    /// Whether the first scan is too short for a bit to each block: the first scan of every coding has one.
+    fn lacks_data(&self) -> bool {
+        let blocks = self.size.0.div_ceil(LARGEST_BLOCK) * self.size.1.div_ceil(LARGEST_BLOCK);
+        8 * self.first_scan < blocks
+    }
 }
+
+/// Side of what may be coded as one, in pixels: four blocks of eight.
+const LARGEST_BLOCK: usize = 32;
 
 /// Where the coded data that begins at `at` ends: at a marker that is neither stuffing nor a restart.
 fn end_of_scan(bytes: &[u8], mut at: usize) -> usize {
@@ -106,24 +152,31 @@ fn end_of_scan(bytes: &[u8], mut at: usize) -> usize {
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
-    let whole = has_end(bytes);
-    let strictly = try_decode(bytes, true);
-    match strictly {
-        Ok(decoded) if whole => Ok(decoded),
-        strictly => {
-            let cause = match strictly {
-                Err(Fault::Damaged(cause)) => cause,
-                Err(other) => return Err(other),
-                Ok(_) => "its end is missing".into(),
-            };
-            if !lenient {
-                return Err(if whole { Fault::Damaged(cause) } else { Fault::CutShort(cause) });
-            }
-            let mut decoded = try_decode(bytes, false)?;
-            decoded.damage = Some(cause);
-            Ok(decoded)
-        }
+    let marks = Marks::of(bytes);
+    if marks.scans > MOST_SCANS {
+        return Err(Fault::Unsupported(
+            format!("in {} scans", marks.scans),
+            "Save it as a baseline JPEG first",
+        ));
     }
+    // Without the mark of the end the decoder can tell data that is missing from data that is there: where it
+    // meets a mark it takes zeros for the rest. Of a progressive picture it wants to see the mark.
+    let strictly = match marks.end {
+        Some(end) if !marks.progressive => &bytes[..end],
+        _ => bytes,
+    };
+    let cause = match (try_decode(strictly, true), marks.end) {
+        (Ok(_), _) if marks.lacks_data() => "there are more blocks of pixels than bits in it".into(),
+        (Ok(decoded), Some(_)) => return Ok(decoded),
+        (Ok(_), None) => "its end is missing".into(),
+        (Err(Fault::Damaged(cause)), _) => cause,
+        (Err(other), _) => return Err(other),
+    };
+    if lenient {
+        let decoded = try_decode(bytes, false)?;
+        return Ok(Decoded { damage: Some(cause), ..decoded });
+    }
+    Err(if marks.end.is_none() { Fault::CutShort(cause) } else { Fault::Damaged(cause) })
 }
 
 fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {

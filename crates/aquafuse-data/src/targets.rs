@@ -1,0 +1,95 @@
+//! Every parser by itself: what is fuzzed, and what the tests replay.
+//!
+//! A target takes any bytes. It returns when they were refused with an error or read, and panics when a promise
+//! about what was read is broken.
+
+use std::path::Path;
+
+use aquafuse::depth::SuppliedKind;
+use aquafuse::fusion::{Bounded, Options};
+use aquafuse::image::Sample as _;
+
+use crate::analysis::{DepthSource, analyse};
+use crate::depth_file;
+use crate::job;
+use crate::model_file::ModelFile;
+use crate::picture::{Format, Picture, Pixels, ReadOptions, try_exif};
+
+/// A parser that takes bytes from outside.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Its name, and that of its folder of examples.
+    pub name: &'static str,
+    /// Feeds it.
+    pub run: fn(&[u8]),
+}
+
+/// Every parser there is.
+pub const ALL: [Target; 14] = [
+    Target { name: "bmp", run: |bytes| picture(Format::Bmp, bytes) },
+    Target { name: "exif", run: try_exif },
+    Target { name: "gif", run: |bytes| picture(Format::Gif, bytes) },
+    Target { name: "jpeg", run: |bytes| picture(Format::Jpeg, bytes) },
+    Target { name: "png", run: |bytes| picture(Format::Png, bytes) },
+    Target { name: "tiff", run: |bytes| picture(Format::Tiff, bytes) },
+    Target { name: "webp", run: |bytes| picture(Format::WebP, bytes) },
+    Target { name: "depth-exr", run: |bytes| depth(b"\x76\x2f\x31\x01", bytes) },
+    Target { name: "depth-npy", run: |bytes| depth(b"\x93NUMPY", bytes) },
+    Target { name: "depth-pfm", run: |bytes| depth(b"Pf", bytes) },
+    Target { name: "depth-png", run: |bytes| depth(b"\x89PNG", bytes) },
+    Target { name: "depth-tiff", run: |bytes| depth(b"", bytes) },
+    Target { name: "job-record", run: job::try_parse },
+    Target { name: "model-file", run: model },
+];
+
+/// The target of a name.
+pub fn named(name: &str) -> Option<Target> {
+    ALL.into_iter().find(|target| target.name == name)
+}
+
+/// Small enough that no execution takes long.
+const LIMITS: ReadOptions = ReadOptions { most_pixels: 1 << 16, most_memory: 64 << 20, lenient: false };
+
+fn picture(format: Format, bytes: &[u8]) {
+    if Format::of_content(bytes) != Some(format) {
+        return;
+    }
+    for lenient in [false, true] {
+        let options = ReadOptions { lenient, ..LIMITS };
+        if let Ok(read) = Picture::from_bytes(Path::new("fuzz"), bytes, &options) {
+            check(&read, lenient);
+        }
+    }
+}
+
+/// What must hold of whatever was read: it is fused to finite values within the range, upright and not.
+fn check(picture: &Picture, lenient: bool) {
+    assert!(lenient || picture.damage.is_none(), "damage passed for whole");
+    let (width, height) = picture.pixels.size();
+    assert!((width * height) as u64 <= LIMITS.most_pixels);
+    let found = analyse(picture, &DepthSource::default()).expect("depth from colour never fails");
+    let bounded = Bounded::new(&found.estimate, &found.estimate, Options::default());
+    let mut fused = picture.clone();
+    fused.pixels.fuse_mut(&found.depth, bounded.waters(), &bounded.options).expect("of one size");
+    if let Pixels::Floats(layers) = &fused.pixels {
+        assert!(layers.image.as_raw().iter().all(|value| (0.0..=1.0).contains(&value.to_unit())));
+    }
+    let turned = fused.upright();
+    let expected = if picture.metadata.orientation() > 4 { (height, width) } else { (width, height) };
+    assert_eq!((turned.pixels.size(), turned.metadata.orientation()), (expected, 1));
+}
+
+fn depth(magic: &[u8], bytes: &[u8]) {
+    if !bytes.starts_with(magic) {
+        return;
+    }
+    for kind in [SuppliedKind::Metres, SuppliedKind::Inverse] {
+        let _ = depth_file::from_bytes(Path::new("fuzz"), bytes, kind);
+    }
+}
+
+fn model(bytes: &[u8]) {
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        let _ = ModelFile::from_text(Path::new("fuzz"), text);
+    }
+}

@@ -1,0 +1,5 @@
+#![no_main]
+
+use aquafuse_data::targets::named;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (named("gif").expect("it is in the list").run)(bytes));

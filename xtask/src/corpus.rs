@@ -1,0 +1,96 @@
+//! `cargo xtask corpus`: the examples that fuzzing starts from and the tests replay, made anew.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use crate::shell::{cargo, root, run, say};
+
+/// Larger files slow every execution down and hold nothing that smaller ones do not.
+const MOST_BYTES: u64 = 2048;
+/// Where the files of the generator go, by role and extension.
+const TARGETS: [(&str, &str, &str); 12] = [
+    ("picture", "bmp", "bmp"),
+    ("picture", "gif", "gif"),
+    ("picture", "jpg", "jpeg"),
+    ("picture", "png", "png"),
+    ("picture", "tif", "tiff"),
+    ("picture", "tiff", "tiff"),
+    ("picture", "webp", "webp"),
+    ("depth", "exr", "depth-exr"),
+    ("depth", "npy", "depth-npy"),
+    ("depth", "pfm", "depth-pfm"),
+    ("depth", "png", "depth-png"),
+    ("depth", "tiff", "depth-tiff"),
+];
+/// What fuzzing makes of a good file by itself in no time.
+const EASY: [&str; 2] = ["bit flips", "cut short"];
+
+const RECORD: &str = r#"{"job":{"schema":1,"settings":"0.1.0 blue"}}
+{"begun":"a.png"}
+{"done":{"output":"a.png","stamps":{"input":{"bytes":7,"modified_ns":1},"depth":null,"output":{"bytes":9,"modified_ns":2}}}}
+{"failed":{"output":[255,46,112,110,103],"error":"cannot read"}}
+"#;
+const MODEL: &str = "schema = 1\nmodel = \"eq3\"\nmu = [0.5, 0.5, -6.0, -0.5, -2.0]\n\n[fit]\ndata = \"pairs\"\npairs = 1\n\
+    depth_kind = \"metres\"\nscale = \"shared\"\ntarget = \"order\"\nrank_score = 0.75\nloss = 0.1\ndoubts = []\n\n\
+    [[fit.scores]]\nname = \"a\"\nrank_score = 0.75\n";
+
+pub(crate) fn run_all() -> Result<()> {
+    say("Making the corpus of fuzz/ anew");
+    let made = root().join("target/corpus");
+    let arguments =
+        ["run", "--release", "--quiet", "--package", "aquafuse-data", "--example", "hostile_files", "--"];
+    run(cargo(&[&arguments[..], &[&made.to_string_lossy()]].concat()))?;
+    let corpus = root().join("fuzz/corpus");
+    if corpus.exists() {
+        fs::remove_dir_all(&corpus)?;
+    }
+    let list = fs::read_to_string(made.join("list.tsv")).context("the generator left no list")?;
+    for line in list.lines() {
+        let [name, kind, role, _] = line.split('\t').collect::<Vec<_>>()[..] else { continue };
+        let extension = name.rsplit('.').next().unwrap_or_default();
+        let file = made.join("files").join(name);
+        let target = TARGETS.iter().find(|(r, e, _)| (*r, *e) == (role, extension));
+        let Some((_, _, target)) = target.filter(|_| !EASY.contains(&kind)) else { continue };
+        let length = file.metadata().with_context(|| format!("{name} was not made"))?.len();
+        if file.is_file() && (1..=MOST_BYTES).contains(&length) {
+            add(&corpus, target, name, &fs::read(&file)?)?;
+            if name.starts_with("exif-") {
+                add_exif(&corpus, name, &fs::read(&file)?)?;
+            }
+        }
+    }
+    add(&corpus, "job-record", "job.jsonl", RECORD.as_bytes())?;
+    add(&corpus, "model-file", "model.toml", MODEL.as_bytes())?;
+    counts(&corpus)
+}
+
+fn add(corpus: &Path, target: &str, name: &str, bytes: &[u8]) -> Result<()> {
+    let folder = corpus.join(target);
+    fs::create_dir_all(&folder)?;
+    fs::write(folder.join(name), bytes).with_context(|| format!("cannot write {name}"))
+}
+
+/// The EXIF block of a JPEG, by itself.
+fn add_exif(corpus: &Path, name: &str, jpeg: &[u8]) -> Result<()> {
+    let name_of_segment = b"Exif\0\0";
+    let Some(at) = jpeg.windows(6).position(|window| window == name_of_segment) else { return Ok(()) };
+    let length = usize::from(u16::from_be_bytes([jpeg[at - 2], jpeg[at - 1]]));
+    let end = (at - 2 + length).min(jpeg.len());
+    let block = jpeg.get(at + 6..end).unwrap_or_default();
+    if block.is_empty() { Ok(()) } else { add(corpus, "exif", &name.replace(".jpg", ".tiff"), block) }
+}
+
+fn counts(corpus: &Path) -> Result<()> {
+    let mut counts = BTreeMap::new();
+    for folder in fs::read_dir(corpus)? {
+        let folder = folder?;
+        counts.insert(folder.file_name(), fs::read_dir(folder.path())?.count());
+    }
+    for (target, files) in counts {
+        eprintln!("   {:<12} {files} files", target.to_string_lossy());
+    }
+    Ok(())
+}

@@ -48,7 +48,7 @@ pub fn named(name: &str) -> Option<Target> {
 }
 
 /// Small enough that no execution takes long.
-const LIMITS: ReadOptions = ReadOptions { most_pixels: 1 << 16, most_memory: 64 << 20, lenient: false };
+const LIMITS: ReadOptions = ReadOptions { most_pixels: 1 << 12, most_memory: 64 << 20, lenient: false };
 
 fn picture(format: Format, bytes: &[u8]) {
     if Format::of_content(bytes) != Some(format) {
@@ -56,7 +56,10 @@ fn picture(format: Format, bytes: &[u8]) {
     }
     for lenient in [false, true] {
         let options = ReadOptions { lenient, ..LIMITS };
-        if let Ok(read) = Picture::from_bytes(Path::new("fuzz"), bytes, &options) {
+        // Fusing takes a hundred times as long as reading: one in so many tells as much.
+        if let Ok(read) = Picture::from_bytes(Path::new("fuzz"), bytes, &options)
+            && bytes.len().is_multiple_of(16)
+        {
             check(&read, lenient);
         }
     }

@@ -143,8 +143,11 @@ impl Exif {
                     .then(|| block.offset(entry + 8))
                     .flatten()
                     .and_then(|at| Self::directory(block, at, depth + 1, left));
-                read.inner.extend(inner.map(|inner| (tag, inner)));
-            } else {
+                if read.inner.iter().all(|(known, _)| *known != tag) {
+                    read.inner.extend(inner.map(|inner| (tag, inner)));
+                }
+            } else if read.fields.iter().all(|field| field.tag != tag) {
+                // Of two fields of one tag, which no directory may hold, readers take the first.
                 read.fields.extend(block.value(entry));
             }
         }

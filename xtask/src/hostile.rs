@@ -1,7 +1,6 @@
 //! `cargo xtask hostile`: bad files of every kind, given to the command and to what most people would write.
 
 mod files;
-mod limits;
 mod tally;
 
 use std::collections::BTreeMap;
@@ -11,13 +10,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use crate::results::write_section;
+use crate::runner::{End, Limits, Outcome, Runner};
 use crate::shell::{cargo, command, root, run as call, say};
 use files::{Role, Trial};
-use limits::{End, Outcome, Runner};
 use tally::{FAULTS, Tally};
 
 /// The kinds that ask for much time or memory.
 const BOMBS: [&str; 2] = ["header too large", "inflates too far"];
+
+const LIMITS: Limits = Limits { seconds: 20, address_space: 2 << 20 };
 
 pub(crate) fn run() -> Result<()> {
     say("Building the command, the rival and the generator");
@@ -69,7 +70,7 @@ struct Seen {
 
 impl Stage {
     fn all(&self, trials: &[Trial]) -> Result<Vec<Seen>> {
-        let mut runner = Runner::new()?;
+        let mut runner = Runner::new(LIMITS)?;
         let mut seen = Vec::new();
         for trial in trials {
             let rivals = if trial.role == Role::Picture { &[false, true][..] } else { &[false] };

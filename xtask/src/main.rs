@@ -1,11 +1,13 @@
-//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | hostile | corpus |
-//! soak | bench`.
+//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | hostile | memory |
+//! corpus | soak | bench`.
 
 mod bench;
 mod checks;
 mod corpus;
 mod hostile;
+mod memory;
 mod results;
+mod runner;
 mod setup;
 mod shell;
 mod soak;
@@ -22,6 +24,7 @@ cargo xtask COMMAND
   depth      how well depth from colour orders measured depth, into docs/results.md
   published  real pictures scored beside the paper's tables, into docs/results.md
   hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
+  memory     [PICTURES] what a run over 1,000 pictures of 24 megapixels holds, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
   bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
@@ -40,6 +43,10 @@ fn main() -> ExitCode {
         ["published"] => results::published(),
         ["truth"] => results::truth(),
         ["hostile"] => hostile::run(),
+        ["memory"] => memory::run_with(memory::PICTURES),
+        ["memory", pictures] if pictures.parse::<usize>().is_ok_and(|count| count > 0) => {
+            memory::run_with(pictures.parse().unwrap_or(memory::PICTURES))
+        }
         ["corpus"] => corpus::run_all(),
         ["soak"] => soak::run_for(soak::DEFAULT_MINUTES),
         ["soak", minutes] if minutes.parse::<u64>().is_ok() => {

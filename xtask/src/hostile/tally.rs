@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::files::{Right, Trial};
-use super::limits::{End, Outcome};
+use crate::runner::{End, Outcome};
 
 /// From here on a refusal is called slow, in milliseconds.
 const SLOW: f64 = 2000.0;

@@ -6,25 +6,29 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-/// After this long a program is taken to hang.
-const SECONDS: u32 = 20;
-/// Address space, in KiB: a program that asks for more is refused it, and mostly ends by that.
-const ADDRESS_SPACE: u32 = 2 << 20;
+/// What a program may take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// After so many seconds it is taken to hang.
+    pub(crate) seconds: u32,
+    /// Address space, in KiB: a program that asks for more is refused it, and mostly ends by that.
+    pub(crate) address_space: u32,
+}
 
 /// What became of a run.
 #[derive(Clone, Debug)]
-pub(super) struct Outcome {
-    pub(super) end: End,
-    pub(super) milliseconds: f64,
+pub(crate) struct Outcome {
+    pub(crate) end: End,
+    pub(crate) milliseconds: f64,
     /// The most memory it held, in MiB.
-    pub(super) peak: f64,
+    pub(crate) peak: f64,
     /// What it said on standard error.
-    pub(super) said: String,
+    pub(crate) said: String,
 }
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub(crate) enum End {
     Exit(i32),
     /// By a signal, which is what an abort is too.
     Signal,
@@ -33,16 +37,22 @@ pub(super) enum End {
 }
 
 /// Runs commands one after the other.
-pub(super) struct Runner {
+pub(crate) struct Runner {
     child: Child,
     ask: ChildStdin,
     answers: BufReader<ChildStdout>,
 }
 
 impl Runner {
-    pub(super) fn new() -> Result<Self> {
+    pub(crate) fn new(limits: Limits) -> Result<Self> {
         let mut command = Command::new("python3");
-        command.args(["-c", include_str!("run_one.py"), &SECONDS.to_string(), &ADDRESS_SPACE.to_string()]);
+        let Limits { seconds, address_space } = limits;
+        command.args([
+            "-c",
+            include_str!("runner/run_one.py"),
+            &seconds.to_string(),
+            &address_space.to_string(),
+        ]);
         let mut child =
             command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().context("cannot start python3")?;
         let ask = child.stdin.take().context("no way to ask")?;
@@ -51,7 +61,7 @@ impl Runner {
     }
 
     /// Runs a program with its arguments, none of which may hold a tab or a line feed.
-    pub(super) fn run(&mut self, program: &Path, arguments: &[&Path]) -> Result<Outcome> {
+    pub(crate) fn run(&mut self, program: &Path, arguments: &[&Path]) -> Result<Outcome> {
         let words = [&[program], arguments].concat();
         let words: Option<Vec<&str>> = words.iter().map(|word| word.to_str()).collect();
         writeln!(self.ask, "{}", words.context("a name that is no text")?.join("\t"))?;

@@ -1,0 +1,35 @@
+//! Writes pictures of 24 megapixels, `large_pictures FOLDER COUNT`: waves of colour with grain, as large as those of
+//! today's cameras. What is in them does not matter, for it is memory that is measured.
+
+use std::error::Error;
+use std::path::Path;
+
+use aquafuse::image::Image;
+use aquafuse_data::picture::{Picture, WriteOptions};
+
+const WIDTH: usize = 6000;
+const HEIGHT: usize = 4000;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, count] = &arguments[..] else { return Err("usage: large_pictures FOLDER COUNT".into()) };
+    std::fs::create_dir_all(folder)?;
+    for seed in 0..count.parse()? {
+        let path = Path::new(folder).join(format!("{seed}.jpg"));
+        Picture::new(made(seed)).write(&path, &WriteOptions { overwrite: true, quality: 90 })?;
+    }
+    Ok(())
+}
+
+fn made(seed: u32) -> Image<u8> {
+    let mut grain = seed + 1;
+    let wave = |place: usize, length: usize| ((place % length) as i32 * 2 - length as i32).unsigned_abs();
+    let pixel = |i: usize| {
+        let (x, y) = (i % WIDTH, i / WIDTH);
+        grain = grain.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let shade = wave(x, 900 + 50 * seed as usize) / 20 + wave(y, 1300) / 30 + (grain >> 29);
+        [shade / 3, 60 + shade, 90 + shade].map(|value| value.min(255) as u8)
+    };
+    let samples = (0..WIDTH * HEIGHT).flat_map(pixel).collect();
+    Image::from_raw(WIDTH, HEIGHT, samples).expect("three samples a pixel")
+}

@@ -100,14 +100,26 @@ fn fuzz(target: &str, programs: &Path, seconds: u64) -> Result<Row> {
     Ok(row)
 }
 
-/// The test that kills a folder's job, a thousand times.
+/// The tests that kill and stop a folder's job.
 fn kills() -> Result<()> {
     say(&format!("Killing a folder's job {KILLS} times"));
-    let test = ["test", "--package", "aquafuse-cli", "--test", "folder_jobs", "killed", "--", "--nocapture"];
-    let mut command = cargo(&test);
+    let tests = [
+        "test",
+        "--package",
+        "aquafuse-cli",
+        "--test",
+        "folder_jobs",
+        "--",
+        "--nocapture",
+        "--test-threads",
+        "1",
+    ];
+    let mut command = cargo(&[&tests[..], &["killed", "signals"]].concat());
     command.env("AQUAFUSE_KILLS", KILLS);
     let said = crate::shell::output(command)?;
-    let line =
-        said.lines().find_map(|line| line.split_once("kills: ")).context("the test said no figures")?;
-    write_section("kills", &format!("kills: {}\n", line.1))
+    let figures = |name: &str| {
+        let line = said.lines().find_map(|line| line.find(name).map(|at| &line[at..]));
+        line.map(|line| format!("- {line}\n")).with_context(|| format!("the test said no {name}"))
+    };
+    write_section("kills", &(figures("kills: ")? + &figures("signals: ")?))
 }

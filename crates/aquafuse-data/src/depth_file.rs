@@ -25,7 +25,7 @@ pub use folder::DepthFolder;
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
 use crate::barrier;
-use crate::picture::{FileError, WriteOptions, open_file, write_atomically};
+use crate::picture::{FileError, WriteOptions, one_line, open_file, write_atomically};
 
 /// Values of a file, row by row from the top, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,9 +159,11 @@ fn named(path: &Path, fault: Fault) -> FileError {
     let path = path.to_owned();
     match fault {
         Fault::Read(error) => FileError::Read { path, error },
-        Fault::Damaged(cause) => FileError::Damaged { path, cause },
-        Fault::TooLarge(cause) => FileError::TooLarge { path, cause },
-        Fault::Unsupported(found, remedy) => FileError::UnsupportedDepth { path, found, remedy },
+        Fault::Damaged(cause) => FileError::Damaged { path, cause: one_line(&cause) },
+        Fault::TooLarge(cause) => FileError::TooLarge { path, cause: one_line(&cause) },
+        Fault::Unsupported(found, remedy) => {
+            FileError::UnsupportedDepth { path, found: one_line(&found), remedy }
+        }
         // Whoever knows how the picture is turned says more of it.
         Fault::Unfit(error) => FileError::UnfitDepth { path, error, turned: false },
         Fault::UnknownFormat => FileError::UnknownDepthFormat { path },

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use aquafuse::depth::{Eq3, Eq3Error};
 use serde::{Deserialize, Serialize};
 
-use crate::picture::{FileError, open_file, shown, write_atomically};
+use crate::picture::{FileError, one_line, open_file, shown, write_atomically};
 
 /// The version of the file; it changes when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
@@ -136,7 +136,7 @@ impl ModelFile {
     pub fn from_text(path: &Path, text: &str) -> Result<Self, ModelFileError> {
         let format = |error: toml::de::Error| ModelFileError::Format {
             path: path.to_owned(),
-            cause: error.message().to_owned(),
+            cause: one_line(error.message()),
         };
         let Version { schema } = toml::from_str(text).map_err(format)?;
         if schema != SCHEMA {

@@ -57,12 +57,21 @@ fn picture(format: Format, bytes: &[u8]) {
     for lenient in [false, true] {
         let options = ReadOptions { lenient, ..LIMITS };
         // Fusing takes a hundred times as long as reading: one in so many tells as much.
-        if let Ok(read) = Picture::from_bytes(Path::new("fuzz"), bytes, &options)
-            && bytes.len().is_multiple_of(16)
-        {
-            check(&read, lenient);
+        match Picture::from_bytes(Path::new(NAME), bytes, &options) {
+            Ok(read) if bytes.len().is_multiple_of(16) => check(&read, lenient),
+            Ok(_) => {}
+            Err(error) => check_error(&error),
         }
     }
+}
+
+/// What the file is called.
+const NAME: &str = "a fuzzed file";
+
+/// What must hold of every refusal: it names the file and says a cause and what to do, on one line.
+fn check_error(error: &impl std::fmt::Display) {
+    let said = error.to_string();
+    assert!(said.contains(NAME) && said.len() > NAME.len() + 20 && !said.contains('\n'), "{said:?}");
 }
 
 /// What must hold of whatever was read: it is fused to finite values within the range, upright and not.
@@ -87,12 +96,16 @@ fn depth(magic: &[u8], bytes: &[u8]) {
         return;
     }
     for kind in [SuppliedKind::Metres, SuppliedKind::Inverse] {
-        let _ = depth_file::from_bytes(Path::new("fuzz"), bytes, kind);
+        if let Err(error) = depth_file::from_bytes(Path::new(NAME), bytes, kind) {
+            check_error(&error);
+        }
     }
 }
 
 fn model(bytes: &[u8]) {
-    if let Ok(text) = std::str::from_utf8(bytes) {
-        let _ = ModelFile::from_text(Path::new("fuzz"), text);
+    if let Ok(text) = std::str::from_utf8(bytes)
+        && let Err(error) = ModelFile::from_text(Path::new(NAME), text)
+    {
+        check_error(&error);
     }
 }

@@ -15,7 +15,7 @@ use ::image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
 use super::limits::Size;
 use super::pixels::Layers;
-use super::{FileError, Format, Metadata, Picture, Pixels, ReadOptions};
+use super::{FileError, Format, Metadata, Picture, Pixels, ReadOptions, one_line};
 use crate::barrier;
 
 /// A picture file whose header was read and found within the limits; its pixels are not decoded yet.
@@ -75,10 +75,12 @@ impl Fault {
         let path = path.to_owned();
         match self {
             Self::Read(error) => FileError::Read { path, error },
-            Self::Damaged(cause) => FileError::Damaged { path, cause },
-            Self::CutShort(cause) => FileError::CutShort { path, cause },
-            Self::TooLarge(cause) => FileError::TooLarge { path, cause },
-            Self::Unsupported(found, remedy) => FileError::UnsupportedPixels { path, found, remedy },
+            Self::Damaged(cause) => FileError::Damaged { path, cause: one_line(&cause) },
+            Self::CutShort(cause) => FileError::CutShort { path, cause: one_line(&cause) },
+            Self::TooLarge(cause) => FileError::TooLarge { path, cause: one_line(&cause) },
+            Self::Unsupported(found, remedy) => {
+                FileError::UnsupportedPixels { path, found: one_line(&found), remedy }
+            }
         }
     }
 }

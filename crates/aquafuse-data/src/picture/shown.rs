@@ -1,5 +1,6 @@
-//! File names in messages.
+//! File names, and what stands in files, in messages.
 
+use std::borrow::Cow;
 use std::fmt::{self, Write};
 use std::path::Path;
 
@@ -16,14 +17,19 @@ use std::path::Path;
 /// assert_eq!(shown("two\nlines.png".as_ref()).to_string(), "two\\nlines.png");
 /// ```
 pub fn shown(path: &Path) -> impl fmt::Display + '_ {
-    Shown(path)
+    OneLine(path.to_string_lossy())
 }
 
-struct Shown<'a>(&'a Path);
+/// What a decoder says, as it is shown to people: on one line, for it may quote the file.
+pub(crate) fn one_line(said: &str) -> String {
+    OneLine(said.trim().into()).to_string()
+}
 
-impl fmt::Display for Shown<'_> {
+struct OneLine<'a>(Cow<'a, str>);
+
+impl fmt::Display for OneLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for character in self.0.to_string_lossy().chars() {
+        for character in self.0.chars() {
             if character.is_control() {
                 write!(f, "{}", character.escape_default())?;
             } else {

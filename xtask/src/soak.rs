@@ -74,15 +74,15 @@ fn host() -> Result<String> {
 
 /// Runs one target; what it learns is kept under target/, so that the next run goes on from there.
 fn fuzz(target: &str, programs: &Path, seconds: u64) -> Result<Row> {
-    let (learnt, artifacts) =
+    let (learnt, faults) =
         (root().join("target/fuzz").join(target), root().join("fuzz/artifacts").join(target));
     fs::create_dir_all(&learnt)?;
-    fs::create_dir_all(&artifacts)?;
+    fs::create_dir_all(&faults)?;
     let mut command = Command::new(programs.join(target));
     command
         .arg(&learnt)
         .arg(root().join("fuzz/corpus").join(target))
-        .arg(format!("-artifact_prefix={}/", artifacts.display()))
+        .arg(format!("-artifact_prefix={}/", faults.display()))
         .arg(format!("-max_total_time={seconds}"))
         .args(["-print_final_stats=1", "-max_len=4096", "-detect_leaks=0"])
         .arg(format!("-timeout={SLOWEST}"))

@@ -28,14 +28,17 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Work on this many threads [default: one a core]. No output depends on it.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
+    #[arg(long, global = true, help_heading = COMMON, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
     threads: Option<u16>,
     #[command(flatten)]
     reading: Reading,
     /// Say nothing but errors and what was asked for.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = COMMON)]
     quiet: bool,
 }
+
+/// Where the help lists what every command takes.
+const COMMON: &str = "Common options";
 
 #[derive(Subcommand)]
 enum Command {

@@ -3,6 +3,7 @@
 //! Executions add up over runs in the table of `docs/results.md`. The fuzzer is LLVM's, which counts on the compiler
 //! to mark every branch; the flags for that are those cargo-fuzz uses, and a stable toolchain knows them.
 
+mod resume;
 mod table;
 
 use std::fs;
@@ -121,5 +122,5 @@ fn kills() -> Result<()> {
         let line = said.lines().find_map(|line| line.find(name).map(|at| &line[at..]));
         line.map(|line| format!("- {line}\n")).with_context(|| format!("the test said no {name}"))
     };
-    write_section("kills", &(figures("kills: ")? + &figures("signals: ")?))
+    write_section("kills", &(figures("kills: ")? + &figures("signals: ")? + &resume::figure()?))
 }

@@ -72,8 +72,13 @@ impl Metadata {
             other => (None, other.is_some()),
         };
         self.icc_profile = rgb;
-        if other {
-            self.left_out.push("its colour profile, which is not one for RGB");
+        self.leave_out(other, "its colour profile, which is not one for RGB");
+    }
+
+    /// Notes what is there and does not travel.
+    pub(super) fn leave_out(&mut self, is_there: bool, what: &'static str) {
+        if is_there {
+            self.left_out.push(what);
         }
     }
 }

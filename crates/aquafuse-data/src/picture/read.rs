@@ -237,6 +237,9 @@ fn size_of(decoder: &impl ImageDecoder) -> Size {
     Size { width: width.into(), height: height.into(), channels, sample, beside }
 }
 
+/// What is said where XMP is left behind.
+const XMP: &str = "its XMP";
+
 /// Decodes by `image`, whose own limits act on what its decoders need beside the pixels.
 fn by_image(mut decoder: impl ImageDecoder) -> Result<Decoded, Fault> {
     let mut limits = Limits::no_limits();
@@ -246,6 +249,7 @@ fn by_image(mut decoder: impl ImageDecoder) -> Result<Decoded, Fault> {
     let profile = decoder.icc_profile()?;
     metadata.set_profile(profile);
     metadata.exif = decoder.exif_metadata()?;
+    metadata.leave_out(decoder.xmp_metadata()?.is_some(), XMP);
     let pixels = of_dynamic(DynamicImage::from_decoder(decoder)?)?;
     Ok(Decoded { pixels, metadata, damage: None })
 }

@@ -401,3 +401,18 @@ fn floats_that_are_no_encoded_values_are_refused() {
         assert!(refused.contains("Scale it to 0 to 1"), "{refused}");
     }
 }
+
+#[test]
+fn what_does_not_travel_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    let data = [0x78, 1, 1, 4, 0, 0xfb, 0xff, 0, 1, 2, 3, 0, 0x0e, 0, 7];
+    std::fs::write(&path, png(1, 1, 2, &[(b"tEXt", b"Comment\0reef"), (b"IDAT", &data)])).unwrap();
+    assert_eq!(Picture::read(&path).unwrap().metadata.left_out, ["its texts"]);
+    let mut jpeg = Vec::new();
+    JpegEncoder::new(&mut jpeg).write_image(&[128; 3 * 64], 8, 8, ExtendedColorType::Rgb8).unwrap();
+    let xmp = b"\xff\xe1\0\x25http://ns.adobe.com/xap/1.0/\0<x/>  ";
+    jpeg.splice(2..2, xmp.iter().copied());
+    let read = Picture::from_bytes("a.jpg".as_ref(), &jpeg, &ReadOptions::default()).unwrap();
+    assert_eq!(read.metadata.left_out, ["its XMP"]);
+}

@@ -21,9 +21,7 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
     }
     let mut decoded = by_image(GifDecoder::new(Cursor::new(bytes))?)?;
     decoded.damage = (!blocks.ended).then(cause);
-    if blocks.frames > 1 {
-        decoded.metadata.left_out.push("the frames after the first");
-    }
+    decoded.metadata.leave_out(blocks.frames > 1, "the frames after the first");
     // Every GIF is decoded as if it were transparent somewhere.
     if let Pixels::Bytes(layers) = &mut decoded.pixels
         && layers.alpha.as_ref().is_some_and(|alpha| alpha.iter().all(|&opacity| opacity == u8::MAX))

@@ -12,7 +12,7 @@ use zune_jpeg::errors::DecodeErrors;
 use super::super::limits::Size;
 use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::super::pixels::Layers;
-use super::{Decoded, Fault, Pixels};
+use super::{Decoded, Fault, Pixels, XMP};
 
 /// Scans of a progressive picture; more is an attack on our time.
 const MOST_SCANS: usize = 50;
@@ -202,6 +202,8 @@ fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {
     let mut metadata = Metadata { resolution: resolution(bytes), ..Metadata::default() };
     metadata.set_profile(decoder.icc_profile());
     metadata.exif = decoder.exif().cloned();
+    metadata.leave_out(decoder.xmp().is_some(), XMP);
+    metadata.leave_out(decoder.iptc().is_some(), "its IPTC");
     Ok(Decoded { pixels: pixels.map_err(|size| Fault::Damaged(size.to_string()))?, metadata, damage: None })
 }
 

@@ -46,7 +46,8 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
         Err(Fault::CutShort(cause)) if lenient => Some(cause),
         Err(fault) => return Err(fault),
     };
-    let metadata = metadata(&reader);
+    let mut metadata = metadata(&reader);
+    metadata.leave_out(has_texts(bytes), "its texts");
     let (width, height) = reader.info().size();
     let (width, height) = (width as usize, height as usize);
     let (colour, depth) = reader.output_color_type();
@@ -60,6 +61,20 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
         _ => layers(colour, width, height, samples).map(Pixels::Bytes),
     };
     Ok(Decoded { pixels: pixels.map_err(|size| Fault::Damaged(size.to_string()))?, metadata, damage })
+}
+
+/// Whether there are chunks of text, XMP among them.
+fn has_texts(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(8..).unwrap_or_default();
+    while let Some((length, after)) = rest.split_first_chunk() {
+        let length = u32::from_be_bytes(*length) as usize;
+        if matches!(after.get(..4), Some(b"tEXt" | b"zTXt" | b"iTXt")) {
+            return true;
+        }
+        // The name before, the check sum after what the length counts.
+        rest = length.checked_add(8).and_then(|end| after.get(end..)).unwrap_or_default();
+    }
+    false
 }
 
 fn layers<T: Sample>(

@@ -8,7 +8,7 @@ use ::image::codecs::tiff::TiffDecoder;
 
 use super::super::exif::{self, Exif};
 use super::super::limits::Size;
-use super::{Decoded, Fault, Pixels, by_image, size_of};
+use super::{Decoded, Fault, Pixels, XMP, by_image, size_of};
 
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
     let decoder = TiffDecoder::new(reader)?;
@@ -23,6 +23,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     let mut decoded = by_image(TiffDecoder::new(Cursor::new(bytes))?)?;
     check_floats(&decoded.pixels)?;
     let metadata = &mut decoded.metadata;
+    // XMP is a field as any other, and travels with them.
+    metadata.left_out.retain(|what| *what != XMP);
     // `image` finds only profiles of a type that the specification does not name.
     if metadata.icc_profile.is_none() {
         metadata.set_profile(exif::profile(bytes));
@@ -33,11 +35,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
             metadata.exif = Some(exif.to_block().map_err(|error| Fault::Damaged(error.to_string()))?);
         }
         Some(_) => {}
-        None => metadata.left_out.push("EXIF and resolution of a BigTIFF"),
+        None => metadata.leave_out(true, "EXIF and resolution of a BigTIFF"),
     }
-    if has_further_pages(bytes) {
-        metadata.left_out.push("the pages after the first");
-    }
+    metadata.leave_out(has_further_pages(bytes), "the pages after the first");
     Ok(decoded)
 }
 

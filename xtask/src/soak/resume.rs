@@ -1,0 +1,41 @@
+//! How long a job of very many pictures takes to see that it is done.
+
+use std::fs;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+
+use crate::shell::{cargo, command, output, root, run, say};
+
+const PICTURES: usize = 100_000;
+
+/// Makes a folder of small pictures, fuses it, and fuses it again: a line on the second time.
+pub(super) fn figure() -> Result<String> {
+    say(&format!("Fusing {PICTURES} small pictures twice; the second time they are there"));
+    run(cargo(&["build", "--release", "--quiet", "--package", "aquafuse-cli"]))?;
+    let folder = root().join("target/resume");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    let photos = folder.join("photos");
+    fs::create_dir_all(&photos)?;
+    let small = fs::read(root().join("fuzz/corpus/png/single-pixel.png"))
+        .context("no corpus; run `cargo xtask corpus`")?;
+    for i in 0..PICTURES {
+        fs::write(photos.join(format!("{i:06}.png")), &small)?;
+    }
+    let program = root().join("target/release/aquafuse");
+    let fuse = || {
+        let began = Instant::now();
+        let mut fuse = command(&program, &["fuse"]);
+        fuse.arg(&photos).arg(photos.join("000000.png")).arg("-o").arg(folder.join("fused"));
+        output(fuse).map(|said| (said, began.elapsed()))
+    };
+    fuse()?;
+    let (said, took) = fuse()?;
+    if !said.contains(&format!("{PICTURES} pictures were there already")) {
+        bail!("the second run did not find the first one's pictures: {said}");
+    }
+    fs::remove_dir_all(&folder)?;
+    Ok(format!("- resumed: {PICTURES} finished pictures passed over in {:.1} s\n", took.as_secs_f64()))
+}

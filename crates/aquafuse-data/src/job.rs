@@ -207,6 +207,7 @@ impl Fuse {
     }
 
     fn fuse_file(&self, item: &Item, budget: &Budget, writing: &WriteOptions) -> Result<Report, FileError> {
+        let sources = self.record.as_ref().map(|_| Record::sources(item)).transpose()?;
         let opened = Picture::open(&item.input, &self.recipe.reading)?;
         let format = Format::written(&item.output).unwrap_or(Format::Png);
         let _room = budget.reserve(opened.memory_until_written(format, beside(item, &opened))?);
@@ -223,12 +224,12 @@ impl Fuse {
         if self.recipe.upright {
             picture = picture.upright();
         }
-        if let Some(record) = &self.record {
-            record.begin(item)?;
+        if let (Some(record), Some(sources)) = (&self.record, &sources) {
+            record.begin(item, sources)?;
         }
         picture.write(&item.output, writing)?;
-        if let Some(record) = &self.record {
-            record.done(item)?;
+        if let (Some(record), Some(sources)) = (&self.record, sources) {
+            record.done(item, sources)?;
         }
         let Picture { metadata, damage, .. } = picture;
         Ok(Report {

@@ -133,10 +133,14 @@ impl Picture {
 
     /// The picture turned as its EXIF orientation asks for, which is then 1.
     pub fn upright(self) -> Self {
-        let pixels = self.pixels.turned(self.metadata.orientation());
+        let orientation = self.metadata.orientation();
+        let pixels = self.pixels.turned(orientation);
         let mut metadata = self.metadata;
         if let Some(block) = &mut metadata.exif {
             exif::set_upright(block);
+        }
+        if orientation > 4 {
+            metadata.turn_resolution();
         }
         Self { pixels, metadata, ..self }
     }

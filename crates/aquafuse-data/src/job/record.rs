@@ -3,7 +3,7 @@
 //! One JSON object a line. The first says what the folder is made with; then each picture has a line when its
 //! output is about to get its name, and one when it has it, or failed. A picture with the first line but not the
 //! second may be there or not: it is made again. A line without its end was being written when the process was
-//! killed, and is cut off.
+//! killed, and is cut off. What failed is listed for people; it decides nothing.
 
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
@@ -30,11 +30,18 @@ pub struct Record {
     items: HashMap<OsString, State>,
 }
 
+/// What is known of an output.
 #[derive(Clone, Debug, PartialEq)]
 enum State {
-    Begun,
-    Done(Stamps),
-    Failed,
+    /// It may have its name or not; `before` is what stood there.
+    Begun {
+        source: Source,
+        before: Option<Stamp>,
+    },
+    Done {
+        source: Source,
+        output: Stamp,
+    },
 }
 
 /// What is to be done about an item.
@@ -50,14 +57,19 @@ pub enum Plan {
     Foreign,
 }
 
-/// Size and time of the files that an output was made from, and its own.
+/// What an output is made from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Stamps {
-    input: Stamp,
-    depth: Option<Stamp>,
-    output: Stamp,
+struct Source {
+    /// The content, by its one absolute path.
+    path: Name,
+    content: Stamp,
+    /// How its depth is come by.
+    depth: String,
+    /// The file of its depth.
+    map: Option<Stamp>,
 }
 
+/// Size and time of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Stamp {
     bytes: u64,
@@ -73,13 +85,23 @@ impl Stamp {
     }
 }
 
-impl Stamps {
+impl Source {
     fn of(item: &Item) -> io::Result<Self> {
-        let depth = match &item.depth {
+        let map = match &item.depth {
             DepthSource::Supplied { path, .. } => Some(Stamp::of(path)?),
             DepthSource::Estimated(_) => None,
         };
-        Ok(Self { input: Stamp::of(&item.input)?, depth, output: Stamp::of(&item.output)? })
+        Ok(Self {
+            path: Name::of(item.input.canonicalize()?.as_os_str()),
+            content: Stamp::of(&item.input)?,
+            depth: format!("{:?}", item.depth),
+            map,
+        })
+    }
+
+    /// Whether it is the same picture with depth come by in the same way, be the files changed or not.
+    fn is_of(&self, other: &Self) -> bool {
+        (&self.path, &self.depth) == (&other.path, &other.depth)
     }
 }
 
@@ -87,15 +109,15 @@ impl Stamps {
 #[serde(rename_all = "lowercase")]
 enum Line {
     Job { schema: u32, settings: String },
-    Begun(Name),
-    Done { output: Name, stamps: Stamps },
+    Begun { output: Name, source: Source, before: Option<Stamp> },
+    Done { output: Name, source: Source, stamp: Stamp },
     Failed { output: Name, error: String },
 }
 
 const SCHEMA: u32 = 1;
 
 /// A file name: as text where it is text.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 enum Name {
     Text(String),
@@ -103,8 +125,7 @@ enum Name {
 }
 
 impl Name {
-    fn of(item: &Item) -> Self {
-        let name = item.output.file_name().unwrap_or_default();
+    fn of(name: &OsStr) -> Self {
         match name.to_str() {
             Some(text) => Self::Text(text.to_owned()),
             None => Self::Bytes(name.as_encoded_bytes().to_vec()),
@@ -134,9 +155,13 @@ fn parse(text: &[u8]) -> Result<Recorded, usize> {
                 settings = Some(made_with);
                 continue;
             }
-            Line::Begun(name) if settings.is_some() => (name, State::Begun),
-            Line::Done { output, stamps } if settings.is_some() => (output, State::Done(stamps)),
-            Line::Failed { output, .. } if settings.is_some() => (output, State::Failed),
+            Line::Begun { output, source, before } if settings.is_some() => {
+                (output, State::Begun { source, before })
+            }
+            Line::Done { output, source, stamp } if settings.is_some() => {
+                (output, State::Done { source, output: stamp })
+            }
+            Line::Failed { .. } if settings.is_some() => continue,
             _ => return Err(i + 1),
         };
         items.insert(name.into_os(), state);
@@ -210,43 +235,72 @@ impl Record {
         let failed = |cause: String| FileError::Write { path: self.path.clone(), cause };
         let mut text = serde_json::to_vec(line).map_err(|error| failed(error.to_string()))?;
         text.push(b'\n');
-        self.file().write_all(&text).map_err(|error| failed(error.to_string()))
+        let mut file = self.file();
+        let whole = file.metadata().map_err(|error| failed(error.to_string()))?.len();
+        file.write_all(&text).map_err(|error| {
+            // Half a line on a full disk would spoil the next one.
+            let _ = file.set_len(whole);
+            failed(error.to_string())
+        })
     }
 
     /// What is to be done about an item.
     pub fn plan(&self, item: &Item, overwrite: bool) -> Plan {
-        let there = item.output.symlink_metadata().is_ok();
-        let state = self.items.get(item.output.file_name().unwrap_or(OsStr::new("")));
-        match state {
-            Some(State::Done(stamps)) if there && Stamps::of(item).is_ok_and(|now| now == *stamps) => {
-                Plan::Kept
-            }
-            _ if !there => Plan::Make,
-            Some(State::Begun) => Plan::Replace,
-            _ if overwrite => Plan::Replace,
-            // Made by us from another input: that it is as we left it tells that it is ours.
-            Some(State::Done(stamps)) if Stamp::of(&item.output).is_ok_and(|now| now == stamps.output) => {
-                Plan::Replace
-            }
-            _ => Plan::Foreign,
+        let there = Stamp::of(&item.output).ok();
+        if there.is_none() && item.output.symlink_metadata().is_err() {
+            return Plan::Make;
         }
+        let source = Source::of(item).ok();
+        let ours = match self.items.get(item.output.file_name().unwrap_or_default()) {
+            Some(State::Done { source: known, output }) if there.as_ref() == Some(output) => {
+                if source.as_ref() == Some(known) {
+                    return Plan::Kept;
+                }
+                source.is_some_and(|source| source.is_of(known))
+            }
+            // What stood there before it was begun is still nobody's but its owner's.
+            Some(State::Begun { source: known, before }) => {
+                before.as_ref() != there.as_ref() && source.is_some_and(|source| source.is_of(known))
+            }
+            _ => false,
+        };
+        if ours || overwrite { Plan::Replace } else { Plan::Foreign }
+    }
+
+    /// Remembers what an output will be made from, before its files are read.
+    pub(super) fn sources(item: &Item) -> Result<Sources, FileError> {
+        let source = Source::of(item).map_err(|error| FileError::Read { path: item.input.clone(), error })?;
+        Ok(Sources { source, before: Stamp::of(&item.output).ok() })
     }
 
     /// An output is about to get its name.
-    pub(super) fn begin(&self, item: &Item) -> Result<(), FileError> {
-        self.append(&Line::Begun(Name::of(item)))
+    pub(super) fn begin(&self, item: &Item, sources: &Sources) -> Result<(), FileError> {
+        let Sources { source, before } = sources.clone();
+        self.append(&Line::Begun { output: output_name(item), source, before })
     }
 
     /// An output has its name.
-    pub(super) fn done(&self, item: &Item) -> Result<(), FileError> {
-        let stamps = Stamps::of(item).map_err(|error| FileError::Read { path: item.input.clone(), error })?;
-        self.append(&Line::Done { output: Name::of(item), stamps })
+    pub(super) fn done(&self, item: &Item, sources: Sources) -> Result<(), FileError> {
+        let stamp =
+            Stamp::of(&item.output).map_err(|error| FileError::Read { path: item.output.clone(), error })?;
+        self.append(&Line::Done { output: output_name(item), source: sources.source, stamp })
     }
 
     /// An item failed.
     pub(super) fn failed(&self, item: &Item, error: &FileError) -> Result<(), FileError> {
-        self.append(&Line::Failed { output: Name::of(item), error: error.to_string() })
+        self.append(&Line::Failed { output: output_name(item), error: error.to_string() })
     }
+}
+
+/// What an output is made from, as it was before it was read.
+#[derive(Clone, Debug)]
+pub(super) struct Sources {
+    source: Source,
+    before: Option<Stamp>,
+}
+
+fn output_name(item: &Item) -> Name {
+    Name::of(item.output.file_name().unwrap_or_default())
 }
 
 #[cfg(test)]

@@ -29,6 +29,8 @@ struct Field {
 
 const ORIENTATION: u16 = 0x0112;
 const DESCRIPTION: u16 = 0x010e;
+const X_RESOLUTION: u16 = 0x011a;
+const Y_RESOLUTION: u16 = 0x011b;
 /// Fields that point to further directories: EXIF, GPS, and, in EXIF, interoperability.
 const INNER: [u16; 3] = [0x8769, 0x8825, 0xa005];
 /// What a directory tells about how pixels are stored: true of the file it stands in only. Size, bits, compression,
@@ -42,6 +44,12 @@ const OF_STORAGE: [u16; 32] = [
 const PROFILE: u16 = 0x8773;
 /// More fields than any camera writes, in all directories together.
 const MOST_FIELDS: usize = 4096;
+
+/// What is still taken: fields may all point to the same bytes, and would grow without end.
+struct Allowance {
+    fields: usize,
+    bytes: usize,
+}
 
 /// Reads numbers of a block in its byte order; none past its end.
 struct Block<'a> {
@@ -125,17 +133,17 @@ impl Exif {
     /// The fields of a block, or of a TIFF file; none if it is neither. A field whose value lies outside is left out.
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
         let block = Block::new(bytes)?;
-        let mut left = MOST_FIELDS;
+        let mut left = Allowance { fields: MOST_FIELDS, bytes: bytes.len() };
         let mut exif = Self::directory(&block, block.offset(4)?, 0, &mut left)?;
         exif.fields.retain(|field| !OF_STORAGE.contains(&field.tag) && field.tag != PROFILE);
         Some(exif)
     }
 
-    fn directory(block: &Block<'_>, at: usize, depth: usize, left: &mut usize) -> Option<Self> {
+    fn directory(block: &Block<'_>, at: usize, depth: usize, left: &mut Allowance) -> Option<Self> {
         let (first, count) = block.directory(at)?;
         let mut read = Self::default();
         for entry in (0..count).map(|i| first + 12 * i) {
-            *left = left.checked_sub(1)?;
+            left.fields = left.fields.checked_sub(1)?;
             let tag = block.short(entry)?;
             if INNER.contains(&tag) {
                 // EXIF in main, interoperability in EXIF: deeper there is nothing, but a loop.
@@ -148,6 +156,8 @@ impl Exif {
                 }
             } else if read.fields.iter().all(|field| field.tag != tag) {
                 // Of two fields of one tag, which no directory may hold, readers take the first.
+                let length = block.place(entry).map_or(0, |(_, place)| place.len());
+                left.bytes = left.bytes.checked_sub(length)?;
                 read.fields.extend(block.value(entry));
             }
         }
@@ -171,7 +181,7 @@ impl Exif {
             Some(&[a, b, ..]) if u16::from_ne_bytes([a, b]) == 3 => ResolutionUnit::Centimetre,
             _ => ResolutionUnit::Inch,
         };
-        let density = (density(0x011a)?, density(0x011b)?);
+        let density = (density(X_RESOLUTION)?, density(Y_RESOLUTION)?);
         (density.0.is_finite() && density.1.is_finite()).then_some(Resolution { density, unit })
     }
 
@@ -277,6 +287,21 @@ pub(super) fn set_upright(bytes: &mut [u8]) {
         && let Some(first) = stored.get_mut(..value.len())
     {
         first.copy_from_slice(value);
+    }
+}
+
+/// Exchanges the resolutions across and down, for a picture that is turned onto its side.
+pub(super) fn exchange_resolution(bytes: &mut [u8]) {
+    let values = Block::new(bytes).and_then(|block| {
+        let value = |tag: u16| {
+            let entry = block.main_entry(tag)?;
+            let (kind, _) = block.place(entry)?;
+            (kind == Type::RATIONAL && block.long(entry + 4)? == 1).then_some(entry + 8)
+        };
+        Some((value(X_RESOLUTION)?, value(Y_RESOLUTION)?))
+    });
+    if let Some((x, y)) = values {
+        (0..4).for_each(|i| bytes.swap(x + i, y + i));
     }
 }
 

@@ -46,7 +46,7 @@ const VIEW: u64 = 4;
 /// What the encoder of WebP takes of a pixel: its own four samples, and as much again for the coded picture.
 const WEBP: u64 = 8;
 /// Tables, buffers, the program itself and what allocators keep.
-const OVERHEAD: u64 = 12 << 20;
+const OVERHEAD: u64 = 16 << 20;
 
 impl Size {
     pub(crate) fn pixels(&self) -> u64 {
@@ -64,11 +64,16 @@ impl Size {
 
     /// Memory that turning, smoothing and writing it take, at most.
     pub(crate) fn memory_to_write(&self, format: Format) -> u64 {
-        // Side by side with its opacity, or in bytes or words of the other order.
-        let copied = if self.channels == 3 && self.sample == 1 { 0 } else { self.kept() };
-        let encoder = if format == Format::WebP { WEBP } else { 0 };
-        let twice = 2 * self.kept();
-        self.of_pixels(twice.max(self.kept() + copied + encoder)).saturating_add(OVERHEAD)
+        // Side by side with its opacity, and in bytes or words of the other order.
+        let copies = u64::from(self.channels == 4) + u64::from(self.sample > 1);
+        let encoder = match format {
+            Format::WebP => WEBP,
+            // The compressed picture, which may be as large.
+            Format::Png => self.kept(),
+            _ => 0,
+        };
+        let writing = self.kept() * (1 + copies) + encoder;
+        self.of_pixels(writing.max(2 * self.kept())).saturating_add(OVERHEAD)
     }
 
     fn kept(&self) -> u64 {

@@ -16,6 +16,9 @@ pub struct Metadata {
     pub left_out: Vec<&'static str>,
 }
 
+/// Profiles of printers reach 4 MiB; what is larger is there to take memory.
+const MOST_PROFILE: usize = 8 << 20;
+
 /// How densely the pixels lie when printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
@@ -62,11 +65,32 @@ impl Metadata {
     pub fn orientation(&self) -> u8 {
         self.exif.as_deref().map_or(1, exif::orientation)
     }
-}
 
-impl Metadata {
+    /// What was across is down now.
+    pub(super) fn turn_resolution(&mut self) {
+        if let Some(Resolution { density: (x, y), .. }) = &mut self.resolution {
+            std::mem::swap(x, y);
+        }
+        if let Some(block) = &mut self.exif {
+            exif::exchange_resolution(block);
+        }
+    }
+
+    /// Takes an EXIF block over; some writers of WebP begin it with the name it has in JPEG.
+    pub(super) fn set_exif(&mut self, block: Option<Vec<u8>>) {
+        self.exif = block.map(|block| match block.strip_prefix(b"Exif\0\0") {
+            Some(bare) => bare.to_vec(),
+            None => block,
+        });
+    }
+
     /// Takes a colour profile over if it is one for RGB: its header says so at byte 16.
     pub(super) fn set_profile(&mut self, profile: Option<Vec<u8>>) {
+        self.leave_out(
+            profile.as_ref().is_some_and(|profile| profile.len() > MOST_PROFILE),
+            "its colour profile, which is too large",
+        );
+        let profile = profile.filter(|profile| profile.len() <= MOST_PROFILE);
         let (rgb, other) = match profile {
             Some(profile) if profile.get(16..20) == Some(b"RGB ") => (Some(profile), false),
             other => (None, other.is_some()),

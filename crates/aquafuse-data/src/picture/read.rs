@@ -248,7 +248,7 @@ fn by_image(mut decoder: impl ImageDecoder) -> Result<Decoded, Fault> {
     let mut metadata = Metadata::default();
     let profile = decoder.icc_profile()?;
     metadata.set_profile(profile);
-    metadata.exif = decoder.exif_metadata()?;
+    metadata.set_exif(decoder.exif_metadata()?);
     metadata.leave_out(decoder.xmp_metadata()?.is_some(), XMP);
     let pixels = of_dynamic(DynamicImage::from_decoder(decoder)?)?;
     Ok(Decoded { pixels, metadata, damage: None })

@@ -41,7 +41,9 @@ fn carried(picture: &Picture) -> Result<Cow<'_, Metadata>, String> {
         let text = format!("made by aquafuse from a damaged file: {damage}");
         let marked = exif::with_description(picture.metadata.exif.as_deref(), &text);
         metadata.to_mut().exif = Some(marked.map_err(|error| error.to_string())?);
-    } else if let Some(block) = &mut metadata.to_mut().exif {
+    } else if metadata.exif.is_some()
+        && let Some(block) = &mut metadata.to_mut().exif
+    {
         exif::unlink_thumbnail(block);
     }
     Ok(metadata)

@@ -20,9 +20,10 @@ fn done(name: &str) -> (tempfile::TempDir, Item) {
     write(&item.input, "content");
     let record = Record::open(folder.path(), "blue", false).unwrap();
     assert_eq!(record.plan(&item, false), Plan::Make);
-    record.begin(&item).unwrap();
+    let sources = Record::sources(&item).unwrap();
+    record.begin(&item, &sources).unwrap();
     write(&item.output, "fused");
-    record.done(&item).unwrap();
+    record.done(&item, sources).unwrap();
     (folder, item)
 }
 
@@ -40,11 +41,61 @@ fn what_was_begun_is_made_again_whether_it_got_its_name_or_not() {
     let (folder, _) = done("a.png");
     let item = item(folder.path(), "b.png");
     write(&item.input, "content");
-    Record::open(folder.path(), "blue", false).unwrap().begin(&item).unwrap();
+    let begin = || {
+        let sources = Record::sources(&item).unwrap();
+        Record::open(folder.path(), "blue", false).unwrap().begin(&item, &sources).unwrap();
+    };
+    begin();
     let plan = || Record::open(folder.path(), "blue", false).unwrap().plan(&item, false);
     assert_eq!(plan(), Plan::Make);
     write(&item.output, "fused");
     assert_eq!(plan(), Plan::Replace);
+
+    // Begun over something that is still there as it was: not ours.
+    write(&item.output, "somebody's");
+    begin();
+    assert_eq!(plan(), Plan::Foreign);
+}
+
+#[test]
+fn a_picture_of_the_same_name_from_another_folder_does_not_take_its_place() {
+    let (folder, known) = done("a.png");
+    let elsewhere = folder.path().join("elsewhere");
+    write(&elsewhere, "another dive");
+    let record = Record::open(folder.path(), "blue", false).unwrap();
+    assert_eq!(record.plan(&Item { input: elsewhere, ..known }, false), Plan::Foreign);
+}
+
+#[test]
+fn depth_come_by_in_another_way_is_another_setting() {
+    let (folder, known) = done("a.png");
+    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let ratio = DepthSource::Estimated(aquafuse::depth::DepthModel::Ratio);
+    assert_eq!(record.plan(&Item { depth: ratio, ..known }, false), Plan::Foreign);
+}
+
+#[test]
+fn what_failed_after_it_was_done_is_still_ours() {
+    let (folder, item) = done("a.png");
+    write(&item.input, "broken");
+    let failed = FileError::Empty { path: item.input.clone() };
+    Record::open(folder.path(), "blue", false).unwrap().failed(&item, &failed).unwrap();
+    write(&item.input, "repaired");
+    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Replace);
+}
+
+#[test]
+fn an_input_that_changes_while_it_is_read_is_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let item = item(folder.path(), "a.png");
+    write(&item.input, "first");
+    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let sources = Record::sources(&item).unwrap();
+    write(&item.input, "second one");
+    write(&item.output, "fused");
+    record.done(&item, sources).unwrap();
+    drop(record);
+    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Replace);
 }
 
 #[test]
@@ -92,9 +143,11 @@ fn a_record_cut_anywhere_is_read_as_far_as_its_lines_are_whole() {
 
 #[test]
 fn what_is_no_record_is_left_alone() {
-    for text in
-        ["notes of my own\n", "{\"begun\":\"a.png\"}\n", "{\"job\":{\"schema\":99,\"settings\":\"blue\"}}\n"]
-    {
+    for text in [
+        "notes of my own\n",
+        "{\"failed\":{\"output\":\"a.png\",\"error\":\"x\"}}\n",
+        "{\"job\":{\"schema\":99,\"settings\":\"blue\"}}\n",
+    ] {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(RECORD);
         write(&path, text);
@@ -117,8 +170,9 @@ fn a_name_that_is_no_text_is_known_again() {
     };
     write(&item.input, "content");
     let record = Record::open(folder.path(), "blue", false).unwrap();
+    let sources = Record::sources(&item).unwrap();
     write(&item.output, "fused");
-    record.done(&item).unwrap();
+    record.done(&item, sources).unwrap();
     drop(record);
     assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Kept);
 }

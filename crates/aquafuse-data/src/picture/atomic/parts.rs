@@ -3,7 +3,7 @@
 //! A part is locked by the process that fills it, so that whoever finds one without a lock knows that its process
 //! is gone.
 
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -21,8 +21,17 @@ struct InWork {
     abandoned: bool,
 }
 
+/// The parts in work; never again once they are abandoned.
 fn in_work() -> MutexGuard<'static, InWork> {
-    IN_WORK.lock().unwrap_or_else(PoisonError::into_inner)
+    let in_work = IN_WORK.lock().unwrap_or_else(PoisonError::into_inner);
+    if in_work.abandoned {
+        drop(in_work);
+        // The process is about to end, and this thread with it.
+        loop {
+            std::thread::park();
+        }
+    }
+    in_work
 }
 
 /// A temporary file that is removed unless it takes its name in the end.
@@ -32,18 +41,11 @@ impl Part {
     pub(super) fn create_in(folder: &Path) -> io::Result<Self> {
         loop {
             let mut in_work = in_work();
-            if in_work.abandoned {
-                drop(in_work);
-                // The process is about to end, and this thread with it.
-                loop {
-                    std::thread::park();
-                }
-            }
             let part = builder().tempfile_in(folder)?;
-            // A file system without locks cannot tell whose a part is; then nobody removes it but we.
-            let _ = part.as_file().try_lock();
-            // Between making and locking it, another process may have taken it for one left behind.
-            if part.path().exists() {
+            // Between making and locking it, another process may have taken it for one left behind. A file system
+            // without locks cannot tell whose a part is; then nobody removes it but we.
+            let taken = matches!(part.as_file().try_lock(), Err(TryLockError::WouldBlock));
+            if !taken && part.path().exists() {
                 in_work.paths.push(part.path().to_owned());
                 return Ok(Self(Some(part)));
             }
@@ -58,8 +60,11 @@ impl Part {
     pub(super) fn persist(mut self, path: &Path, overwrite: bool) -> io::Result<()> {
         let Some(part) = self.0.take() else { return Ok(()) };
         let before = part.path().to_owned();
+        // Held over the renaming: a part that is abandoned between must not look like a failure.
+        let mut in_work = in_work();
         let named = if overwrite { part.persist(path) } else { part.persist_noclobber(path) };
-        forget(&before);
+        in_work.paths.retain(|part| *part != before);
+        drop(in_work);
         // Where it failed, the part is dropped with the error, and so removed.
         named.map(|_| ()).map_err(|refused| refused.error)
     }
@@ -96,7 +101,7 @@ fn builder() -> Builder<'static, 'static> {
 /// For a program that was told to stop, right before it ends: what has its name by then is whole, and nothing
 /// else is left.
 pub fn abandon_parts() {
-    let mut in_work = in_work();
+    let mut in_work = IN_WORK.lock().unwrap_or_else(PoisonError::into_inner);
     in_work.abandoned = true;
     for path in in_work.paths.drain(..) {
         let _ = std::fs::remove_file(path);
@@ -113,10 +118,12 @@ pub fn remove_stale_parts(folder: &Path) -> usize {
             .and_then(|name| name.to_str())
             .is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
     };
-    let is_stale = |path: &Path| {
+    let remove = |path: &PathBuf| {
+        // The lock is held until the file is gone: who made it a moment ago sees that it was taken.
         path.symlink_metadata().is_ok_and(|about| about.is_file())
-            && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+            && File::open(path)
+                .is_ok_and(|file| file.try_lock().is_ok() && std::fs::remove_file(path).is_ok())
     };
     let parts = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_part(path));
-    parts.filter(|path| is_stale(path) && std::fs::remove_file(path).is_ok()).count()
+    parts.filter(remove).count()
 }

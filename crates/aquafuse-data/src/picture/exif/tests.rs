@@ -82,6 +82,27 @@ fn the_thumbnail_is_no_longer_found() {
 }
 
 #[test]
+fn fields_that_point_to_the_same_bytes_do_not_grow_without_end() {
+    let entry =
+        |tag: u16| [&tag.to_le_bytes()[..], &7_u16.to_le_bytes(), &4000_u32.to_le_bytes(), &[0; 4]].concat();
+    let entries: Vec<u8> = (0..300).flat_map(|i| entry(0x9000 + i)).collect();
+    let block = [&b"II*\0\x08\0\0\0"[..], &300_u16.to_le_bytes(), &entries, &[0; 4]].concat();
+    assert_eq!(Exif::read(&block), None, "a million bytes out of four thousand");
+}
+
+#[test]
+fn the_resolution_of_a_picture_on_its_side_is_exchanged() {
+    let resolution = Resolution { density: (300.0, 150.0), unit: ResolutionUnit::Inch };
+    let ratio = |value: u32| [value.to_ne_bytes(), 1_u32.to_ne_bytes()].concat();
+    let field = |tag, value| Field { tag, kind: Type::RATIONAL, bytes: ratio(value) };
+    let exif = Exif { fields: vec![field(X_RESOLUTION, 300), field(Y_RESOLUTION, 150)], inner: Vec::new() };
+    let mut block = exif.to_block().unwrap();
+    assert_eq!(Exif::read(&block).unwrap().resolution(), Some(resolution));
+    exchange_resolution(&mut block);
+    assert_eq!(Exif::read(&block).unwrap().resolution().unwrap().density, (150.0, 300.0));
+}
+
+#[test]
 fn a_loop_of_directories_ends() {
     let mut looped = block(true, 1);
     // The EXIF directory is the main one.

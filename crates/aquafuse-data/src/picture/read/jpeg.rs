@@ -1,6 +1,6 @@
 //! JPEG: grey, colour and CMYK.
 
-use std::io::{BufRead, Seek, SeekFrom};
+use std::io::{BufRead, Cursor, Seek, SeekFrom};
 
 use aquafuse::image::Image;
 use zune_core::bytestream::ZCursor;
@@ -20,41 +20,53 @@ const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
 const PROGRESSIVE: u8 = 0xc2;
 
-/// Size and components as the frame header has them.
+/// Size and components as the frame header has them, read as far as the first scan, which tells how they are coded.
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
     let mut fixed = [0; 2];
     reader.read_exact(&mut fixed)?;
+    let mut frame: Option<(u8, [u8; 6])> = None;
     loop {
         let marker = next_marker(reader)?;
-        match marker {
-            _ if is_frame(marker) => {
-                let mut frame = [0; 8];
-                reader.read_exact(&mut frame)?;
-                let [_, _, _, y1, y0, x1, x0, components] = frame;
+        if matches!(marker, 0x01 | 0xd0..=0xd8) {
+            continue;
+        }
+        let mut length = [0; 2];
+        if marker != END_OF_IMAGE {
+            reader.read_exact(&mut length)?;
+        }
+        let mut rest = i64::from(u16::from_be_bytes(length)) - 2;
+        match (marker, frame) {
+            (START_OF_SCAN, Some((marker, [_, y1, y0, x1, x0, components]))) => {
+                let mut scanned = [0];
+                reader.read_exact(&mut scanned)?;
                 let side = |high, low| u64::from(u16::from_be_bytes([high, low]));
+                // All of the picture's coefficients are held where they come in more than one scan; grey is tripled.
+                let in_scans = marker == PROGRESSIVE || scanned[0] < components;
+                let coefficients = if in_scans { 2 * u64::from(components) } else { 0 };
+                let beside = coefficients + u64::from(components == 1);
                 return Ok(Size {
                     width: side(x1, x0),
                     height: side(y1, y0),
                     channels: 3,
                     sample: 1,
-                    // Grey is tripled, the rest kept as it is decoded.
-                    beside: u64::from(components == 1),
+                    beside,
                 });
             }
-            START_OF_SCAN | END_OF_IMAGE => {
+            (START_OF_SCAN | END_OF_IMAGE, _) => {
                 return Err(Fault::Damaged("it does not say how large it is".into()));
             }
-            0x01 | 0xd0..=0xd8 => {}
-            _ => {
-                let mut length = [0; 2];
-                reader.read_exact(&mut length)?;
-                let rest = i64::from(u16::from_be_bytes(length)) - 2;
-                if rest < 0 {
-                    return Err(Fault::Damaged("a part of it says that it is shorter than nothing".into()));
-                }
-                reader.seek(SeekFrom::Current(rest))?;
+            _ if is_frame(marker) => {
+                let mut found = [0; 6];
+                reader.read_exact(&mut found)?;
+                frame = frame.or(Some((marker, found)));
+                rest -= 6;
             }
+            _ => {}
         }
+        if rest < 0 {
+            return Err(Fault::Damaged("a part of it says that it is shorter than it can be".into()));
+        }
+        reader.seek(SeekFrom::Current(rest))?;
     }
 }
 
@@ -180,11 +192,13 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
 }
 
 fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {
-    let most = usize::from(u16::MAX);
+    // A second frame header must not make it larger than what memory was reserved for.
+    let most = header(&mut Cursor::new(bytes))?;
+    let side = |length: u64| usize::try_from(length).unwrap_or(usize::MAX);
     let options = DecoderOptions::default()
         .set_strict_mode(strict)
-        .set_max_width(most)
-        .set_max_height(most)
+        .set_max_width(side(most.width))
+        .set_max_height(side(most.height))
         .jpeg_set_max_scans(MOST_SCANS);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers()?;
@@ -201,7 +215,7 @@ fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {
     };
     let mut metadata = Metadata { resolution: resolution(bytes), ..Metadata::default() };
     metadata.set_profile(decoder.icc_profile());
-    metadata.exif = decoder.exif().cloned();
+    metadata.set_exif(decoder.exif().cloned());
     metadata.leave_out(decoder.xmp().is_some(), XMP);
     metadata.leave_out(decoder.iptc().is_some(), "its IPTC");
     Ok(Decoded { pixels: pixels.map_err(|size| Fault::Damaged(size.to_string()))?, metadata, damage: None })

@@ -11,7 +11,7 @@ use super::super::pixels::Layers;
 use super::{Decoded, Fault, Pixels};
 
 /// What the decoder may take beside the pixels: rows, and a colour profile once it is inflated.
-const BESIDE: usize = 64 << 20;
+const BESIDE: usize = 24 << 20;
 
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
     let mut head = [0; 26];

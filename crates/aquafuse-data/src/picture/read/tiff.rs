@@ -35,7 +35,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
             metadata.exif = Some(exif.to_block().map_err(|error| Fault::Damaged(error.to_string()))?);
         }
         Some(_) => {}
-        None => metadata.leave_out(true, "EXIF and resolution of a BigTIFF"),
+        None => metadata.leave_out(true, "its EXIF and resolution (a BigTIFF, or too much of it)"),
     }
     metadata.leave_out(has_further_pages(bytes), "the pages after the first");
     Ok(decoded)

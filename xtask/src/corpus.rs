@@ -29,8 +29,8 @@ const TARGETS: [(&str, &str, &str); 12] = [
 const EASY: [&str; 2] = ["bit flips", "cut short"];
 
 const RECORD: &str = r#"{"job":{"schema":1,"settings":"0.1.0 blue"}}
-{"begun":"a.png"}
-{"done":{"output":"a.png","stamps":{"input":{"bytes":7,"modified_ns":1},"depth":null,"output":{"bytes":9,"modified_ns":2}}}}
+{"begun":{"output":"a.png","source":{"path":"/a.png","content":{"bytes":7,"modified_ns":1},"depth":"Estimated(Ratio)","map":null},"before":null}}
+{"done":{"output":"a.png","source":{"path":"/a.png","content":{"bytes":7,"modified_ns":1},"depth":"Estimated(Ratio)","map":null},"stamp":{"bytes":9,"modified_ns":2}}}
 {"failed":{"output":[255,46,112,110,103],"error":"cannot read"}}
 "#;
 const MODEL: &str = "schema = 1\nmodel = \"eq3\"\nmu = [0.5, 0.5, -6.0, -0.5, -2.0]\n\n[fit]\ndata = \"pairs\"\npairs = 1\n\

@@ -45,12 +45,16 @@ impl From<aquafuse_data::picture::FileError> for Failure {
     /// A name that cannot be written to, that nothing bears, or that is a folder's, is wrong usage; anything
     /// else happened to the work.
     fn from(error: aquafuse_data::picture::FileError) -> Self {
-        use aquafuse_data::picture::FileError::{Busy, Exists, OtherSettings, Read, UnknownExtension};
+        use aquafuse_data::picture::FileError::{
+            Busy, DamagedRecord, Exists, OtherSettings, Read, UnknownExtension,
+        };
         use std::io::ErrorKind::{IsADirectory, NotFound};
         match &error {
-            Busy { .. } | Exists { .. } | OtherSettings { .. } | UnknownExtension { .. } => {
-                Self::usage(error)
-            }
+            Busy { .. }
+            | DamagedRecord { .. }
+            | Exists { .. }
+            | OtherSettings { .. }
+            | UnknownExtension { .. } => Self::usage(error),
             Read { error: cause, .. } if matches!(cause.kind(), NotFound | IsADirectory) => {
                 Self::usage(error)
             }

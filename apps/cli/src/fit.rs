@@ -18,7 +18,7 @@ use crate::progress::Progress;
 
 /// Fit the depth model `eq3` to pictures with known depth, for `--depth-model FILE.toml`.
 ///
-/// PAIRS holds a folder `rgb` of pictures (PNG, JPEG, 8-bit TIFF) and a folder `depth` of depth maps
+/// PAIRS holds a folder `rgb` of pictures (PNG, JPEG, TIFF, WebP, BMP) and a folder `depth` of depth maps
 /// (PNG, TIFF, OpenEXR, NPY, PFM) of the same stems and sizes. Depth never rises with red nor falls with max(G, B) in the fitted model, and
 /// spans 0 to 1 over all colours. A few pairs of one place make a model of that place: look at pairs it was
 /// not fitted to.

@@ -13,11 +13,12 @@ pub(crate) struct Reading {
     /// Refuse pictures of more pixels than this.
     #[arg(long, global = true, help_heading = crate::COMMON, value_name = "N", default_value_t = ReadOptions::default().most_pixels)]
     max_pixels: u64,
-    /// Memory for all pictures in work at once: 512MiB, 2GiB or a number of bytes. One that needs more by itself is
-    /// refused, others wait their turn.
+    /// Memory for all pictures that `fuse` has in work at once: 512MiB, 2GiB or a number of bytes. One that needs more
+    /// by itself is refused, by every command; others wait their turn.
     #[arg(long, global = true, help_heading = crate::COMMON, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
     max_memory: u64,
-    /// Take pictures whose file was cut short for what is left of them. Their outputs say so in their EXIF description.
+    /// Take pictures whose file was cut short, JPEG and PNG above all, for what is left of them. Their outputs say so in
+    /// their EXIF description.
     #[arg(long, global = true, help_heading = crate::COMMON)]
     lenient: bool,
 }

@@ -101,7 +101,7 @@ fn limits_are_obeyed_and_can_be_raised() {
             refused.stderr
         );
     }
-    run.ok(&["inspect", "water.png", "--max-pixels", "6144", "--max-memory", "13MiB"]);
+    run.ok(&["inspect", "water.png", "--max-pixels", "6144", "--max-memory", "17MiB"]);
 }
 
 #[test]

@@ -19,6 +19,9 @@ pub(super) fn items(content: &Path, water: &Path, output: &Path, supply: &Supply
         if about.is_dir() { of_folder(content, output)? } else { vec![of_file(content, water, output)?] };
     let item = |(input, output): (PathBuf, PathBuf)| {
         let depth = supply.of(&input)?;
+        if same(water, &output) {
+            return Err(written_over(&output));
+        }
         if let DepthSource::Supplied { path, .. } = &depth
             && same(path, &output)
         {

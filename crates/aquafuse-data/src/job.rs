@@ -207,7 +207,7 @@ impl Fuse {
     }
 
     fn fuse_file(&self, item: &Item, budget: &Budget, writing: &WriteOptions) -> Result<Report, FileError> {
-        let sources = self.record.as_ref().map(|_| Record::sources(item)).transpose()?;
+        let sources = self.record.as_ref().map(|record| record.sources(item)).transpose()?;
         let opened = Picture::open(&item.input, &self.recipe.reading)?;
         let format = Format::written(&item.output).unwrap_or(Format::Png);
         let _room = budget.reserve(opened.memory_until_written(format, beside(item, &opened))?);

@@ -33,7 +33,7 @@ pub struct Record {
 /// What is known of an output.
 #[derive(Clone, Debug, PartialEq)]
 enum State {
-    /// It may have its name or not; `before` is what stood there.
+    /// It may have its name or not; `before` is what stood there and was not ours.
     Begun {
         source: Source,
         before: Option<Stamp>,
@@ -268,9 +268,11 @@ impl Record {
     }
 
     /// Remembers what an output will be made from, before its files are read.
-    pub(super) fn sources(item: &Item) -> Result<Sources, FileError> {
+    pub(super) fn sources(&self, item: &Item) -> Result<Sources, FileError> {
         let source = Source::of(item).map_err(|error| FileError::Read { path: item.input.clone(), error })?;
-        Ok(Sources { source, before: Stamp::of(&item.output).ok() })
+        let is_ours = self.plan(item, false) != Plan::Foreign;
+        let before = if is_ours { None } else { Stamp::of(&item.output).ok() };
+        Ok(Sources { source, before })
     }
 
     /// An output is about to get its name.

@@ -20,7 +20,7 @@ fn done(name: &str) -> (tempfile::TempDir, Item) {
     write(&item.input, "content");
     let record = Record::open(folder.path(), "blue", false).unwrap();
     assert_eq!(record.plan(&item, false), Plan::Make);
-    let sources = Record::sources(&item).unwrap();
+    let sources = record.sources(&item).unwrap();
     record.begin(&item, &sources).unwrap();
     write(&item.output, "fused");
     record.done(&item, sources).unwrap();
@@ -42,8 +42,8 @@ fn what_was_begun_is_made_again_whether_it_got_its_name_or_not() {
     let item = item(folder.path(), "b.png");
     write(&item.input, "content");
     let begin = || {
-        let sources = Record::sources(&item).unwrap();
-        Record::open(folder.path(), "blue", false).unwrap().begin(&item, &sources).unwrap();
+        let record = Record::open(folder.path(), "blue", false).unwrap();
+        record.begin(&item, &record.sources(&item).unwrap()).unwrap();
     };
     begin();
     let plan = || Record::open(folder.path(), "blue", false).unwrap().plan(&item, false);
@@ -51,10 +51,24 @@ fn what_was_begun_is_made_again_whether_it_got_its_name_or_not() {
     write(&item.output, "fused");
     assert_eq!(plan(), Plan::Replace);
 
-    // Begun over something that is still there as it was: not ours.
-    write(&item.output, "somebody's");
+    // Begun again over what is ours, and killed again: still ours.
     begin();
+    assert_eq!(plan(), Plan::Replace);
+}
+
+#[test]
+fn what_was_begun_over_somebodys_file_is_theirs_until_it_has_its_name() {
+    let (folder, _) = done("a.png");
+    let item = item(folder.path(), "b.png");
+    write(&item.input, "content");
+    write(&item.output, "somebody's");
+    let record = Record::open(folder.path(), "blue", true).unwrap();
+    record.begin(&item, &record.sources(&item).unwrap()).unwrap();
+    drop(record);
+    let plan = || Record::open(folder.path(), "blue", false).unwrap().plan(&item, false);
     assert_eq!(plan(), Plan::Foreign);
+    write(&item.output, "fused over it");
+    assert_eq!(plan(), Plan::Replace);
 }
 
 #[test]
@@ -90,7 +104,7 @@ fn an_input_that_changes_while_it_is_read_is_made_again() {
     let item = item(folder.path(), "a.png");
     write(&item.input, "first");
     let record = Record::open(folder.path(), "blue", false).unwrap();
-    let sources = Record::sources(&item).unwrap();
+    let sources = record.sources(&item).unwrap();
     write(&item.input, "second one");
     write(&item.output, "fused");
     record.done(&item, sources).unwrap();
@@ -170,7 +184,7 @@ fn a_name_that_is_no_text_is_known_again() {
     };
     write(&item.input, "content");
     let record = Record::open(folder.path(), "blue", false).unwrap();
-    let sources = Record::sources(&item).unwrap();
+    let sources = record.sources(&item).unwrap();
     write(&item.output, "fused");
     record.done(&item, sources).unwrap();
     drop(record);

@@ -60,7 +60,7 @@ pub enum Plan {
 /// What an output is made from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Source {
-    /// The content, by its one absolute path.
+    /// The content, by its absolute path as it was named: to follow links would double the time of a resume.
     path: Name,
     content: Stamp,
     /// How its depth is come by.
@@ -92,7 +92,7 @@ impl Source {
             DepthSource::Estimated(_) => None,
         };
         Ok(Self {
-            path: Name::of(item.input.canonicalize()?.as_os_str()),
+            path: Name::of(std::path::absolute(&item.input)?.as_os_str()),
             content: Stamp::of(&item.input)?,
             depth: format!("{:?}", item.depth),
             map,

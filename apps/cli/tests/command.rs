@@ -310,7 +310,11 @@ fn every_real_scene_can_be_fused() {
     let (scenes, water) = (scenes.to_str().unwrap(), scenes.join("greenish_07.jpg"));
     for model in ["aquafuse", "physical", "exchange"] {
         run.ok(&["fuse", scenes, water.to_str().unwrap(), "-o", model, "--model", model]);
-        assert_eq!(std::fs::read_dir(run.path(model)).unwrap().count(), count);
+        assert_eq!(
+            std::fs::read_dir(run.path(model)).unwrap().count(),
+            count + 1,
+            "all of them, and the record"
+        );
     }
 }
 

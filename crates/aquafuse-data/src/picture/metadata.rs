@@ -42,6 +42,14 @@ pub enum ResolutionUnit {
 }
 
 impl Resolution {
+    /// The same without metres, which JPEG and TIFF do not know.
+    pub(super) fn without_metres(self) -> Self {
+        match self.unit {
+            ResolutionUnit::Metre => self.into_unit(ResolutionUnit::Inch),
+            _ => self,
+        }
+    }
+
     /// The same in another unit; as it is where its own is not known.
     pub(super) fn into_unit(self, unit: ResolutionUnit) -> Self {
         let metres = |unit| match unit {

@@ -129,10 +129,7 @@ fn jpeg(out: &mut dyn Write, picture: &Picture, metadata: &Metadata, quality: u8
 }
 
 fn density(resolution: Resolution) -> PixelDensity {
-    let resolution = match resolution.unit {
-        ResolutionUnit::Metre => resolution.into_unit(ResolutionUnit::Inch),
-        _ => resolution,
-    };
+    let resolution = resolution.without_metres();
     let unit = match resolution.unit {
         ResolutionUnit::Inch | ResolutionUnit::Metre => PixelDensityUnit::Inches,
         ResolutionUnit::Centimetre => PixelDensityUnit::Centimeters,

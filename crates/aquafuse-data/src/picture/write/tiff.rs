@@ -64,10 +64,7 @@ fn write_resolution<W: io::Write + io::Seek>(
     directory: &mut ::tiff::encoder::DirectoryEncoder<'_, W, ::tiff::encoder::TiffKindStandard>,
     resolution: Resolution,
 ) -> Result<(), TiffError> {
-    let resolution = match resolution.unit {
-        ResolutionUnit::Metre => resolution.into_unit(ResolutionUnit::Inch),
-        _ => resolution,
-    };
+    let resolution = resolution.without_metres();
     let unit = match resolution.unit {
         ResolutionUnit::Inch | ResolutionUnit::Metre => Unit::Inch,
         ResolutionUnit::Centimetre => Unit::Centimeter,

@@ -54,11 +54,13 @@
 //! Files, folders and the command line (see the crate `aquafuse-data` and the `aquafuse` command); neural
 //! networks; forward scattering (blur); several light sources.
 
+mod bands;
 pub mod depth;
 pub mod formation;
 pub mod fusion;
 pub mod image;
 pub mod metrics;
+mod simd;
 pub mod smooth;
 pub mod truth;
 pub mod waterbody;

@@ -2,7 +2,7 @@
 //!
 //! Between bytes, for pictures whose values lie closer together, the tables are interpolated.
 
-use crate::image::{Image, Sample};
+use crate::image::Sample;
 
 /// Levels of depth by red and by max(green, blue), in fixed point: no exponential a pixel, and the same
 /// level on every machine that makes the same tables.
@@ -38,10 +38,10 @@ impl Tables {
         (sum.saturating_add(1 << (FRACTION - 1)) >> FRACTION).clamp(0, 255) as u8
     }
 
-    /// The level of each pixel.
-    pub(super) fn levels<T: Sample>(&self, image: &Image<T>) -> Vec<u8> {
-        let level = |&[r, g, b]: &[T; 3]| self.level(r.to_byte(), g.to_byte().max(b.to_byte()));
-        image.pixels().iter().map(level).collect()
+    /// The levels of all colours: for whole pictures, whose every pixel is then one look.
+    pub(super) fn square(&self) -> Square {
+        let level = |index: usize| self.level((index >> 8) as u8, index as u8);
+        Square { levels: (0..COLOURS).map(level).collect() }
     }
 
     /// The depth of one colour of 16 bits in steps of 1 / 65535; [`Tables::level`] to the byte where the
@@ -55,9 +55,29 @@ impl Tables {
     }
 
     /// [`Tables::fine`] of each pixel.
-    pub(super) fn fine_levels<T: Sample>(&self, image: &Image<T>) -> Vec<u16> {
-        let fine = |&[r, g, b]: &[T; 3]| self.fine(r.to_word(), g.to_word().max(b.to_word()));
-        image.pixels().iter().map(fine).collect()
+    pub(super) fn fine_row<T: Sample>(&self, pixels: &[[T; 3]], row: &mut [u16]) {
+        for (depth, &[r, g, b]) in row.iter_mut().zip(pixels) {
+            *depth = self.fine(r.to_word(), g.to_word().max(b.to_word()));
+        }
+    }
+}
+
+/// Pairs of red and max(green, blue).
+const COLOURS: usize = 256 * 256;
+
+/// The level of each pair of red and max(green, blue). 64 kB: neighbouring pixels use a small part of it.
+#[derive(Clone)]
+pub(super) struct Square {
+    levels: Box<[u8]>,
+}
+
+impl Square {
+    /// The level of each pixel.
+    pub(super) fn row<T: Sample>(&self, pixels: &[[T; 3]], row: &mut [u8]) {
+        let levels: &[u8; COLOURS] = self.levels.first_chunk().expect("all colours");
+        for (level, &[r, g, b]) in row.iter_mut().zip(pixels) {
+            *level = levels[usize::from(r.to_byte()) << 8 | usize::from(g.to_byte().max(b.to_byte()))];
+        }
     }
 }
 

@@ -19,7 +19,7 @@ pub(crate) fn sum<T: Send, S: Default + Send>(
 ) -> S {
     let band = ROWS * per_row;
     #[cfg(feature = "threads")]
-    if values.len() > FEW_VALUES && rayon::current_num_threads() > 1 {
+    if pays(values.len()) {
         use rayon::prelude::*;
         let bands = values.par_chunks_mut(band).enumerate();
         return bands.map(|(index, band)| work(index * ROWS, band)).reduce(S::default, add);
@@ -31,4 +31,24 @@ pub(crate) fn sum<T: Send, S: Default + Send>(
 /// [`sum`] for work that returns nothing.
 pub(crate) fn for_each<T: Send>(values: &mut [T], per_row: usize, work: impl Fn(usize, &mut [T]) + Sync) {
     sum(values, per_row, work, |(), ()| ());
+}
+
+/// Does two things to so many values, side by side if that pays.
+pub(crate) fn both<A: Send, B: Send>(
+    values: usize,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    #[cfg(feature = "threads")]
+    if pays(values) {
+        return rayon::join(a, b);
+    }
+    let _ = values;
+    (a(), b())
+}
+
+/// Whether there are threads, and enough values to wake them for.
+#[cfg(feature = "threads")]
+fn pays(values: usize) -> bool {
+    values > FEW_VALUES && rayon::current_num_threads() > 1
 }

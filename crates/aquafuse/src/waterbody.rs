@@ -10,6 +10,7 @@ mod pool;
 pub mod presets;
 mod quality;
 mod statistics;
+mod thumbnail;
 mod unit;
 mod veiling_light;
 
@@ -19,10 +20,12 @@ pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
+use crate::bands;
 use crate::depth::{DepthMap, DepthModel, Quantised};
 use crate::image::{Encoded, Encoding, Image, SizeError, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
+use thumbnail::Thumbnail;
 use veiling_light::Reading;
 
 /// The water of one picture, per channel red, green, blue.
@@ -146,18 +149,26 @@ pub fn estimate<E: Encoding>(
 ) -> Result<Estimate<E>, SizeError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
-    let statistics = Statistics::<E>::gather(image, &quantised);
-    let mut light = veiling_light::read(image, &quantised.levels, options.top, options.veiling_light);
-    let mut growth = fit(image, depth, &quantised, &statistics, &light, options.backscatter);
-    if depth.model().is_none() && is_seen_through(&light, &growth, &quantised) {
+    let thumbnail = Thumbnail::of(image, &quantised);
+    let (image, quantised) = match &thumbnail {
+        Some(thumbnail) => (&thumbnail.image, &thumbnail.depth),
+        None => (image, &quantised),
+    };
+    let (statistics, mut light) = bands::both(
+        quantised.levels.len(),
+        || Statistics::<E>::gather(image, quantised),
+        || veiling_light::read(image, &quantised.levels, options.top, options.veiling_light),
+    );
+    let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
+    if depth.model().is_none() && is_seen_through(&light, &growth, quantised) {
         light = veiling_light::read_without_open_water(image, &quantised.levels, options.top);
-        growth = fit(image, depth, &quantised, &statistics, &light, options.backscatter);
+        growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
     let attenuation: [attenuation::Fit; 3] =
         std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
     let intervals = judge::intervals::<E>(&growth, &light);
-    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, &quantised);
+    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, quantised);
     Ok(Estimate {
         water: Waterbody {
             veiling_light: veil,

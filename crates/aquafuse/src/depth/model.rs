@@ -113,7 +113,9 @@ impl DepthModel {
         mut levels: Vec<u8>,
     ) -> DepthMap {
         let (width, height) = image.size();
-        if let Some(tables) = self.tables().filter(|_| T::FINE) {
+        if T::FINE
+            && let Some(tables) = self.tables()
+        {
             let mut levels = vec![0; width * height];
             median::filter(width, &mut levels, |y, row| tables.fine_row(image.row(y), row));
             let map = DepthMap::from_fine_levels(width, height, levels);

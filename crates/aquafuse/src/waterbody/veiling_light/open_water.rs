@@ -3,6 +3,8 @@
 //! The farthest pixels need not be water: depth from colour takes bright sand for far where red is dead,
 //! and turbid water for near. But open water is smooth, and much of it has one colour, wherever it is.
 
+use std::ops::Range;
+
 use crate::depth::LEVELS;
 use crate::image::Image;
 
@@ -159,15 +161,15 @@ impl Grid {
         let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
         let (columns, rows) = (borders(width, side), borders(height, side));
         let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
+        let mut sums = ColumnSums::new(width);
         for rows in rows.windows(2) {
-            for columns in columns.windows(2) {
-                let mut sums = Sums::default();
-                for y in rows[0]..rows[1] {
-                    let range = y * width + columns[0]..y * width + columns[1];
-                    sums.add(&image.pixels()[range.clone()], &levels[range]);
-                }
-                cells.push(sums.cell());
+            sums.clear();
+            for y in rows[0]..rows[1] {
+                sums.add(image.row(y).as_flattened(), &levels[y * width..][..width]);
             }
+            cells.extend(
+                columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])),
+            );
         }
         Self { columns: columns.len() - 1, cells }
     }
@@ -198,35 +200,55 @@ fn borders(length: usize, side: f32) -> Vec<usize> {
     (0..=count).map(|i| if 2 * i <= count { from_start(i) } else { length - from_start(count - i) }).collect()
 }
 
-#[derive(Default)]
-struct Sums {
-    pixels: u64,
-    values: [u64; 3],
-    squares: [u64; 3],
-    levels: u64,
+/// Sums over the rows of a row of cells, column by column: what is added is wide and without a branch.
+struct ColumnSums {
+    /// Of values and their squares, channels in turn; of levels.
+    values: Vec<u32>,
+    squares: Vec<u32>,
+    levels: Vec<u32>,
 }
 
-impl Sums {
-    fn add(&mut self, pixels: &[[u8; 3]], levels: &[u8]) {
-        self.pixels += pixels.len() as u64;
-        self.levels += levels.iter().map(|&level| u64::from(level)).sum::<u64>();
-        for pixel in pixels {
-            for c in 0..3 {
-                let value = u64::from(pixel[c]);
-                self.values[c] += value;
-                self.squares[c] += value * value;
-            }
+impl ColumnSums {
+    fn new(width: usize) -> Self {
+        Self { values: vec![0; 3 * width], squares: vec![0; 3 * width], levels: vec![0; width] }
+    }
+
+    fn clear(&mut self) {
+        for sums in [&mut self.values, &mut self.squares, &mut self.levels] {
+            sums.fill(0);
         }
     }
 
-    fn cell(&self) -> Cell {
-        let count = self.pixels as f64;
-        let mean = self.values.map(|sum| sum as f64 / count);
-        let variance = (0..3).map(|c| self.squares[c] as f64 / count - mean[c] * mean[c]);
+    fn add(&mut self, values: &[u8], levels: &[u8]) {
+        for ((sum, square), &value) in self.values.iter_mut().zip(&mut self.squares).zip(values) {
+            *sum += u32::from(value);
+            *square += u32::from(u16::from(value) * u16::from(value));
+        }
+        for (sum, &level) in self.levels.iter_mut().zip(levels) {
+            *sum += u32::from(level);
+        }
+    }
+
+    /// The cell of these columns and so many rows.
+    fn cell(&self, columns: Range<usize>, rows: usize) -> Cell {
+        let pixels = (columns.len() * rows) as u64;
+        let (mut values, mut squares) = ([0_u64; 3], [0_u64; 3]);
+        let channels = 3 * columns.start..3 * columns.end;
+        let (of_values, of_squares) = (&self.values[channels.clone()], &self.squares[channels]);
+        for (value, square) in of_values.as_chunks::<3>().0.iter().zip(of_squares.as_chunks::<3>().0) {
+            for c in 0..3 {
+                values[c] += u64::from(value[c]);
+                squares[c] += u64::from(square[c]);
+            }
+        }
+        let levels: u64 = self.levels[columns].iter().map(|&level| u64::from(level)).sum();
+        let count = pixels as f64;
+        let mean = values.map(|sum| sum as f64 / count);
+        let variance = (0..3).map(|c| squares[c] as f64 / count - mean[c] * mean[c]);
         Cell {
             mean: mean.map(|value| value as f32),
             spread: variance.fold(0.0, f64::max).sqrt() as f32,
-            level: (self.levels / self.pixels) as u8,
+            level: (levels / pixels) as u8,
         }
     }
 }

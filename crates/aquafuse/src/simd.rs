@@ -1,7 +1,11 @@
 //! Which vector instructions this processor has; asked once, and never part of a result.
 //!
 //! A fast path is a module of its own (`avx2.rs`, `neon.rs`) beside the plain one, takes the proof that its
-//! instructions are there, and gives the same bits.
+//! instructions are there, and gives the same bits. Where the compiler makes vectors of plain code by itself,
+//! [`widest`] has it do so for the best instructions too.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 
 /// The fastest instructions there are for the kernels of this crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,5 +53,21 @@ impl Level {
         let mut levels = vec![Self::Plain, Self::best()];
         levels.dedup();
         levels
+    }
+}
+
+/// Does `work`, compiled once more for the vectors of this processor. It is the same code, and arithmetic is never
+/// rearranged for the sake of vectors, so that no bit changes. What it calls must be `#[inline(always)]`.
+#[inline(always)]
+pub(crate) fn widest<R>(work: impl FnOnce() -> R) -> R {
+    widest_by(Level::best(), work)
+}
+
+#[inline(always)]
+pub(crate) fn widest_by<R>(level: Level, work: impl FnOnce() -> R) -> R {
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(proof) => avx2::call(proof, work),
+        _ => work(),
     }
 }

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::DepthModel;
 use crate::bands;
 use crate::image::{Sample as _, SizeError, check_same_size, check_size};
+use crate::simd;
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
 ///
@@ -257,11 +258,13 @@ impl DepthMap {
         add: impl Fn(S, S) -> S + Send + Sync,
     ) -> S {
         let band = |first: usize, pixels: &mut [P]| {
-            let mut sum = S::default();
-            for (pixel, &depth) in pixels.iter_mut().zip(&depths[first * self.width..]) {
-                change(pixel, law(depth), &mut sum);
-            }
-            sum
+            simd::widest(|| {
+                let mut sum = S::default();
+                for (pixel, &depth) in pixels.iter_mut().zip(&depths[first * self.width..]) {
+                    change(pixel, law(depth), &mut sum);
+                }
+                sum
+            })
         };
         bands::sum(pixels, self.width, band, add)
     }

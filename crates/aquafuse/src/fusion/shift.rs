@@ -1,6 +1,7 @@
 //! Shifts of bytes: looked up once a pixel, added many values at once.
 
 use crate::depth::LEVELS;
+use crate::simd::{self, Level};
 
 /// Pixels shifted together: enough that what is looked up has left the processor's store queue before it is read.
 const BLOCK: usize = 512;
@@ -36,6 +37,15 @@ impl Shifts {
     /// Adds the shift of each pixel's level to its three values and clips; returns how many values of each channel
     /// that changed.
     pub(super) fn add(&self, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
+        self.add_by(Level::best(), values, levels)
+    }
+
+    fn add_by(&self, level: Level, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
+        simd::widest_by(level, || self.add_all(values, levels))
+    }
+
+    #[inline(always)]
+    fn add_all(&self, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
         let mut clipped = [0; 3];
         let mut shifts = [0; 3 * BLOCK + 1];
         let (blocks, rest) = values.as_chunks_mut::<{ 3 * BLOCK }>();
@@ -59,6 +69,7 @@ impl Shifts {
     }
 
     /// The shifts of a block, channels in turn.
+    #[inline(always)]
     fn look_up(&self, levels: &[u8; BLOCK], shifts: &mut [u8; 3 * BLOCK + 1]) {
         for (i, &level) in levels.iter().enumerate() {
             // The fourth byte is overwritten by the next pixel.
@@ -66,6 +77,7 @@ impl Shifts {
         }
     }
 
+    #[inline(always)]
     fn add_block(&self, values: &mut [u8; 3 * BLOCK], shifts: &[u8; 3 * BLOCK + 1], clipped: &mut [u64; 3]) {
         // Each place of the period counts at most once a round: 16 rounds fit into a byte.
         let mut counts = [0_u8; PERIOD];
@@ -102,15 +114,22 @@ mod tests {
         let shifts = Shifts::new(&of_level).unwrap();
         for pixels in [1, 7, 33, 511, 512, 513, 1024, 2049] {
             let (before, levels) = (scattered(3 * pixels, 5), scattered(pixels, 77));
-            let mut values = before.clone();
-            let clipped = shifts.add(&mut values, &levels);
             let mut expected = [0; 3];
-            for (i, (&value, found)) in before.iter().zip(&values).enumerate() {
+            let mut one_by_one = before.clone();
+            for (i, value) in one_by_one.iter_mut().enumerate() {
                 let (kept, clips) = value.shifted(of_level[usize::from(levels[i / 3])][i % 3]);
-                assert_eq!(*found, kept, "value {i} of {pixels} pixels");
+                *value = kept;
                 expected[i % 3] += u64::from(clips);
             }
-            assert_eq!(clipped, expected);
+            for level in Level::all() {
+                let mut values = before.clone();
+                assert_eq!(
+                    shifts.add_by(level, &mut values, &levels),
+                    expected,
+                    "{level:?}, {pixels} pixels"
+                );
+                assert_eq!(values, one_by_one, "{level:?}, {pixels} pixels");
+            }
         }
     }
 

@@ -25,25 +25,22 @@ impl Thumbnail {
     }
 
     fn every(stride: usize, image: &Image<u8>, depth: &Quantised<'_>) -> Result<Self, SizeError> {
-        let (columns, rows) = (kept(image.width(), stride), kept(image.height(), stride));
-        let mut samples = vec![0; 3 * columns.len() * rows.len()];
-        bands::for_each(&mut samples, 3 * columns.len(), |first, band| {
-            for (samples, &y) in band.chunks_exact_mut(3 * columns.len()).zip(&rows[first..]) {
-                let pixels = image.row(y);
-                for (sample, &x) in samples.as_chunks_mut().0.iter_mut().zip(&columns) {
-                    *sample = pixels[x];
-                }
+        let (width, rows) = (kept(image.width(), stride).count(), kept(image.height(), stride));
+        let rows: Vec<usize> = rows.collect();
+        let mut samples = vec![0; 3 * width * rows.len()];
+        bands::for_each(&mut samples, 3 * width, |first, band| {
+            for (samples, &y) in band.chunks_exact_mut(3 * width).zip(&rows[first..]) {
+                thin(image.row(y), stride, samples.as_chunks_mut().0);
             }
         });
-        let mut levels = vec![0; columns.len() * rows.len()];
-        bands::for_each(&mut levels, columns.len(), |first, band| {
-            for (kept, &y) in band.chunks_exact_mut(columns.len()).zip(&rows[first..]) {
-                let all = &depth.levels[y * image.width()..][..image.width()];
-                kept.iter_mut().zip(&columns).for_each(|(level, &x)| *level = all[x]);
+        let mut levels = vec![0; width * rows.len()];
+        bands::for_each(&mut levels, width, |first, band| {
+            for (levels, &y) in band.chunks_exact_mut(width).zip(&rows[first..]) {
+                thin(&depth.levels[y * image.width()..][..image.width()], stride, levels);
             }
         });
         Ok(Self {
-            image: Image::from_raw(columns.len(), rows.len(), samples)?,
+            image: Image::from_raw(width, rows.len(), samples)?,
             depth: Quantised { levels: levels.into(), step: depth.step, beyond: depth.beyond },
         })
     }
@@ -51,8 +48,18 @@ impl Thumbnail {
 
 /// Places along a side of `length` that are kept: each `stride`-th counted from the nearer end, so that the mirror
 /// image keeps the mirrored ones, and a picture on its side the same.
-fn kept(length: usize, stride: usize) -> Vec<usize> {
-    (0..length).filter(|&place| place.min(length - 1 - place).is_multiple_of(stride)).collect()
+fn kept(length: usize, stride: usize) -> impl Iterator<Item = usize> {
+    let near = (0..length.div_ceil(2)).step_by(stride);
+    let far = (0..length / 2).step_by(stride).map(move |place| length - 1 - place);
+    near.chain(far.rev())
+}
+
+/// The values of a row that [`kept`] names.
+fn thin<T: Copy>(row: &[T], stride: usize, thinned: &mut [T]) {
+    let (near, far) = row.split_at(row.len().div_ceil(2));
+    let (to_near, to_far) = thinned.split_at_mut(near.len().div_ceil(stride));
+    to_near.iter_mut().zip(near.iter().step_by(stride)).for_each(|(to, &from)| *to = from);
+    to_far.iter_mut().rev().zip(far.iter().rev().step_by(stride)).for_each(|(to, &from)| *to = from);
 }
 
 #[cfg(test)]
@@ -80,7 +87,12 @@ mod tests {
     proptest! {
         #[test]
         fn the_grid_is_the_same_from_both_ends(length in 1..3000_usize, stride in 1..20_usize) {
-            let found = kept(length, stride);
+            let found: Vec<usize> = kept(length, stride).collect();
+            prop_assert!(found.iter().all(|&place| place.min(length - 1 - place).is_multiple_of(stride)));
+            let all: Vec<usize> = (0..length).collect();
+            let mut thinned = vec![0; found.len()];
+            thin(&all, stride, &mut thinned);
+            prop_assert_eq!(&thinned, &found);
             let mirrored: Vec<usize> = found.iter().rev().map(|place| length - 1 - place).collect();
             prop_assert_eq!(found, mirrored);
         }

@@ -43,22 +43,20 @@ macro_rules! pair_kernel {
             for x in (0..above.len()).step_by($lanes) {
                 let mut core = [$load(&planes[0], x); CORE * SIDE];
                 for k in 0..CORE {
+                    // Cut out once, so that what is loaded is known to be there.
+                    let near = &planes[k][x..x + $lanes + SIDE - 1];
                     for j in 0..SIDE {
-                        core[SIDE * k + j] = $load(&planes[k], x + j);
+                        core[SIDE * k + j] = $load(near, j);
                     }
                 }
                 select!(comparators, core, $min, $max);
                 let middle = middle_of!(core);
                 for (row, out) in [(rows[0], &mut *above), (rows[PAIR_ROWS - 1], &mut *below)] {
-                    let mut ends = [
-                        $load(row, x),
-                        $load(row, x + 1),
-                        $load(row, x + 2),
-                        $load(row, x + 3),
-                        $load(row, x + 4),
-                        $load(row, x + 5),
-                        $load(row, x + 6),
-                    ];
+                    let near = &row[x..x + $lanes + SIDE - 1];
+                    let mut ends = [$load(near, 0); SIDE];
+                    for j in 1..SIDE {
+                        ends[j] = $load(near, j);
+                    }
                     sort_7!(comparators, ends, $min, $max);
                     // The eighth of fifteen, of which eight and seven are sorted.
                     let mut median = middle[SIDE];

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use crate::depth::LEVELS;
 use crate::image::Image;
+use crate::simd;
 
 use super::hue::is_bluish_green;
 use super::reading::{ROUNDING, Reading, VeilingLightSource};
@@ -164,9 +165,11 @@ impl Grid {
         let mut sums = ColumnSums::new(width);
         for rows in rows.windows(2) {
             sums.clear();
-            for y in rows[0]..rows[1] {
-                sums.add(image.row(y).as_flattened(), &levels[y * width..][..width]);
-            }
+            simd::widest(|| {
+                for y in rows[0]..rows[1] {
+                    sums.add(image.row(y).as_flattened(), &levels[y * width..][..width]);
+                }
+            });
             cells.extend(
                 columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])),
             );
@@ -219,6 +222,7 @@ impl ColumnSums {
         }
     }
 
+    #[inline(always)]
     fn add(&mut self, values: &[u8], levels: &[u8]) {
         for ((sum, square), &value) in self.values.iter_mut().zip(&mut self.squares).zip(values) {
             *sum += u32::from(value);

@@ -22,7 +22,7 @@ use shift::Shifts;
 
 use crate::bands;
 use crate::depth::{DepthMap, level_to_z};
-use crate::image::{Encoding, Image, Sample, SizeError};
+use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
 use crate::waterbody::Waterbody;
 
 /// A fused picture.
@@ -110,31 +110,66 @@ pub fn fuse_mut<T: Sample, E: Encoding>(
     waters: Waters<'_, E>,
     options: &Options,
 ) -> Result<Clipping, SizeError> {
-    depth.check_fits(content.size())?;
+    fuse_from(None, content, depth, waters, options)
+}
+
+/// [`fuse`] into a picture that is there already, which keeps nothing of what it was: nothing is allocated.
+///
+/// # Errors
+///
+/// [`SizeError`] when content, depth map and `fused` differ in size; `fused` is then unchanged.
+pub fn fuse_into<T: Sample, E: Encoding>(
+    content: &Image<T, E>,
+    depth: &DepthMap,
+    waters: Waters<'_, E>,
+    options: &Options,
+    fused: &mut Image<T, E>,
+) -> Result<Clipping, SizeError> {
+    check_same_size(content.size(), fused.size())?;
+    fuse_from(Some(content), fused, depth, waters, options)
+}
+
+/// Fuses the content, or what stands in `fused` if there is none, into `fused`.
+fn fuse_from<T: Sample, E: Encoding>(
+    content: Option<&Image<T, E>>,
+    fused: &mut Image<T, E>,
+    depth: &DepthMap,
+    waters: Waters<'_, E>,
+    options: &Options,
+) -> Result<Clipping, SizeError> {
+    depth.check_fits(fused.size())?;
     let law = Law::new(waters, options);
-    let pixels = content.width() as u64 * content.height() as u64;
-    let values = match shift_of_bytes(content, depth, &law, options.model) {
-        Some(values) => values,
-        None => change_pixels(content, depth, &law, options.model),
-    };
-    Ok(Clipping { values, pixels })
+    let pixels = fused.width() as u64 * fused.height() as u64;
+    if let Some(values) = shift_of_bytes(content, fused, depth, &law, options.model) {
+        return Ok(Clipping { values, pixels });
+    }
+    if let Some(content) = content {
+        fused.samples_mut().copy_from_slice(content.as_raw());
+    }
+    Ok(Clipping { values: change_pixels(fused, depth, &law, options.model), pixels })
 }
 
 /// The law where it is a shift of bytes by 256 levels of depth, the everyday case; how many values were clipped.
 fn shift_of_bytes<T: Sample, E: Encoding>(
-    content: &mut Image<T, E>,
+    content: Option<&Image<T, E>>,
+    fused: &mut Image<T, E>,
     depth: &DepthMap,
     law: &Law<E>,
     model: Model,
 ) -> Option<[u64; 3]> {
     let levels = depth.levels().filter(|_| model.is_shift())?;
-    let width = content.width();
-    let bytes = T::bytes_mut(content.samples_mut())?;
+    let width = fused.width();
+    let content = content.and_then(|content| T::bytes(content.as_raw()));
+    let bytes = T::bytes_mut(fused.samples_mut())?;
     let of_level =
         std::array::from_fn(|level| law.at(level_to_z(level as u8)).offset.map(u8::shift_from_unit));
     let shifts = Shifts::new(&of_level)?;
-    let band =
-        |first: usize, values: &mut [u8]| shifts.add(values, &levels[first * width..][..values.len() / 3]);
+    let band = |first: usize, values: &mut [u8]| {
+        if let Some(content) = content {
+            values.copy_from_slice(&content[3 * first * width..][..values.len()]);
+        }
+        shifts.add(values, &levels[first * width..][..values.len() / 3])
+    };
     Some(bands::sum(bytes, 3 * width, band, add))
 }
 

@@ -56,18 +56,28 @@ impl Level {
     }
 }
 
+/// Plain code that the compiler makes vectors of.
+///
+/// A trait and no closure, because its one method can be `#[inline(always)]`, as all that it calls must be: what the
+/// compiler does not inline, it does not compile once more.
+pub(crate) trait Work {
+    type Output;
+    fn run(self) -> Self::Output;
+}
+
 /// Does `work`, compiled once more for the vectors of this processor. It is the same code, and arithmetic is never
-/// rearranged for the sake of vectors, so that no bit changes. What it calls must be `#[inline(always)]`.
-#[inline(always)]
-pub(crate) fn widest<R>(work: impl FnOnce() -> R) -> R {
+/// rearranged for the sake of vectors, so that no bit changes.
+#[inline]
+pub(crate) fn widest<W: Work>(work: W) -> W::Output {
     widest_by(Level::best(), work)
 }
 
-#[inline(always)]
-pub(crate) fn widest_by<R>(level: Level, work: impl FnOnce() -> R) -> R {
+/// [`widest`] for the vectors of `level`.
+#[inline]
+pub(crate) fn widest_by<W: Work>(level: Level, work: W) -> W::Output {
     match level {
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2(proof) => avx2::call(proof, work),
-        _ => work(),
+        Level::Avx2(proof) => avx2::run(proof, work),
+        _ => work.run(),
     }
 }

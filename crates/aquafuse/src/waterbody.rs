@@ -25,6 +25,7 @@ use crate::depth::{DepthMap, DepthModel, Quantised};
 use crate::image::{Encoded, Encoding, Image, SizeError, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
+pub(crate) use thumbnail::Scratch;
 use thumbnail::Thumbnail;
 use veiling_light::Reading;
 
@@ -147,13 +148,33 @@ pub fn estimate<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Estimate<E>, SizeError> {
+    estimate_in(image, depth, options, &mut Scratch::default())
+}
+
+/// [`estimate`] in the memory of the last picture.
+pub(crate) fn estimate_in<E: Encoding>(
+    image: &Image<u8>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+    scratch: &mut Scratch,
+) -> Result<Estimate<E>, SizeError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
-    let thumbnail = Thumbnail::of(image, &quantised);
-    let (image, quantised) = match &thumbnail {
-        Some(thumbnail) => (&thumbnail.image, &thumbnail.depth),
-        None => (image, &quantised),
+    let Some(thumbnail) = Thumbnail::of(image, &quantised, scratch) else {
+        return Ok(estimate_from(image, &quantised, depth, options));
     };
+    let found = estimate_from(&thumbnail.image, &thumbnail.depth, depth, options);
+    *scratch = thumbnail.into_scratch();
+    Ok(found)
+}
+
+/// The water of the pixels of `image` at the levels `quantised`, which are all that counts of `depth` or a part.
+fn estimate_from<E: Encoding>(
+    image: &Image<u8>,
+    quantised: &Quantised<'_>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+) -> Estimate<E> {
     let (statistics, mut light) = bands::both(
         quantised.levels.len(),
         || Statistics::<E>::gather(image, quantised),
@@ -169,7 +190,7 @@ pub fn estimate<E: Encoding>(
         std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
     let intervals = judge::intervals::<E>(&growth, &light);
     let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, quantised);
-    Ok(Estimate {
+    Estimate {
         water: Waterbody {
             veiling_light: veil,
             backscatter_coefficient: growth.coefficient,
@@ -180,7 +201,7 @@ pub fn estimate<E: Encoding>(
         depth_model: depth.model(),
         intervals,
         quality,
-    })
+    }
 }
 
 fn fit<E: Encoding>(

@@ -62,6 +62,27 @@ enum Values {
     Floats(Vec<f32>),
 }
 
+/// Changes pixels one by one, by the law at their depth, and sums up.
+struct ChangeAll<'a, P, D, L, C, S> {
+    pixels: &'a mut [P],
+    depths: &'a [D],
+    law: &'a L,
+    change: &'a C,
+    sum: S,
+}
+
+impl<P, D: Copy, V, L: Fn(D) -> V, C: Fn(&mut P, V, &mut S), S> simd::Work for ChangeAll<'_, P, D, L, C, S> {
+    type Output = S;
+
+    #[inline(always)]
+    fn run(mut self) -> S {
+        for (pixel, &depth) in self.pixels.iter_mut().zip(self.depths) {
+            (self.change)(pixel, (self.law)(depth), &mut self.sum);
+        }
+        self.sum
+    }
+}
+
 /// Depth in even steps.
 pub(crate) struct Quantised<'a> {
     pub(crate) levels: Cow<'a, [u8]>,
@@ -258,13 +279,8 @@ impl DepthMap {
         add: impl Fn(S, S) -> S + Send + Sync,
     ) -> S {
         let band = |first: usize, pixels: &mut [P]| {
-            simd::widest(|| {
-                let mut sum = S::default();
-                for (pixel, &depth) in pixels.iter_mut().zip(&depths[first * self.width..]) {
-                    change(pixel, law(depth), &mut sum);
-                }
-                sum
-            })
+            let depths = &depths[first * self.width..];
+            simd::widest(ChangeAll { pixels, depths, law: &law, change: &change, sum: S::default() })
         };
         bands::sum(pixels, self.width, band, add)
     }

@@ -1,7 +1,7 @@
 //! Shifts of bytes: looked up once a pixel, added many values at once.
 
 use crate::depth::LEVELS;
-use crate::simd::{self, Level};
+use crate::simd::{self, Level, Work};
 
 /// Pixels shifted together: enough that what is looked up has left the processor's store queue before it is read.
 const BLOCK: usize = 512;
@@ -41,31 +41,7 @@ impl Shifts {
     }
 
     fn add_by(&self, level: Level, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
-        simd::widest_by(level, || self.add_all(values, levels))
-    }
-
-    #[inline(always)]
-    fn add_all(&self, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
-        let mut clipped = [0; 3];
-        let mut shifts = [0; 3 * BLOCK + 1];
-        let (blocks, rest) = values.as_chunks_mut::<{ 3 * BLOCK }>();
-        let (blocks_of_levels, rest_of_levels) = levels.as_chunks::<BLOCK>();
-        for (values, levels) in blocks.iter_mut().zip(blocks_of_levels) {
-            self.look_up(levels, &mut shifts);
-            self.add_block(values, &shifts, &mut clipped);
-        }
-        // Filled up with black pixels at a level whose shift cannot be clipped there.
-        let mut last = [0; 3 * BLOCK];
-        last[..rest.len()].copy_from_slice(rest);
-        shifts.fill(0);
-        for (shift, &level) in shifts.chunks_exact_mut(3).zip(rest_of_levels) {
-            shift.copy_from_slice(&self.steps[usize::from(level)][..3]);
-        }
-        if !rest.is_empty() {
-            self.add_block(&mut last, &shifts, &mut clipped);
-            rest.copy_from_slice(&last[..rest.len()]);
-        }
-        clipped
+        simd::widest_by(level, Add { shifts: self, values, levels })
     }
 
     /// The shifts of a block, channels in turn.
@@ -92,9 +68,46 @@ impl Shifts {
                 counts[i] += u8::from(whole != kept);
             }
         }
-        for (i, &count) in counts.iter().enumerate() {
-            clipped[i % 3] += u64::from(count);
+        if counts != [0; PERIOD] {
+            for (i, &count) in counts.iter().enumerate() {
+                clipped[i % 3] += u64::from(count);
+            }
         }
+    }
+}
+
+struct Add<'a> {
+    shifts: &'a Shifts,
+    values: &'a mut [u8],
+    levels: &'a [u8],
+}
+
+impl Work for Add<'_> {
+    type Output = [u64; 3];
+
+    #[inline(always)]
+    fn run(self) -> [u64; 3] {
+        let Self { shifts: table, values, levels } = self;
+        let mut clipped = [0; 3];
+        let mut shifts = [0; 3 * BLOCK + 1];
+        let (blocks, rest) = values.as_chunks_mut::<{ 3 * BLOCK }>();
+        let (blocks_of_levels, rest_of_levels) = levels.as_chunks::<BLOCK>();
+        for (values, levels) in blocks.iter_mut().zip(blocks_of_levels) {
+            table.look_up(levels, &mut shifts);
+            table.add_block(values, &shifts, &mut clipped);
+        }
+        // Filled up with black pixels at a level whose shift cannot be clipped there.
+        let mut last = [0; 3 * BLOCK];
+        last[..rest.len()].copy_from_slice(rest);
+        shifts.fill(0);
+        for (shift, &level) in shifts.chunks_exact_mut(3).zip(rest_of_levels) {
+            shift.copy_from_slice(&table.steps[usize::from(level)][..3]);
+        }
+        if !rest.is_empty() {
+            table.add_block(&mut last, &shifts, &mut clipped);
+            rest.copy_from_slice(&last[..rest.len()]);
+        }
+        clipped
     }
 }
 

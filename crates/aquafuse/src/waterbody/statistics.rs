@@ -162,14 +162,13 @@ impl<E: Encoding> Bin<E> {
 
     /// The dark end: [`Bin::quantile`] in bytes, and the deviation of all values, in bytes.
     pub(super) fn dark(&self, channel: usize, share: f64) -> Dark {
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for (value, &count) in (0_u16..256).zip(&self.values[channel]) {
-            let (value, count) = (f64::from(value), f64::from(count));
-            sum += value * count;
-            squares += value * value * count;
+        let (mut sum, mut squares) = (0, 0);
+        for (value, &count) in (0_u32..256).zip(&self.values[channel]) {
+            sum += u64::from(value) * u64::from(count);
+            squares += u64::from(value * value) * u64::from(count);
         }
-        let mean = sum / self.count as f64;
-        let variance = (squares / self.count as f64 - mean * mean).max(0.0);
+        let mean = sum as f64 / self.count as f64;
+        let variance = (squares as f64 / self.count as f64 - mean * mean).max(0.0);
         Dark { value: self.quantile(channel, share) as f32, spread: variance.sqrt() as f32 }
     }
 

@@ -19,21 +19,28 @@ pub(super) struct Thumbnail {
 
 impl Thumbnail {
     /// The thumbnail of a large picture; none of one that is small enough as it is.
-    pub(super) fn of(image: &Image<u8>, depth: &Quantised<'_>) -> Option<Self> {
+    pub(super) fn of(image: &Image<u8>, depth: &Quantised<'_>, scratch: &mut Scratch) -> Option<Self> {
         let stride = (image.width() * image.height() / ENOUGH).isqrt();
-        (stride > 1).then(|| Self::every(stride, image, depth).expect("the grid is full"))
+        (stride > 1)
+            .then(|| Self::every(stride, image, depth, std::mem::take(scratch)).expect("the grid is full"))
     }
 
-    fn every(stride: usize, image: &Image<u8>, depth: &Quantised<'_>) -> Result<Self, SizeError> {
+    fn every(
+        stride: usize,
+        image: &Image<u8>,
+        depth: &Quantised<'_>,
+        scratch: Scratch,
+    ) -> Result<Self, SizeError> {
+        let Scratch { mut samples, mut levels } = scratch;
         let (width, rows) = (kept(image.width(), stride).count(), kept(image.height(), stride));
         let rows: Vec<usize> = rows.collect();
-        let mut samples = vec![0; 3 * width * rows.len()];
+        samples.resize(3 * width * rows.len(), 0);
         bands::for_each(&mut samples, 3 * width, |first, band| {
             for (samples, &y) in band.chunks_exact_mut(3 * width).zip(&rows[first..]) {
                 thin(image.row(y), stride, samples.as_chunks_mut().0);
             }
         });
-        let mut levels = vec![0; width * rows.len()];
+        levels.resize(width * rows.len(), 0);
         bands::for_each(&mut levels, width, |first, band| {
             for (levels, &y) in band.chunks_exact_mut(width).zip(&rows[first..]) {
                 thin(&depth.levels[y * image.width()..][..image.width()], stride, levels);
@@ -44,6 +51,18 @@ impl Thumbnail {
             depth: Quantised { levels: levels.into(), step: depth.step, beyond: depth.beyond },
         })
     }
+
+    /// Its memory.
+    pub(super) fn into_scratch(self) -> Scratch {
+        Scratch { samples: self.image.into_raw(), levels: self.depth.levels.into_owned() }
+    }
+}
+
+/// The memory of a thumbnail that is no longer needed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    samples: Vec<u8>,
+    levels: Vec<u8>,
 }
 
 /// Places along a side of `length` that are kept: each `stride`-th counted from the nearer end, so that the mirror
@@ -74,7 +93,7 @@ mod tests {
         {
             let image = Image::from_raw(width, height, vec![7; 3 * width * height]).unwrap();
             let depth = Quantised { levels: vec![9; width * height].into(), step: 0.1, beyond: None };
-            let thumbnail = Thumbnail::of(&image, &depth);
+            let thumbnail = Thumbnail::of(&image, &depth, &mut Scratch::default());
             assert_eq!(thumbnail.is_some(), thinned, "{width}x{height}");
             if let Some(Thumbnail { image, depth }) = thumbnail {
                 let pixels = image.pixels().len();

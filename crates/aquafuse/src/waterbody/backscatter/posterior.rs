@@ -2,7 +2,6 @@
 
 use super::envelope::Point;
 use crate::image::Encoding;
-use crate::simd;
 
 /// How dark the darkest things are, seen through no water (encoded), and how often: black, shadow, dark grey.
 const FLOORS: [f32; 5] = [0.0, 0.02, 0.05, 0.1, 0.2];
@@ -94,7 +93,7 @@ pub(super) fn weigh<E: Encoding>(
         for &(ln_veil, veil_cost) in veils {
             let veil = (veil * ln_veil.exp()).min(1.0);
             let mut together = Sum::default();
-            let misfits = simd::widest(|| misfits(&terms, veil, &floors));
+            let misfits = misfits(&terms, veil, &floors);
             for ((floor, frequency), misfit) in floors.into_iter().zip(FREQUENCY).zip(misfits) {
                 let cost = trust.weight * misfit - frequency.ln() + prior.cost(ln_tau) + veil_cost;
                 if cost < best.0 {
@@ -119,18 +118,15 @@ pub(super) fn weigh<E: Encoding>(
     }
 }
 
-/// What the bins cost together for each floor: side by side, for the sums of each are in its own order.
-#[inline(always)]
+/// What the bins cost together for each floor: side by side, so that no sum waits for itself alone.
 fn misfits(terms: &[Term], veil: f32, floors: &[f32; FLOORS.len()]) -> [f32; FLOORS.len()] {
-    // Whole vectors, of which the last floors are none.
-    let wide: [f32; 8] = std::array::from_fn(|i| floors[i.min(FLOORS.len() - 1)]);
-    let mut sums = [0.0; 8];
+    let mut sums = [0.0; FLOORS.len()];
     for term in terms {
-        for (sum, &floor) in sums.iter_mut().zip(&wide) {
+        for (sum, &floor) in sums.iter_mut().zip(floors) {
             *sum += term.cost(veil, floor);
         }
     }
-    std::array::from_fn(|i| sums[i])
+    sums
 }
 
 /// -ln of a sum of e^-cost, added up without overflow.
@@ -186,12 +182,12 @@ impl Term {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn off(&self, veil: f32, floor: f32) -> f32 {
         self.dark - (veil + (floor - veil) * self.factor)
     }
 
-    #[inline(always)]
+    #[inline]
     fn cost(&self, veil: f32, floor: f32) -> f32 {
         let off = self.off(veil, floor);
         let squared = 0.5 * (off * self.sharpness).powi(2);

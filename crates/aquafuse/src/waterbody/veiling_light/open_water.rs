@@ -46,16 +46,10 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
     let enough = smoothness(cells);
     let smooth = smooth(cells, enough);
     let rank = ranks(cells);
-    // Whole numbers: their sum does not depend on the order of the cells, nor on which way a mirror turns them.
-    let mut counts = vec![0_u64; SIDE * SIDE * SIDE];
-    for cell in smooth.iter().map(|&place| &cells[place]) {
-        let place = cell.mean.map(|value| (value / STEP) as usize);
-        let weight = rank[usize::from(cell.level)].pow(2);
-        for_neighbours(place, |index, share| counts[index] += share * weight);
-    }
-    let commonest = (0..counts.len()).max_by_key(|&index| counts[index])?;
-    let middle = [commonest / (SIDE * SIDE), commonest / SIDE % SIDE, commonest % SIDE]
-        .map(|place| (place as f32 - 0.5) * STEP);
+    let middle = commonest(smooth.iter().map(|&place| {
+        let cell = &cells[place];
+        (cell.mean.map(|value| (value / STEP) as usize), rank[usize::from(cell.level)].pow(2))
+    }))?;
     let alike: Vec<usize> =
         smooth.into_iter().filter(|&place| differ(&cells[place].mean, &middle) < NEAR).collect();
     let share = alike.len() as f64 / cells.len() as f64;
@@ -135,16 +129,40 @@ fn ranks(cells: &[Cell]) -> [u64; LEVELS] {
     })
 }
 
-/// Steps a side of the cube of colours, with a margin of one on either side for neighbours.
-const SIDE: usize = (256.0 / STEP) as usize + 2;
+/// The middle of the step of the cube of colours that weighs most, each step with its neighbours.
+///
+/// Weights are whole numbers: their sum does not depend on the order of the cells, nor on which way a mirror turns
+/// them. Of several that weigh most, it is the last; none where there are no colours.
+fn commonest(weighed: impl Iterator<Item = ([usize; 3], u64)> + Clone) -> Option<[f32; 3]> {
+    // Only the part of the cube that is used, with a margin of one on either side for neighbours.
+    let bound = |most: fn(usize, usize) -> usize| {
+        weighed.clone().map(|(place, _)| place).reduce(|a, b| std::array::from_fn(|c| most(a[c], b[c])))
+    };
+    let (low, high) = (bound(usize::min)?, bound(usize::max)?);
+    let sides: [usize; 3] = std::array::from_fn(|c| high[c] - low[c] + 3);
+    let mut sums = vec![0_u64; sides.iter().product()];
+    for (place, weight) in weighed {
+        for_neighbours(std::array::from_fn(|c| place[c] - low[c]), sides, |index, share| {
+            sums[index] += share * weight;
+        });
+    }
+    let index = (0..sums.len()).max_by_key(|&index| sums[index])?;
+    let place = [index / (sides[1] * sides[2]), index / sides[2] % sides[1], index % sides[2]];
+    Some(std::array::from_fn(|c| ((low[c] + place[c]) as f32 - 0.5) * STEP))
+}
 
-/// Visits a step of the cube and its neighbours, which count half for each axis they are off.
-fn for_neighbours([red, green, blue]: [usize; 3], mut visit: impl FnMut(usize, u64)) {
+/// Visits a step of a cube and its neighbours, which count half for each axis they are off.
+fn for_neighbours(
+    [red, green, blue]: [usize; 3],
+    [_, greens, blues]: [usize; 3],
+    mut visit: impl FnMut(usize, u64),
+) {
     const SHARE: [u64; 3] = [1, 2, 1];
     for (r, of_red) in SHARE.into_iter().enumerate() {
         for (g, of_green) in SHARE.into_iter().enumerate() {
             for (b, of_blue) in SHARE.into_iter().enumerate() {
-                visit(((red + r) * SIDE + green + g) * SIDE + blue + b, of_red * of_green * of_blue);
+                let index = ((red + r) * greens + green + g) * blues + blue + b;
+                visit(index, of_red * of_green * of_blue);
             }
         }
     }
@@ -165,11 +183,7 @@ impl Grid {
         let mut sums = ColumnSums::new(width);
         for rows in rows.windows(2) {
             sums.clear();
-            simd::widest(|| {
-                for y in rows[0]..rows[1] {
-                    sums.add(image.row(y).as_flattened(), &levels[y * width..][..width]);
-                }
-            });
+            simd::widest(AddRows { sums: &mut sums, image, levels, rows: rows[0]..rows[1] });
             cells.extend(
                 columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])),
             );
@@ -253,6 +267,25 @@ impl ColumnSums {
             mean: mean.map(|value| value as f32),
             spread: variance.fold(0.0, f64::max).sqrt() as f32,
             level: (levels / pixels) as u8,
+        }
+    }
+}
+
+struct AddRows<'a> {
+    sums: &'a mut ColumnSums,
+    image: &'a Image<u8>,
+    levels: &'a [u8],
+    rows: Range<usize>,
+}
+
+impl simd::Work for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for y in self.rows {
+            let levels = &self.levels[y * self.image.width()..][..self.image.width()];
+            self.sums.add(self.image.row(y).as_flattened(), levels);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::envelope::Point;
 use crate::image::Encoding;
+use crate::simd;
 
 /// How dark the darkest things are, seen through no water (encoded), and how often: black, shadow, dark grey.
 const FLOORS: [f32; 5] = [0.0, 0.02, 0.05, 0.1, 0.2];
@@ -86,19 +87,21 @@ pub(super) fn weigh<E: Encoding>(
         (Vec::with_capacity(cells), Vec::with_capacity(cells), Vec::with_capacity(cells * FLOORS.len()));
     let (mut ln_taus, mut ln_veils) = (Vec::with_capacity(cells), Vec::with_capacity(cells));
     let mut best = (f32::INFINITY, 0.0);
-    let mut terms: Vec<Term> = Vec::with_capacity(points.len());
+    let mut terms = Terms::default();
+    let mut costs = vec![0.0; points.len()];
     for &ln_tau in taus {
         terms.clear();
-        terms.extend(points.iter().map(|point| Term::new(point, ln_tau.exp(), trust.deviation, excess)));
+        points.iter().for_each(|point| terms.push(point, ln_tau.exp(), trust.deviation, excess));
         for &(ln_veil, veil_cost) in veils {
             let veil = (veil * ln_veil.exp()).min(1.0);
             let mut together = Sum::default();
-            let misfits = misfits(&terms, veil, &floors);
-            for ((floor, frequency), misfit) in floors.into_iter().zip(FREQUENCY).zip(misfits) {
+            for (floor, frequency) in floors.into_iter().zip(FREQUENCY) {
+                simd::widest(Costs { terms: &terms, veil, floor, costs: &mut costs });
+                let misfit: f32 = costs.iter().sum();
                 let cost = trust.weight * misfit - frequency.ln() + prior.cost(ln_tau) + veil_cost;
                 if cost < best.0 {
-                    let on = terms.iter().filter(|term| term.is_on(veil, floor)).count();
-                    best = (cost, on as f32 / terms.len().max(1) as f32);
+                    let on = (0..points.len()).filter(|&i| terms.is_on(i, veil, floor)).count();
+                    best = (cost, on as f32 / points.len().max(1) as f32);
                 }
                 together.add(cost);
                 of_floor.push(cost);
@@ -116,17 +119,6 @@ pub(super) fn weigh<E: Encoding>(
         floor: Bell::of(&floor_values, &of_floor).mean,
         on_curve: best.1,
     }
-}
-
-/// What the bins cost together for each floor: side by side, so that no sum waits for itself alone.
-fn misfits(terms: &[Term], veil: f32, floors: &[f32; FLOORS.len()]) -> [f32; FLOORS.len()] {
-    let mut sums = [0.0; FLOORS.len()];
-    for term in terms {
-        for (sum, &floor) in sums.iter_mut().zip(floors) {
-            *sum += term.cost(veil, floor);
-        }
-    }
-    sums
 }
 
 /// -ln of a sum of e^-cost, added up without overflow.
@@ -156,47 +148,73 @@ impl Sum {
     }
 }
 
-/// A bin at one optical depth.
-struct Term {
-    dark: f32,
-    factor: f32,
+/// The bins at one optical depth, each quantity by itself.
+#[derive(Default)]
+struct Terms {
+    dark: Vec<f32>,
+    factor: Vec<f32>,
     /// 1 / deviation.
-    sharpness: f32,
+    sharpness: Vec<f32>,
     /// 1 / (deviation + excess).
-    slack: f32,
+    slack: Vec<f32>,
     /// ln of excess against deviation.
-    rarity: f32,
+    rarity: Vec<f32>,
 }
 
-impl Term {
-    fn new(point: &Point, tau: f32, deviation: f32, excess: f32) -> Self {
-        let factor = (-tau * point.z).exp();
-        let deviation = deviation * point.slope;
-        let scale = deviation + excess * factor;
-        Self {
-            dark: point.dark,
-            factor,
-            sharpness: deviation.recip(),
-            slack: scale.recip(),
-            rarity: (scale / deviation).ln(),
+impl Terms {
+    fn clear(&mut self) {
+        for quantity in
+            [&mut self.dark, &mut self.factor, &mut self.sharpness, &mut self.slack, &mut self.rarity]
+        {
+            quantity.clear();
         }
     }
 
-    #[inline]
-    fn off(&self, veil: f32, floor: f32) -> f32 {
-        self.dark - (veil + (floor - veil) * self.factor)
+    fn push(&mut self, point: &Point, tau: f32, deviation: f32, excess: f32) {
+        let factor = (-tau * point.z).exp();
+        let deviation = deviation * point.slope;
+        let scale = deviation + excess * factor;
+        self.dark.push(point.dark);
+        self.factor.push(factor);
+        self.sharpness.push(deviation.recip());
+        self.slack.push(scale.recip());
+        self.rarity.push((scale / deviation).ln());
     }
 
-    #[inline]
-    fn cost(&self, veil: f32, floor: f32) -> f32 {
-        let off = self.off(veil, floor);
-        let squared = 0.5 * (off * self.sharpness).powi(2);
-        let above = self.rarity + 0.7 + off * self.slack;
-        let bound = if off < 0.0 { OUTLIER } else { above.min(OUTLIER + self.rarity) };
-        squared.min(bound)
+    fn is_on(&self, i: usize, veil: f32, floor: f32) -> bool {
+        (off(self.dark[i], self.factor[i], veil, floor) * self.sharpness[i]).abs() < 2.0
     }
+}
 
-    fn is_on(&self, veil: f32, floor: f32) -> bool {
-        (self.off(veil, floor) * self.sharpness).abs() < 2.0
+/// How far a bin lies above the curve.
+#[inline(always)]
+fn off(dark: f32, factor: f32, veil: f32, floor: f32) -> f32 {
+    dark - (veil + (floor - veil) * factor)
+}
+
+/// What each bin costs with one veil and one floor. All at once; the sum then keeps its order.
+struct Costs<'a> {
+    terms: &'a Terms,
+    veil: f32,
+    floor: f32,
+    costs: &'a mut [f32],
+}
+
+impl simd::Work for Costs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { terms, veil, floor, costs } = self;
+        let of_curve = terms.dark.iter().zip(&terms.factor).zip(&terms.sharpness);
+        let of_bound = terms.slack.iter().zip(&terms.rarity);
+        for ((cost, ((dark, factor), sharpness)), (slack, rarity)) in
+            costs.iter_mut().zip(of_curve).zip(of_bound)
+        {
+            let off = off(*dark, *factor, veil, floor);
+            let squared = 0.5 * (off * sharpness).powi(2);
+            let above = (rarity + 0.7 + off * slack).min(OUTLIER + rarity);
+            *cost = squared.min(if off < 0.0 { OUTLIER } else { above });
+        }
     }
 }

@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn threads_change_no_bit() {
         // Large enough for threads to be woken, and to be thinned out.
-        let (width, height) = (1201, 903);
+        let (width, height) = (1801, 1203);
         let frame = picture(4, 0, width, height);
         let fused_on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -160,25 +160,36 @@ pub(crate) fn estimate_in<E: Encoding>(
 ) -> Result<Estimate<E>, SizeError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
+    let whole = Seen { image, levels: &quantised.levels };
     let Some(thumbnail) = Thumbnail::of(image, &quantised, scratch) else {
-        return Ok(estimate_from(image, &quantised, depth, options));
+        return Ok(estimate_from(whole, image, &quantised, depth, options));
     };
-    let found = estimate_from(&thumbnail.image, &thumbnail.depth, depth, options);
+    let found = estimate_from(whole, &thumbnail.image, &thumbnail.depth, depth, options);
     *scratch = thumbnail.into_scratch();
     Ok(found)
 }
 
-/// The water of the pixels of `image` at the levels `quantised`, which are all that counts of `depth` or a part.
+/// A picture and its level of depth pixel by pixel.
+#[derive(Clone, Copy)]
+struct Seen<'a> {
+    image: &'a Image<u8>,
+    levels: &'a [u8],
+}
+
+/// The water of a picture: open water is looked for in all of it, for whether a place is smooth is a close decision
+/// on many pictures; what is counted is counted in `image` at the levels `quantised`, which may be a thumbnail.
 fn estimate_from<E: Encoding>(
+    whole: Seen<'_>,
     image: &Image<u8>,
     quantised: &Quantised<'_>,
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Estimate<E> {
+    let counted = Seen { image, levels: &quantised.levels };
     let (statistics, mut light) = bands::both(
-        quantised.levels.len(),
+        whole.levels.len(),
         || Statistics::<E>::gather(image, quantised),
-        || veiling_light::read(image, &quantised.levels, options.top, options.veiling_light),
+        || veiling_light::read(whole, counted, options.top, options.veiling_light),
     );
     let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     if depth.model().is_none() && is_seen_through(&light, &growth, quantised) {

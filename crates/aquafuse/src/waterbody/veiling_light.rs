@@ -12,7 +12,8 @@ use std::marker::PhantomData;
 pub(super) use reading::Reading;
 pub use reading::VeilingLightSource;
 
-use crate::image::{Encoded, Encoding, Image, Sample, TopEdge};
+use super::Seen;
+use crate::image::{Encoded, Encoding, Sample, TopEdge};
 
 /// Veiling light B∞: the colour that remains when nothing but water is in sight, per channel in `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,10 +49,12 @@ pub enum VeilingLightMethod {
 
 pub(super) use published::read_without_open_water;
 
-/// Reads the veiling light of a picture by this method, with all its fallbacks.
-pub(super) fn read(image: &Image<u8>, levels: &[u8], top: TopEdge, method: VeilingLightMethod) -> Reading {
+/// Reads the veiling light of a picture by this method, with all its fallbacks: open water in the whole of it, the
+/// farthest pixels in the part that is counted.
+pub(super) fn read(whole: Seen<'_>, counted: Seen<'_>, top: TopEdge, method: VeilingLightMethod) -> Reading {
+    let Seen { image, levels } = counted;
     match method {
-        VeilingLightMethod::OpenWater => open_water::read(image, levels)
+        VeilingLightMethod::OpenWater => open_water::read(whole.image, whole.levels)
             .unwrap_or_else(|| published::read_without_open_water(image, levels, top)),
         VeilingLightMethod::Published => published::read(image, levels, top),
     }

@@ -211,9 +211,10 @@ mod tests {
     #[cfg(feature = "threads")]
     #[test]
     fn threads_change_no_bit() {
-        // Large enough for threads to be woken, and to be thinned out.
-        let (width, height) = (1801, 1203);
-        let frame = picture(4, 0, width, height);
+        // Tiles of a scene, so many that threads are woken and the picture is thinned out.
+        let (tile, width, height) = (picture(4, 0, 301, 203), 1801, 1203);
+        let row = |y: usize| tile.row(y % 203).iter().cycle().take(width).flatten().copied();
+        let frame = Image::from_raw(width, height, (0..height).flat_map(row).collect()).unwrap();
         let fused_on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {

@@ -93,22 +93,27 @@ impl Square {
         }
     }
 
-    fn row_of_bytes(&self, level: Level, mut pixels: &[[u8; 3]], mut row: &mut [u8]) {
-        let levels = self.levels();
-        #[cfg(target_arch = "x86_64")]
-        if let Level::Avx2(proof) = level {
-            let (blocks, rest) = pixels.as_chunks::<BLOCK>();
-            let (rows, rest_of_row) = row.as_chunks_mut::<BLOCK>();
-            let mut places = [0; BLOCK];
-            for (pixels, row) in blocks.iter().zip(rows) {
-                avx2::places(proof, pixels, &mut places);
-                for (level, &place) in row.iter_mut().zip(&places) {
-                    *level = levels[place as usize & (COLOURS - 1)];
+    fn row_of_bytes(&self, level: Level, pixels: &[[u8; 3]], row: &mut [u8]) {
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(proof) => {
+                let (blocks, rest) = pixels.as_chunks::<BLOCK>();
+                let (rows, rest_of_row) = row.as_chunks_mut::<BLOCK>();
+                let mut places = [0; BLOCK];
+                for (pixels, row) in blocks.iter().zip(rows) {
+                    avx2::places(proof, pixels, &mut places);
+                    for (level, &place) in row.iter_mut().zip(&places) {
+                        *level = self.levels()[place as usize & (COLOURS - 1)];
+                    }
                 }
+                self.row_by_pixels(rest, rest_of_row);
             }
-            (pixels, row) = (rest, rest_of_row);
+            _ => self.row_by_pixels(pixels, row),
         }
-        let _ = level;
+    }
+
+    fn row_by_pixels(&self, pixels: &[[u8; 3]], row: &mut [u8]) {
+        let levels = self.levels();
         for (level, pixel) in row.iter_mut().zip(pixels) {
             *level = levels[usize::from(place(pixel))];
         }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, SuppliedKind};
+use aquafuse::image::Encoding;
 use aquafuse::waterbody::{Estimate, Intervals, Quality, Reason, VeilingLight, VeilingLightSource, Verdict};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
 use aquafuse_data::picture::{Picture, shown};
@@ -187,13 +188,13 @@ pub(crate) fn reasons(quality: Quality) -> String {
     quality.reasons.iter().map(Reason::describe).collect::<Vec<_>>().join(", ")
 }
 
-fn hex(rgb: [f32; 3]) -> String {
+pub(crate) fn hex(rgb: [f32; 3]) -> String {
     let [r, g, b] = rgb.map(|value| (value * 255.0).round() as u8);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// Where the veiling light was read, and from how much of the picture.
-fn source(estimate: &Estimate) -> String {
+fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
     let share = 100.0 * estimate.veiling_light_share;
     match estimate.veiling_light_source {
         VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the picture"),
@@ -205,13 +206,17 @@ fn source(estimate: &Estimate) -> String {
         VeilingLightSource::Unfiltered => {
             format!("the farthest {share:.1} %, whatever their colour: no water was found")
         }
+        VeilingLightSource::Given => "what is known of it".into(),
     }
 }
 
 /// One line on a water: its colour, where that was read, and what speaks against it.
-pub(crate) fn veiling_light(estimate: &Estimate) -> String {
-    let light =
-        format!("veiling light {}, from {}", hex(estimate.water.veiling_light.rgb()), source(estimate));
+pub(crate) fn veiling_light<E: Encoding>(estimate: &Estimate<E>) -> String {
+    let light = format!(
+        "veiling light {}, from {}",
+        hex(estimate.water.veiling_light.rgb().map(E::to_encoded)),
+        source(estimate)
+    );
     match estimate.quality.verdict {
         Verdict::Good => light,
         verdict => format!("{light}; {}: {}", verdict.name(), reasons(estimate.quality)),

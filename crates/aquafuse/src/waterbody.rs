@@ -5,6 +5,7 @@
 
 mod attenuation;
 mod backscatter;
+mod given;
 mod judge;
 mod pool;
 pub mod presets;
@@ -97,7 +98,7 @@ pub struct Estimate<E: Encoding = Encoded> {
 /// Intervals that hold the truth nine times in ten, `[low, high]` per channel: measured on scenes of known
 /// truth, not derived.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Intervals {
     /// Of B∞.
     pub veiling_light: [[f32; 2]; 3],

@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
-use aquafuse::image::{Encoded, Image, Sample, SizeError, TopEdge};
+use aquafuse::image::{Image, Sample, SizeError, TopEdge};
 use aquafuse::smooth::Smoothing;
 
 /// Pixels of 8 or 16 bits or in floats, encoded; fused as they are, so that nothing of 16 bits is lost.
@@ -87,20 +86,6 @@ impl Pixels {
     /// Depth from colour, as fine as the samples.
     pub fn depth(&self, model: &DepthModel, top: TopEdge) -> DepthMap {
         each!(self, layers => model.estimate_seen(&layers.image, top))
-    }
-
-    /// [`fuse_mut`] on whatever the samples are.
-    ///
-    /// # Errors
-    ///
-    /// [`SizeError`] when picture and depth map differ in size.
-    pub fn fuse_mut(
-        &mut self,
-        depth: &DepthMap,
-        waters: Waters<'_, Encoded>,
-        options: &Options,
-    ) -> Result<Clipping, SizeError> {
-        each!(self, layers => fuse_mut(&mut layers.image, depth, waters, options))
     }
 
     /// The picture, smoothed; opacity is left as it is.

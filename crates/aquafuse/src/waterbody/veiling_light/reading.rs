@@ -5,7 +5,7 @@ pub(super) const ROUNDING: f32 = 0.3;
 
 /// Where the veiling light was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum VeilingLightSource {
     /// Smooth open water of one colour.
     OpenWater,
@@ -17,6 +17,8 @@ pub enum VeilingLightSource {
     BottomCorners,
     /// None of these: the farthest pixels whatever their colour.
     Unfiltered,
+    /// No picture: the water is known from elsewhere.
+    Given,
 }
 
 /// What was read off a picture.

@@ -149,9 +149,10 @@ type Recorded = (Option<String>, HashMap<OsString, State>);
 /// What a record of whole lines says; the number of the line that is none otherwise.
 fn parse(text: &[u8]) -> Result<Recorded, usize> {
     let (mut settings, mut items) = (None, HashMap::new());
-    for (number, line) in (1..).zip(text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty())) {
+    let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
         let (name, state) = match serde_json::from_slice(line).map_err(|_| number)? {
-            Line::Job { schema: SCHEMA, settings: made_with } if number == 1 => {
+            Line::Job { schema: SCHEMA, settings: made_with } if settings.is_none() => {
                 settings = Some(made_with);
                 continue;
             }

@@ -174,7 +174,8 @@ impl<E: Space> Job<E> {
         });
         let Progress { done, kept, failed, .. } = progress;
         let [done, kept, failed] = [done, kept, failed].map(AtomicUsize::into_inner);
-        Summary { done, kept, failed, left: self.items.len() - done - kept - failed }
+        let tried = done.saturating_add(kept).saturating_add(failed);
+        Summary { done, kept, failed, left: self.items.len().saturating_sub(tried) }
     }
 
     /// Takes item after item until there is none left or too many failed.
@@ -193,8 +194,8 @@ impl<E: Space> Job<E> {
                     listener(Message::Kept { item });
                 }
                 Err(error) => {
-                    let failed = 1 + progress.failed.fetch_add(1, Ordering::Relaxed);
-                    if self.conduct.most_failures.is_some_and(|most| failed > most) {
+                    let failed_before = progress.failed.fetch_add(1, Ordering::Relaxed);
+                    if self.conduct.most_failures.is_some_and(|most| failed_before >= most) {
                         progress.stopped.store(true, Ordering::Relaxed);
                     }
                     listener(Message::Failed { item, error });

@@ -64,6 +64,20 @@
 //!
 //! The command line and the network. Every error names its file, its cause and what to do.
 
+// Sizes and places in here come from files. Tests may panic: that is how they fail.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::arithmetic_side_effects,
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
+        clippy::disallowed_methods,
+        clippy::indexing_slicing,
+        clippy::string_slice
+    )
+)]
+
 pub mod analysis;
 mod barrier;
 pub mod depth_file;
@@ -74,7 +88,18 @@ pub mod memory;
 pub mod model_file;
 pub mod pairs;
 pub mod picture;
+<<<<<<< HEAD
 pub mod scores;
+=======
+#[allow(
+    clippy::arithmetic_side_effects,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    clippy::indexing_slicing,
+    reason = "it draws pictures that are read already, at places that we choose"
+)]
+>>>>>>> lints
 pub mod sheet;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;

@@ -28,7 +28,7 @@ pub use read::Opened;
 pub(crate) use read::open_file;
 pub(crate) use shown::one_line;
 pub use shown::shown;
-pub(crate) use write::encode_grey16;
+pub(crate) use write::{encode_grey16, whole};
 
 /// A picture with what its file said about it.
 ///

@@ -45,7 +45,7 @@ pub(crate) fn run(tools: &Tools) -> Result<()> {
             writeln!(rows, "{row}")?;
         }
     }
-    results::write_section("speed", &section(tools, &rows)?)
+    results::write_section(results::RESULTS, "speed", &section(tools, &rows)?)
 }
 
 /// The truth scene of seed 1 through its waters; made anew, for the scene's code may have changed.

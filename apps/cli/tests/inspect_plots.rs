@@ -15,9 +15,9 @@ use serde_json::Value;
 const CELLS: (usize, usize) = (4, 3);
 const CELL: (usize, usize) = (416, 376);
 const HEAD: usize = 48;
-/// Cell of the veiling light, and the middle of its swatch there.
+/// Cell of the veiling light, and the middle of its swatch there, below a picture of 3 to 2.
 const VEIL: (usize, usize) = (0, 1);
-const SWATCH: (usize, usize) = (44, 346);
+const SWATCH: (usize, usize) = (44, 312);
 
 fn figure(run: &Run, name: &str) -> Image<u8> {
     let figure = Picture::read(&run.path(name)).unwrap().pixels.into_bytes();

@@ -14,7 +14,8 @@ fn with_black(seed: u64) -> (Image<u8>, Scene) {
     let mut scene = Scene::new(seed, SIZE);
     let distances = scene.depth.distances();
     for (i, pixel) in scene.clear.pixels_mut().iter_mut().enumerate() {
-        if i % SIZE.width % 3 == 0 && i / SIZE.width % 3 == 0 && distances[i] < OPEN_WATER {
+        let [x, y] = [i % SIZE.width, i / SIZE.width];
+        if x.is_multiple_of(3) && y.is_multiple_of(3) && distances[i] < OPEN_WATER {
             *pixel = [0.0; 3];
         }
     }

@@ -30,11 +30,12 @@ pub(super) fn draw(name: &str, picture: &Picture, found: &Analysis) -> Result<Im
     let unit = unit(found.depth.kind());
     let charts = Charts { water, evidence: &seen, unit };
     Sheet::draw(&format!("{name}: what it tells about its depth and its water"), |sheet| {
-        let mut cell = sheet.cells();
-        let mut next = |title: &str| cell.next(title);
+        let shown = view.content();
+        let mut cells = sheet.cells(shown.height());
+        let mut next = |title: &str| cells.next(title);
 
         let content = next("content U")?;
-        content.picture(&view.content())?;
+        content.picture(&shown)?;
         let (width, height) = picture.pixels.size();
         content.caption(&format!("{width} x {height} pixels"))?;
         let red = next("its red channel, R")?;

@@ -35,7 +35,7 @@ pub(super) fn write(cell: &Cell<'_>, found: &Analysis, unit: &str) -> Result<()>
     }
     y += LINE / 2;
     for ((name, x), colour) in ["red", "green", "blue"].into_iter().zip(COLUMNS).zip(CHANNELS) {
-        cell.0.draw_text(name, &font(16, colour), (x, y))?;
+        cell.area.draw_text(name, &font(16, colour), (x, y))?;
     }
     let per = if unit == "m" { "per m" } else { "per unit of z" };
     let water = &estimate.water;
@@ -54,16 +54,16 @@ pub(super) fn write(cell: &Cell<'_>, found: &Analysis, unit: &str) -> Result<()>
     ];
     for (name, values) in rows {
         y += LINE;
-        cell.0.draw_text(&name, &font(15, INK), (LEFT, y))?;
+        cell.area.draw_text(&name, &font(15, INK), (LEFT, y))?;
         for (value, x) in values.iter().zip(COLUMNS) {
-            cell.0.draw_text(value, &font(15, INK), (x, y))?;
+            cell.area.draw_text(value, &font(15, INK), (x, y))?;
         }
     }
     Ok(())
 }
 
 fn line(cell: &Cell<'_>, text: &str, y: i32, style: (u32, RGBColor)) -> Result<()> {
-    sheet::write(&cell.0, text, (LEFT, y), style, WIDTH, 1)
+    sheet::write(&cell.area, text, (LEFT, y), style, WIDTH, 1)
 }
 
 fn between([low, high]: [f32; 2], decimals: usize) -> String {

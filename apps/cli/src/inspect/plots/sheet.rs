@@ -19,8 +19,8 @@ const MARGIN: i32 = 12;
 /// The largest picture that a cell holds, and where it begins.
 pub(super) const ROOM: (u32, u32) = (392, 294);
 const TOP: i32 = 30;
-/// Where captions begin, and from one of their lines to the next.
-const CAPTION: i32 = TOP + ROOM.1 as i32 + 6;
+/// From a picture to its caption, and from one line of text to the next.
+const GAP: i32 = 6;
 const LINE: i32 = 18;
 /// Size of a patch of colour.
 const SWATCH: (i32, i32) = (64, 30);
@@ -33,10 +33,17 @@ pub(super) type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
 pub(super) struct Sheet<'a>(Area<'a>);
 
-pub(super) struct Cell<'a>(pub(super) Area<'a>);
+pub(super) struct Cell<'a> {
+    pub(super) area: Area<'a>,
+    /// Where captions begin.
+    caption: i32,
+}
 
 /// The cells of a sheet that are still empty.
-pub(super) struct Cells<'a>(std::vec::IntoIter<Area<'a>>);
+pub(super) struct Cells<'a> {
+    empty: std::vec::IntoIter<Area<'a>>,
+    caption: i32,
+}
 
 /// Text of this size, in pixels from the top of the highest letter to the foot of the lowest.
 pub(super) fn font(size: u32, colour: RGBColor) -> TextStyle<'static> {
@@ -62,17 +69,20 @@ impl Sheet<'_> {
 }
 
 impl<'a> Sheet<'a> {
-    pub(super) fn cells(&self) -> Cells<'a> {
+    /// Its cells, for pictures of this height.
+    pub(super) fn cells(&self, height: usize) -> Cells<'a> {
         let (_, below) = self.0.split_vertically(HEAD);
-        Cells(below.split_evenly((ROWS as usize, COLUMNS as usize)).into_iter())
+        let empty = below.split_evenly((ROWS as usize, COLUMNS as usize)).into_iter();
+        Cells { empty, caption: TOP + height as i32 + GAP }
     }
 }
 
 impl<'a> Cells<'a> {
     /// The next cell, row by row.
     pub(super) fn next(&mut self, title: &str) -> Result<Cell<'a>> {
-        let cell = Cell(self.0.next().ok_or_else(|| anyhow!("the sheet has no more than {ROWS} rows"))?);
-        write(&cell.0, title, (MARGIN, 6), (18, INK), ROOM.0 as i32, 1)?;
+        let area = self.empty.next().ok_or_else(|| anyhow!("the sheet has no more than {ROWS} rows"))?;
+        let cell = Cell { area, caption: self.caption };
+        write(&cell.area, title, (MARGIN, 6), (18, INK), ROOM.0 as i32, 1)?;
         Ok(cell)
     }
 }
@@ -80,7 +90,7 @@ impl<'a> Cells<'a> {
 impl<'a> Cell<'a> {
     /// Where a chart goes: below the title, to the end of the cell.
     pub(super) fn room(&self) -> Area<'a> {
-        self.0.margin(TOP, LINE + MARGIN + 4, 4, MARGIN)
+        self.area.margin(TOP, LINE + MARGIN + 4, 4, MARGIN)
     }
 
     /// A picture, which is to fit into [`ROOM`], below the title.
@@ -89,31 +99,31 @@ impl<'a> Cell<'a> {
         let corner = (MARGIN + (ROOM.0 - width) as i32 / 2, TOP);
         let picture: Option<BitMapElement<'_, _>> =
             BitMapElement::with_ref(corner, (width, height), image.as_raw());
-        Ok(self.0.draw(&picture.ok_or_else(|| anyhow!("a picture of another size than it says"))?)?)
+        Ok(self.area.draw(&picture.ok_or_else(|| anyhow!("a picture of another size than it says"))?)?)
     }
 
     /// What is to be seen, in at most two lines below the picture.
     pub(super) fn caption(&self, text: &str) -> Result<()> {
-        write(&self.0, text, (MARGIN, CAPTION), (15, INK), ROOM.0 as i32, 2)
+        write(&self.area, text, (MARGIN, self.caption), (15, INK), ROOM.0 as i32, 2)
     }
 
     /// The same on the right of a patch of colour.
     pub(super) fn caption_beside(&self, text: &str) -> Result<()> {
         let right_of = SWATCH.0 + 10;
-        write(&self.0, text, (MARGIN + right_of, CAPTION), (15, INK), ROOM.0 as i32 - right_of, 2)
+        write(&self.area, text, (MARGIN + right_of, self.caption), (15, INK), ROOM.0 as i32 - right_of, 2)
     }
 
     /// One line at the foot of the cell, below a chart.
     pub(super) fn foot(&self, text: &str) -> Result<()> {
-        write(&self.0, text, (MARGIN, CAPTION + LINE), (15, INK), ROOM.0 as i32, 1)
+        write(&self.area, text, (MARGIN, TOP + ROOM.1 as i32 + GAP + LINE), (15, INK), ROOM.0 as i32, 1)
     }
 
     /// A patch of colour below the picture.
     pub(super) fn swatch(&self, [r, g, b]: [u8; 3]) -> Result<()> {
-        let corner = (MARGIN, CAPTION + 1);
+        let corner = (MARGIN, self.caption + 1);
         let opposite = (corner.0 + SWATCH.0, corner.1 + SWATCH.1);
-        self.0.draw(&Rectangle::new([corner, opposite], RGBColor(r, g, b).filled()))?;
-        Ok(self.0.draw(&Rectangle::new([corner, opposite], INK))?)
+        self.area.draw(&Rectangle::new([corner, opposite], RGBColor(r, g, b).filled()))?;
+        Ok(self.area.draw(&Rectangle::new([corner, opposite], INK))?)
     }
 
     /// From black to white, and what either end means.
@@ -121,16 +131,16 @@ impl<'a> Cell<'a> {
         let steps = ROOM.0 as i32;
         for x in 0..steps {
             let grey = (255 * x / (steps - 1)) as u8;
-            let column = [(MARGIN + x, CAPTION), (MARGIN + x + 1, CAPTION + 10)];
+            let column = [(MARGIN + x, self.caption), (MARGIN + x + 1, self.caption + 10)];
             let style = ShapeStyle::from(&RGBColor(grey, grey, grey)).filled();
-            self.0.draw(&Rectangle::new(column, style))?;
+            self.area.draw(&Rectangle::new(column, style))?;
         }
-        let frame = [(MARGIN, CAPTION), (MARGIN + steps, CAPTION + 10)];
-        self.0.draw(&Rectangle::new(frame, INK))?;
+        let frame = [(MARGIN, self.caption), (MARGIN + steps, self.caption + 10)];
+        self.area.draw(&Rectangle::new(frame, INK))?;
         let style = font(15, INK);
-        let (width, _) = self.0.estimate_text_size(white, &style)?;
-        self.0.draw_text(black, &style, (MARGIN, CAPTION + 14))?;
-        Ok(self.0.draw_text(white, &style, (MARGIN + steps - width as i32, CAPTION + 14))?)
+        let (width, _) = self.area.estimate_text_size(white, &style)?;
+        self.area.draw_text(black, &style, (MARGIN, self.caption + 14))?;
+        Ok(self.area.draw_text(white, &style, (MARGIN + steps - width as i32, self.caption + 14))?)
     }
 }
 

@@ -50,10 +50,9 @@ fn read_by(
         (Places::Far { nearest, of_any_colour }, histogram)
     };
     let at = |edge| (Places::Corners(edge), corners(image, edge));
-    let attempts: [(VeilingLightSource, &dyn Fn() -> (Places, Histogram)); 3] =
-        [(Farthest, &|| far(false)), (TopCorners, &|| at(top)), (BottomCorners, &|| at(top.opposite()))];
-    let usable = attempts.into_iter().find_map(|(source, read)| {
-        let (places, histogram) = read();
+    let attempts = [(Farthest, None), (TopCorners, Some(top)), (BottomCorners, Some(top.opposite()))];
+    let usable = attempts.into_iter().find_map(|(source, edge)| {
+        let (places, histogram) = edge.map_or_else(|| far(false), at);
         (histogram.count > FEW_PIXELS).then_some((source, places, histogram))
     });
     let (source, places, histogram) = usable.unwrap_or_else(|| {

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
-use aquafuse::image::{Encoded, Encoding};
-use aquafuse::waterbody::{self, Estimate, EstimateOptions, Reason};
+use aquafuse::image::{Encoded, Encoding, SizeError};
+use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use crate::depth_file;
 use crate::picture::{FileError, Picture};
@@ -96,11 +96,23 @@ pub fn analyse<E: Encoding>(picture: &Picture, source: &DepthSource) -> Result<A
             (found.depth, Some(found.report))
         }
     };
-    let options = EstimateOptions { top, ..EstimateOptions::default() };
-    let mut estimate =
-        waterbody::estimate(&bytes, &depth, &options).expect("the depth map was made for this picture");
+    let mut estimate = waterbody::estimate(&bytes, &depth, &options(picture))
+        .expect("the depth map was made for this picture");
     if supplied.is_some_and(|report| report.looks_turned_round()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
+}
+
+/// What the water of [`Analysis::estimate`] was fitted to, read again from the `picture` that was analysed.
+///
+/// # Errors
+///
+/// [`SizeError`] when it is another picture, of another size.
+pub fn evidence(picture: &Picture, found: &Analysis) -> Result<Evidence, SizeError> {
+    waterbody::evidence::<Encoded>(&picture.bytes(), &found.depth, &options(picture))
+}
+
+fn options(picture: &Picture) -> EstimateOptions {
+    EstimateOptions { top: picture.top_edge(), ..EstimateOptions::default() }
 }

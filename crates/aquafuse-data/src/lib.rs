@@ -88,9 +88,7 @@ pub mod memory;
 pub mod model_file;
 pub mod pairs;
 pub mod picture;
-<<<<<<< HEAD
 pub mod scores;
-=======
 #[allow(
     clippy::arithmetic_side_effects,
     clippy::cast_possible_truncation,
@@ -99,7 +97,6 @@ pub mod scores;
     clippy::indexing_slicing,
     reason = "it draws pictures that are read already, at places that we choose"
 )]
->>>>>>> lints
 pub mod sheet;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;

@@ -49,7 +49,7 @@ pub(crate) fn write<E: Space>(
 /// A clear image of one value everywhere, put into a water.
 fn seen<E: Encoding>(value: f32, found: &Analysis<E>, water: &Waterbody<E>) -> Image<u8> {
     let (width, height) = found.depth.size();
-    let flat = Image::<f32, E>::from_raw(width, height, vec![value; 3 * width * height]);
+    let flat = Image::<f32, E>::from_raw(width, height, [value; 3].repeat(width.saturating_mul(height)));
     let flat = flat.expect("a depth map has places");
     form(&flat, &found.depth, water).expect("it was made for this depth map").to_encoded().to_samples()
 }
@@ -60,8 +60,9 @@ fn changed<E: Space>(picture: &Picture, found: &Analysis<E>, treatment: &Treatme
     let mut after = Pixels::from(before.clone());
     treatment.apply(&mut after, found).expect("the depth map is this picture's");
     let (width, height) = before.size();
-    let difference =
-        |(after, before): (&u8, &u8)| (128 + i16::from(*after) - i16::from(*before)).clamp(0, 255) as u8;
+    let difference = |(after, before): (&u8, &u8)| {
+        128_u8.saturating_add(after.saturating_sub(*before)).saturating_sub(before.saturating_sub(*after))
+    };
     let samples = after.into_bytes().as_raw().iter().zip(before.as_raw()).map(difference).collect();
     Image::from_raw(width, height, samples).expect("of one size")
 }

@@ -55,14 +55,14 @@ impl Numbers {
         if !beta.iter().all(|beta| beta.is_finite() && *beta >= 0.0) {
             return Err(format!("backscatter_coefficient is {beta:?}, but is 0 or more"));
         }
-        let curve = |c: usize| -> Result<Attenuation, AttenuationError> {
-            Attenuation::new(self.attenuation[c], self.attenuation_held_beyond[c])
+        let ([r, g, b], [far_r, far_g, far_b]) = (self.attenuation, self.attenuation_held_beyond);
+        let curves = || -> Result<[Attenuation; 3], AttenuationError> {
+            Ok([Attenuation::new(r, far_r)?, Attenuation::new(g, far_g)?, Attenuation::new(b, far_b)?])
         };
-        let curves = curve(0).and_then(|red| Ok([red, curve(1)?, curve(2)?]));
         Ok(Waterbody {
             veiling_light: VeilingLight::new(self.veiling_light),
             backscatter_coefficient: beta,
-            attenuation: curves.map_err(|error| format!("attenuation: {error}"))?,
+            attenuation: curves().map_err(|error| format!("attenuation: {error}"))?,
         })
     }
 }

@@ -5,6 +5,7 @@
 
 mod attenuation;
 mod backscatter;
+mod evidence;
 mod given;
 mod judge;
 mod pool;
@@ -16,6 +17,7 @@ mod veiling_light;
 
 pub use attenuation::{Attenuation, AttenuationError};
 pub use backscatter::BackscatterMethod;
+pub use evidence::{DepthBin, Evidence, evidence};
 pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
@@ -145,6 +147,37 @@ pub fn estimate<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Estimate<E>, SizeError> {
+    let Look { quantised, statistics, light, growth, attenuation } = look::<E>(image, depth, options)?;
+    let intervals = judge::intervals::<E>(&growth, &light);
+    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, &quantised);
+    Ok(Estimate {
+        water: Waterbody {
+            veiling_light: VeilingLight::new(growth.veil),
+            backscatter_coefficient: growth.coefficient,
+            attenuation: attenuation.map(|fit| fit.curve),
+        },
+        veiling_light_source: light.source,
+        veiling_light_share: light.share as f32,
+        depth_model: depth.model(),
+        intervals,
+        quality,
+    })
+}
+
+/// All that was read and fitted: what [`estimate`] judges and [`evidence`] shows.
+struct Look<'a, E: Encoding> {
+    quantised: Quantised<'a>,
+    statistics: Statistics<E>,
+    light: Reading,
+    growth: Growth,
+    attenuation: [attenuation::Fit; 3],
+}
+
+fn look<'a, E: Encoding>(
+    image: &Image<u8>,
+    depth: &'a DepthMap,
+    options: &EstimateOptions,
+) -> Result<Look<'a, E>, SizeError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
     let statistics = Statistics::<E>::gather(image, &quantised);
@@ -155,22 +188,9 @@ pub fn estimate<E: Encoding>(
         growth = fit(image, depth, &quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
-    let attenuation: [attenuation::Fit; 3] =
+    let attenuation =
         std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
-    let intervals = judge::intervals::<E>(&growth, &light);
-    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, &quantised);
-    Ok(Estimate {
-        water: Waterbody {
-            veiling_light: veil,
-            backscatter_coefficient: growth.coefficient,
-            attenuation: attenuation.map(|fit| fit.curve),
-        },
-        veiling_light_source: light.source,
-        veiling_light_share: light.share as f32,
-        depth_model: depth.model(),
-        intervals,
-        quality,
-    })
+    Ok(Look { quantised, statistics, light, growth, attenuation })
 }
 
 fn fit<E: Encoding>(

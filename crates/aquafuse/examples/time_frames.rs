@@ -4,10 +4,12 @@
 //!
 //! `cached`: the reference's water is known; the content's depth and water are estimated for every frame.
 //! `estimated`: both pictures are estimated for every frame.
+//! `restored`: the content is estimated and its water taken out, within its bounds.
 
 use std::time::Instant;
 
 use aquafuse::depth;
+use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
 use aquafuse::fusion::{Options, Waters, fuse};
 use aquafuse::image::{Encoded, Image, SizeError};
 use aquafuse::waterbody::{EstimateOptions, Waterbody, estimate};
@@ -22,6 +24,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let water = water_of(&reference)?;
     report("cached", frames, || one_frame(&content, &water))?;
     report("estimated", frames, || one_frame(&content, &water_of(&reference)?))?;
+    report("restored", frames, || restored(&content))?;
+    Ok(())
+}
+
+fn restored(content: &Image<u8>) -> Result<(), SizeError> {
+    let z = depth::estimate(content);
+    let found = estimate::<Encoded>(content, &z, &EstimateOptions::default())?;
+    let bounded = BoundedRestoration::new(content, &z, &found, &RestoreOptions::default())?;
+    let mut clear = content.clone();
+    restore_mut(&mut clear, &z, &bounded.water, &bounded.options)?;
+    std::hint::black_box(clear);
     Ok(())
 }
 

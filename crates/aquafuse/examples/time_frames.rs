@@ -2,17 +2,18 @@
 //!
 //! cargo run --release -p aquafuse --example time_frames -- CONTENT.ppm REFERENCE.ppm FRAMES
 //!
+//! On as many threads as `RAYON_NUM_THREADS` says. Memory is that of the frame before, as in a video.
+//!
 //! `cached`: the reference's water is known; the content's depth and water are estimated for every frame.
 //! `estimated`: both pictures are estimated for every frame.
 //! `restored`: the content is estimated and its water taken out, within its bounds.
 
 use std::time::Instant;
 
-use aquafuse::depth;
 use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
-use aquafuse::fusion::{Options, Waters, fuse};
 use aquafuse::image::{Encoded, Image, SizeError};
-use aquafuse::waterbody::{EstimateOptions, Waterbody, estimate};
+use aquafuse::stream::{Options, Stream};
+use aquafuse::{depth, waterbody};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -21,16 +22,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let (content, reference) = (read_ppm(content)?, read_ppm(reference)?);
     let frames: usize = frames.parse()?;
-    let water = water_of(&reference)?;
-    report("cached", frames, || one_frame(&content, &water))?;
-    report("estimated", frames, || one_frame(&content, &water_of(&reference)?))?;
+    let water = waterbody::estimate(&reference, &depth::estimate(&reference), &Default::default())?;
+    let mut stream = Stream::new(water, Options::default());
+    let mut fused = content.clone();
+    report("cached", frames, || stream.fuse_into(&content, &mut fused).map(drop))?;
+    report("estimated", frames, || {
+        let water = stream.estimate(&reference);
+        stream.refer_to(water);
+        stream.fuse_into(&content, &mut fused).map(drop)
+    })?;
     report("restored", frames, || restored(&content))?;
     Ok(())
 }
 
 fn restored(content: &Image<u8>) -> Result<(), SizeError> {
     let z = depth::estimate(content);
-    let found = estimate::<Encoded>(content, &z, &EstimateOptions::default())?;
+    let found = waterbody::estimate::<Encoded>(content, &z, &Default::default())?;
     let bounded = BoundedRestoration::new(content, &z, &found, &RestoreOptions::default())?;
     let mut clear = content.clone();
     restore_mut(&mut clear, &z, &bounded.water, &bounded.options)?;
@@ -38,19 +45,11 @@ fn restored(content: &Image<u8>) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn water_of(image: &Image<u8>) -> Result<Waterbody, SizeError> {
-    Ok(estimate::<Encoded>(image, &depth::estimate(image), &EstimateOptions::default())?.water)
-}
-
-fn one_frame(content: &Image<u8>, reference: &Waterbody) -> Result<(), SizeError> {
-    let z = depth::estimate(content);
-    let own = estimate::<Encoded>(content, &z, &EstimateOptions::default())?.water;
-    let waters = Waters { content: &own, reference };
-    std::hint::black_box(fuse(content, &z, waters, &Options::default())?);
-    Ok(())
-}
-
-fn report(name: &str, frames: usize, run: impl Fn() -> Result<(), SizeError>) -> Result<(), SizeError> {
+fn report(
+    name: &str,
+    frames: usize,
+    mut run: impl FnMut() -> Result<(), SizeError>,
+) -> Result<(), SizeError> {
     run()?;
     let mut spent = Vec::with_capacity(frames);
     for _ in 0..frames {

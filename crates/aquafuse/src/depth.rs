@@ -17,7 +17,7 @@ mod tables;
 
 pub use eq3::{Eq3, Eq3Error};
 pub use map::{DepthError, DepthKind, DepthMap};
-pub(crate) use map::{LEVELS, Quantised};
+pub(crate) use map::{LEVELS, Quantised, level_to_z};
 pub use model::DepthModel;
 pub use scale::{RelativeScale, ScaleError};
 pub use supplied::{Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport};

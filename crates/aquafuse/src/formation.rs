@@ -127,16 +127,17 @@ pub fn restore_mut<T: Sample, E: Encoding>(
 ) -> Result<Clipping, SizeError> {
     depth.check_fits(image.size())?;
     let pixels = image.pixels_mut();
-    let mut clipping = Clipping { values: [0; 3], pixels: pixels.len() as u64 };
-    let law = undoing(water, options);
-    depth.for_each_pixel(pixels, law, |pixel, (gain, backscatter)| {
+    let count = pixels.len() as u64;
+    let change = |pixel: &mut [T; 3], (gain, backscatter): ([f32; 3], [f32; 3]), clipped: &mut [u64; 3]| {
         for c in 0..3 {
-            let (value, clipped) = pixel[c].changed(gain[c], -gain[c] * backscatter[c]);
+            let (value, is_clipped) = pixel[c].changed(gain[c], -gain[c] * backscatter[c]);
             pixel[c] = value;
-            clipping.values[c] += u64::from(clipped);
+            clipped[c] += u64::from(is_clipped);
         }
-    });
-    Ok(clipping)
+    };
+    let add = |a: [u64; 3], b: [u64; 3]| std::array::from_fn(|c| a[c] + b[c]);
+    let values = depth.sum_over_pixels(pixels, undoing(water, options), change, add);
+    Ok(Clipping { values, pixels: count })
 }
 
 /// Gain and backscatter at a distance.

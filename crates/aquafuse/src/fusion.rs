@@ -12,13 +12,17 @@
 mod bound;
 mod law;
 mod options;
+mod shift;
 
 pub use bound::{Bounded, Bounds};
 pub use law::{Change, Law};
 pub use options::{Gain, Incidence, Model, OptionError, Options};
 
-use crate::depth::DepthMap;
-use crate::image::{Encoding, Image, Sample, SizeError};
+use shift::Shifts;
+
+use crate::bands;
+use crate::depth::{DepthMap, level_to_z};
+use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
 use crate::waterbody::Waterbody;
 
 /// A fused picture.
@@ -106,28 +110,96 @@ pub fn fuse_mut<T: Sample, E: Encoding>(
     waters: Waters<'_, E>,
     options: &Options,
 ) -> Result<Clipping, SizeError> {
-    depth.check_fits(content.size())?;
+    fuse_from(None, content, depth, waters, options)
+}
+
+/// [`fuse`] into a picture that is there already, which keeps nothing of what it was: nothing is allocated.
+///
+/// # Errors
+///
+/// [`SizeError`] when content, depth map and `fused` differ in size; `fused` is then unchanged.
+pub fn fuse_into<T: Sample, E: Encoding>(
+    content: &Image<T, E>,
+    depth: &DepthMap,
+    waters: Waters<'_, E>,
+    options: &Options,
+    fused: &mut Image<T, E>,
+) -> Result<Clipping, SizeError> {
+    check_same_size(content.size(), fused.size())?;
+    fuse_from(Some(content), fused, depth, waters, options)
+}
+
+/// Fuses the content, or what stands in `fused` if there is none, into `fused`.
+fn fuse_from<T: Sample, E: Encoding>(
+    content: Option<&Image<T, E>>,
+    fused: &mut Image<T, E>,
+    depth: &DepthMap,
+    waters: Waters<'_, E>,
+    options: &Options,
+) -> Result<Clipping, SizeError> {
+    depth.check_fits(fused.size())?;
     let law = Law::new(waters, options);
-    let pixels = content.pixels_mut();
-    let mut clipping = Clipping { values: [0; 3], pixels: pixels.len() as u64 };
-    let mut store = |pixel: &mut [T; 3], c: usize, (value, clipped): (T, bool)| {
-        pixel[c] = value;
-        clipping.values[c] += u64::from(clipped);
+    let pixels = fused.width() as u64 * fused.height() as u64;
+    if let Some(values) = shift_of_bytes(content, fused, depth, &law, options.model) {
+        return Ok(Clipping { values, pixels });
+    }
+    if let Some(content) = content {
+        fused.samples_mut().copy_from_slice(content.as_raw());
+    }
+    Ok(Clipping { values: change_pixels(fused, depth, &law, options.model), pixels })
+}
+
+/// The law where it is a shift of bytes by 256 levels of depth, the everyday case; how many values were clipped.
+fn shift_of_bytes<T: Sample, E: Encoding>(
+    content: Option<&Image<T, E>>,
+    fused: &mut Image<T, E>,
+    depth: &DepthMap,
+    law: &Law<E>,
+    model: Model,
+) -> Option<[u64; 3]> {
+    let levels = depth.levels().filter(|_| model.is_shift())?;
+    let width = fused.width();
+    let content = content.and_then(|content| T::bytes(content.as_raw()));
+    let bytes = T::bytes_mut(fused.samples_mut())?;
+    let of_level =
+        std::array::from_fn(|level| law.at(level_to_z(level as u8)).offset.map(u8::shift_from_unit));
+    let shifts = Shifts::new(&of_level)?;
+    let band = |first: usize, values: &mut [u8]| {
+        if let Some(content) = content {
+            values.copy_from_slice(&content[3 * first * width..][..values.len()]);
+        }
+        shifts.add(values, &levels[first * width..][..values.len() / 3])
     };
-    if options.model.is_shift() {
+    Some(bands::sum(bytes, 3 * width, band, add))
+}
+
+/// The law at each pixel, whatever it is; how many values were clipped.
+fn change_pixels<T: Sample, E: Encoding>(
+    content: &mut Image<T, E>,
+    depth: &DepthMap,
+    law: &Law<E>,
+    model: Model,
+) -> [u64; 3] {
+    let store = |pixel: &mut [T; 3], c: usize, (value, is_clipped): (T, bool), clipped: &mut [u64; 3]| {
+        pixel[c] = value;
+        clipped[c] += u64::from(is_clipped);
+    };
+    let pixels = content.pixels_mut();
+    if model.is_shift() {
         // In whole steps of the samples, which is exact and rounds once a depth.
         let steps = |z| law.at(z).offset.map(T::shift_from_unit);
-        depth.for_each_pixel(pixels, steps, |pixel, shift| {
-            (0..3).for_each(|c| store(pixel, c, pixel[c].shifted(shift[c])));
-        });
+        let change = |pixel: &mut [T; 3], shift: [T::Shift; 3], clipped: &mut [u64; 3]| {
+            (0..3).for_each(|c| store(pixel, c, pixel[c].shifted(shift[c]), clipped));
+        };
+        depth.sum_over_pixels(pixels, steps, change, add)
     } else {
-        depth.for_each_pixel(
-            pixels,
-            |z| law.at(z),
-            |pixel, change| {
-                (0..3).for_each(|c| store(pixel, c, pixel[c].changed(change.gain[c], change.offset[c])));
-            },
-        );
+        let change = |pixel: &mut [T; 3], change: Change, clipped: &mut [u64; 3]| {
+            (0..3).for_each(|c| store(pixel, c, pixel[c].changed(change.gain[c], change.offset[c]), clipped));
+        };
+        depth.sum_over_pixels(pixels, |z| law.at(z), change, add)
     }
-    Ok(clipping)
+}
+
+fn add(a: [u64; 3], b: [u64; 3]) -> [u64; 3] {
+    std::array::from_fn(|c| a[c] + b[c])
 }

@@ -130,9 +130,19 @@ impl<T: Sample, E: Encoding> Image<T, E> {
         self.pixels().chunks_exact(self.width)
     }
 
+    /// The pixels of row `y`, counted from the top.
+    pub(crate) fn row(&self, y: usize) -> &[[T; 3]] {
+        &self.pixels()[y * self.width..][..self.width]
+    }
+
     /// All samples, interleaved.
     pub fn as_raw(&self) -> &[T] {
         &self.samples
+    }
+
+    /// All samples for writing, interleaved.
+    pub(crate) fn samples_mut(&mut self) -> &mut [T] {
+        &mut self.samples
     }
 
     /// Gives the samples back.

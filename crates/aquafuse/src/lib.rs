@@ -52,6 +52,7 @@
 //! | [`waterbody::presets`] | waters from published tables, per metre | |
 //! | [`formation`] | the image formation model, forwards and back | Eq. 1-2 |
 //! | [`fusion`] | scene + reference water → fused picture | Eq. 9-11 |
+//! | [`stream`] | the same, frame after frame, in the memory of the last | |
 //! | [`smooth`] | the bilateral filter the paper ends with; off by default | |
 //! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth, rank correlation, UCIQE, UIQM | |
 //! | [`truth`] | a ray-marched scene whose clear image, depth and water are known | |
@@ -62,7 +63,7 @@
 //!
 //! # Features
 //!
-//! - `threads` (default): several cores for ray marching and smoothing. Off, no thread is started; no bit changes.
+//! - `threads` (default): several cores for large pictures, by bands of rows. Off, no thread is started; no bit changes.
 //! - `serde`: `Serialize` for the types that describe water and depth.
 //!
 //! # Simplifications
@@ -81,11 +82,14 @@
 //! Files, folders and the command line (see the crate `aquafuse-data` and the `aquafuse` command); neural
 //! networks; forward scattering (blur); several light sources.
 
+mod bands;
 pub mod depth;
 pub mod formation;
 pub mod fusion;
 pub mod image;
 pub mod metrics;
+mod simd;
 pub mod smooth;
+pub mod stream;
 pub mod truth;
 pub mod waterbody;

@@ -12,6 +12,7 @@ mod pool;
 pub mod presets;
 mod quality;
 mod statistics;
+mod thumbnail;
 mod unit;
 mod veiling_light;
 
@@ -22,10 +23,13 @@ pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
+use crate::bands;
 use crate::depth::{DepthMap, DepthModel, Quantised};
 use crate::image::{Encoded, Encoding, Image, SizeError, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
+pub(crate) use thumbnail::Scratch;
+use thumbnail::Thumbnail;
 use veiling_light::Reading;
 
 /// The water of one picture, per channel red, green, blue.
@@ -147,10 +151,37 @@ pub fn estimate<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Estimate<E>, SizeError> {
-    let Look { quantised, statistics, light, growth, attenuation } = look::<E>(image, depth, options)?;
+    estimate_in(image, depth, options, &mut Scratch::default())
+}
+
+/// [`estimate`] in the memory of the last picture.
+pub(crate) fn estimate_in<E: Encoding>(
+    image: &Image<u8>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+    scratch: &mut Scratch,
+) -> Result<Estimate<E>, SizeError> {
+    depth.check_fits(image.size())?;
+    let quantised = depth.quantised();
+    let Some(thumbnail) = Thumbnail::of(image, &quantised, scratch) else {
+        return Ok(estimate_from(image, &quantised, depth, options));
+    };
+    let found = estimate_from(&thumbnail.image, &thumbnail.depth, depth, options);
+    *scratch = thumbnail.into_scratch();
+    Ok(found)
+}
+
+/// The water of the pixels of `image` at the levels `quantised`, which are all that counts of `depth` or a part.
+fn estimate_from<E: Encoding>(
+    image: &Image<u8>,
+    quantised: &Quantised<'_>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+) -> Estimate<E> {
+    let Look { statistics, light, growth, attenuation } = look::<E>(image, quantised, depth, options);
     let intervals = judge::intervals::<E>(&growth, &light);
-    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, &quantised);
-    Ok(Estimate {
+    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, quantised);
+    Estimate {
         water: Waterbody {
             veiling_light: VeilingLight::new(growth.veil),
             backscatter_coefficient: growth.coefficient,
@@ -161,36 +192,37 @@ pub fn estimate<E: Encoding>(
         depth_model: depth.model(),
         intervals,
         quality,
-    })
+    }
 }
 
 /// All that was read and fitted: what [`estimate`] judges and [`evidence`] shows.
-struct Look<'a, E: Encoding> {
-    quantised: Quantised<'a>,
+struct Look<E: Encoding> {
     statistics: Statistics<E>,
     light: Reading,
     growth: Growth,
     attenuation: [attenuation::Fit; 3],
 }
 
-fn look<'a, E: Encoding>(
+fn look<E: Encoding>(
     image: &Image<u8>,
-    depth: &'a DepthMap,
+    quantised: &Quantised<'_>,
+    depth: &DepthMap,
     options: &EstimateOptions,
-) -> Result<Look<'a, E>, SizeError> {
-    depth.check_fits(image.size())?;
-    let quantised = depth.quantised();
-    let statistics = Statistics::<E>::gather(image, &quantised);
-    let mut light = veiling_light::read(image, &quantised.levels, options.top, options.veiling_light);
-    let mut growth = fit(image, depth, &quantised, &statistics, &light, options.backscatter);
-    if depth.model().is_none() && is_seen_through(&light, &growth, &quantised) {
+) -> Look<E> {
+    let (statistics, mut light) = bands::both(
+        quantised.levels.len(),
+        || Statistics::<E>::gather(image, quantised),
+        || veiling_light::read(image, &quantised.levels, options.top, options.veiling_light),
+    );
+    let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
+    if depth.model().is_none() && is_seen_through(&light, &growth, quantised) {
         light = veiling_light::read_without_open_water(image, &quantised.levels, options.top);
-        growth = fit(image, depth, &quantised, &statistics, &light, options.backscatter);
+        growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
     let attenuation =
         std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
-    Ok(Look { quantised, statistics, light, growth, attenuation })
+    Look { statistics, light, growth, attenuation }
 }
 
 fn fit<E: Encoding>(

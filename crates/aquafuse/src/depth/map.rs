@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use super::DepthModel;
+use crate::bands;
 use crate::image::{Sample as _, SizeError, check_same_size, check_size};
+use crate::simd;
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
 ///
@@ -58,6 +60,27 @@ enum Values {
     /// z = level / 65535.
     FineLevels(Vec<u16>),
     Floats(Vec<f32>),
+}
+
+/// Changes pixels one by one, by the law at their depth, and sums up.
+struct ChangeAll<'a, P, D, L, C, S> {
+    pixels: &'a mut [P],
+    depths: &'a [D],
+    law: &'a L,
+    change: &'a C,
+    sum: S,
+}
+
+impl<P, D: Copy, V, L: Fn(D) -> V, C: Fn(&mut P, V, &mut S), S> simd::Work for ChangeAll<'_, P, D, L, C, S> {
+    type Output = S;
+
+    #[inline(always)]
+    fn run(mut self) -> S {
+        for (pixel, &depth) in self.pixels.iter_mut().zip(self.depths) {
+            (self.change)(pixel, (self.law)(depth), &mut self.sum);
+        }
+        self.sum
+    }
 }
 
 /// Depth in even steps.
@@ -200,6 +223,14 @@ impl DepthMap {
         }
     }
 
+    /// The memory of a map that is no longer needed; empty if it has not 256 levels.
+    pub(crate) fn into_levels(self) -> Vec<u8> {
+        match self.values {
+            Values::Levels(levels) => levels,
+            Values::FineLevels(_) | Values::Floats(_) => Vec::new(),
+        }
+    }
+
     /// All distances, row by row from the top.
     pub fn distances(&self) -> Vec<f32> {
         match &self.values {
@@ -214,38 +245,54 @@ impl DepthMap {
         check_same_size(size, self.size())
     }
 
-    /// Changes each pixel by what `law` says of its depth: the law is evaluated once a level where depth
-    /// has levels and there are more pixels than levels, once a pixel otherwise.
-    pub(crate) fn for_each_pixel<P, V: Copy>(
+    /// Changes each pixel by what `law` says of its depth, and adds up what that makes of a `Default`: the law is
+    /// evaluated once a level where depth has levels and there are more pixels than levels, once a pixel otherwise.
+    pub(crate) fn sum_over_pixels<P: Send, V: Copy + Sync, S: Default + Send>(
         &self,
         pixels: &mut [P],
-        law: impl Fn(f32) -> V,
-        mut change: impl FnMut(&mut P, V),
-    ) {
+        law: impl Fn(f32) -> V + Sync,
+        change: impl Fn(&mut P, V, &mut S) + Sync,
+        add: impl Fn(S, S) -> S + Send + Sync,
+    ) -> S {
         match &self.values {
             Values::Levels(levels) => {
                 let table: [V; LEVELS] = std::array::from_fn(|level| law(level_to_z(level as u8)));
-                for (pixel, &level) in pixels.iter_mut().zip(levels) {
-                    change(pixel, table[usize::from(level)]);
-                }
+                self.sum_over(pixels, levels, |level| table[usize::from(level)], change, add)
             }
             Values::FineLevels(levels) if levels.len() > FINE_LEVELS => {
                 let table: Vec<V> = (0..=u16::MAX).map(|level| law(fine_level_to_z(level))).collect();
-                for (pixel, &level) in pixels.iter_mut().zip(levels) {
-                    change(pixel, table[usize::from(level)]);
-                }
+                self.sum_over(pixels, levels, |level| table[usize::from(level)], change, add)
             }
             Values::FineLevels(levels) => {
-                for (pixel, &level) in pixels.iter_mut().zip(levels) {
-                    change(pixel, law(fine_level_to_z(level)));
-                }
+                self.sum_over(pixels, levels, |level| law(fine_level_to_z(level)), change, add)
             }
-            Values::Floats(distances) => {
-                for (pixel, &z) in pixels.iter_mut().zip(distances) {
-                    change(pixel, law(z));
-                }
-            }
+            Values::Floats(distances) => self.sum_over(pixels, distances, law, change, add),
         }
+    }
+
+    fn sum_over<P: Send, D: Copy + Sync, V, S: Default + Send>(
+        &self,
+        pixels: &mut [P],
+        depths: &[D],
+        law: impl Fn(D) -> V + Sync,
+        change: impl Fn(&mut P, V, &mut S) + Sync,
+        add: impl Fn(S, S) -> S + Send + Sync,
+    ) -> S {
+        let band = |first: usize, pixels: &mut [P]| {
+            let depths = &depths[first * self.width..];
+            simd::widest(ChangeAll { pixels, depths, law: &law, change: &change, sum: S::default() })
+        };
+        bands::sum(pixels, self.width, band, add)
+    }
+
+    /// [`DepthMap::sum_over_pixels`] without a sum.
+    pub(crate) fn for_each_pixel<P: Send, V: Copy + Sync>(
+        &self,
+        pixels: &mut [P],
+        law: impl Fn(f32) -> V + Sync,
+        change: impl Fn(&mut P, V) + Sync,
+    ) {
+        self.sum_over_pixels(pixels, law, |pixel, value, ()| change(pixel, value), |(), ()| ());
     }
 
     /// This map in 256 even steps, for estimators that count.

@@ -1,6 +1,9 @@
 //! The ways from colour to depth.
 
-use super::tables::Tables;
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
+use super::tables::{Square, Tables};
 use super::{DARK, DepthMap, Eq3, layout, median};
 use crate::image::{Image, Sample, TopEdge};
 
@@ -99,18 +102,32 @@ impl DepthModel {
     /// # Ok::<(), aquafuse::image::SizeError>(())
     /// ```
     pub fn estimate_seen<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> DepthMap {
+        self.estimate_in(image, top, Vec::new())
+    }
+
+    /// [`DepthModel::estimate_seen`] in the memory of `levels`, as far as depth has 256 levels.
+    pub(crate) fn estimate_in<T: Sample>(
+        &self,
+        image: &Image<T>,
+        top: TopEdge,
+        mut levels: Vec<u8>,
+    ) -> DepthMap {
         let (width, height) = image.size();
-        let map = match self.tables() {
-            Some(tables) if T::FINE => {
-                let levels = median::median_7x7(width, height, &tables.fine_levels(image));
-                DepthMap::from_fine_levels(width, height, levels)
-            }
-            _ => {
-                let levels = median::median_7x7(width, height, &self.levels(image, top));
-                DepthMap::from_levels(width, height, levels)
-            }
-        };
-        map.expect("one level a pixel").made_by(*self)
+        if T::FINE
+            && let Some(tables) = self.tables()
+        {
+            let mut levels = vec![0; width * height];
+            median::filter(width, &mut levels, |y, row| tables.fine_row(image.row(y), row));
+            let map = DepthMap::from_fine_levels(width, height, levels);
+            return map.expect("one level a pixel").made_by(*self);
+        }
+        if let Some(square) = self.square() {
+            levels.resize(width * height, 0);
+            median::filter(width, &mut levels, |y, row| square.row(image.row(y), row));
+        } else {
+            levels = median::filtered(width, &layout::levels(image, top));
+        }
+        DepthMap::from_levels(width, height, levels).expect("one level a pixel").made_by(*self)
     }
 
     /// Depth of a picture whose first row is up, before the median.
@@ -130,10 +147,19 @@ impl DepthModel {
     }
 
     fn levels<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> Vec<u8> {
-        match self.tables() {
-            Some(tables) => tables.levels(image),
-            None => layout::levels(image, top),
+        let Some(square) = self.square() else { return layout::levels(image, top) };
+        let mut levels = vec![0; image.width() * image.height()];
+        square.row(image.pixels(), &mut levels);
+        levels
+    }
+
+    /// The level of every colour; that of our coefficients is made once.
+    fn square(&self) -> Option<Cow<'static, Square>> {
+        static OURS: OnceLock<Square> = OnceLock::new();
+        if *self == Self::default() {
+            return Some(Cow::Borrowed(OURS.get_or_init(|| Eq3::OURS.tables().square())));
         }
+        Some(Cow::Owned(self.tables()?.square()))
     }
 
     /// The model as tables; none if it is no function of one pixel.
@@ -160,7 +186,7 @@ mod tests {
 
     fn levels_of(model: DepthModel, pixels: &[[u8; 3]]) -> Vec<u8> {
         let image = Image::<u8>::from_raw(pixels.len(), 1, pixels.concat()).unwrap();
-        model.tables().unwrap().levels(&image)
+        model.levels(&image, TopEdge::First)
     }
 
     fn model() -> impl Strategy<Value = DepthModel> {

@@ -2,7 +2,11 @@
 //!
 //! Between bytes, for pictures whose values lie closer together, the tables are interpolated.
 
-use crate::image::{Image, Sample};
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+
+use crate::image::Sample;
+use crate::simd::Level;
 
 /// Levels of depth by red and by max(green, blue), in fixed point: no exponential a pixel, and the same
 /// level on every machine that makes the same tables.
@@ -38,10 +42,10 @@ impl Tables {
         (sum.saturating_add(1 << (FRACTION - 1)) >> FRACTION).clamp(0, 255) as u8
     }
 
-    /// The level of each pixel.
-    pub(super) fn levels<T: Sample>(&self, image: &Image<T>) -> Vec<u8> {
-        let level = |&[r, g, b]: &[T; 3]| self.level(r.to_byte(), g.to_byte().max(b.to_byte()));
-        image.pixels().iter().map(level).collect()
+    /// The levels of all colours: for whole pictures, whose every pixel is then one look.
+    pub(super) fn square(&self) -> Square {
+        let level = |place: usize| self.level((place >> 8) as u8, place as u8);
+        Square { levels: (0..COLOURS).map(level).collect() }
     }
 
     /// The depth of one colour of 16 bits in steps of 1 / 65535; [`Tables::level`] to the byte where the
@@ -55,10 +59,70 @@ impl Tables {
     }
 
     /// [`Tables::fine`] of each pixel.
-    pub(super) fn fine_levels<T: Sample>(&self, image: &Image<T>) -> Vec<u16> {
-        let fine = |&[r, g, b]: &[T; 3]| self.fine(r.to_word(), g.to_word().max(b.to_word()));
-        image.pixels().iter().map(fine).collect()
+    pub(super) fn fine_row<T: Sample>(&self, pixels: &[[T; 3]], row: &mut [u16]) {
+        for (depth, &[r, g, b]) in row.iter_mut().zip(pixels) {
+            *depth = self.fine(r.to_word(), g.to_word().max(b.to_word()));
+        }
     }
+}
+
+/// Pairs of red and max(green, blue).
+const COLOURS: usize = 256 * 256;
+
+/// The level of each pair of red and max(green, blue). 64 kB: neighbouring pixels use a small part of it.
+#[derive(Clone)]
+pub(super) struct Square {
+    levels: Box<[u8]>,
+}
+
+/// Pixels whose places are found together, before any is looked up.
+#[cfg(target_arch = "x86_64")]
+const BLOCK: usize = 64;
+
+impl Square {
+    /// The level of each pixel.
+    pub(super) fn row<T: Sample>(&self, pixels: &[[T; 3]], row: &mut [u8]) {
+        match T::bytes(pixels.as_flattened()) {
+            Some(bytes) => self.row_of_bytes(Level::best(), bytes.as_chunks().0, row),
+            None => {
+                let levels = self.levels();
+                for (level, pixel) in row.iter_mut().zip(pixels) {
+                    *level = levels[usize::from(place(&pixel.map(T::to_byte)))];
+                }
+            }
+        }
+    }
+
+    fn row_of_bytes(&self, level: Level, mut pixels: &[[u8; 3]], mut row: &mut [u8]) {
+        let levels = self.levels();
+        #[cfg(target_arch = "x86_64")]
+        if let Level::Avx2(proof) = level {
+            let (blocks, rest) = pixels.as_chunks::<BLOCK>();
+            let (rows, rest_of_row) = row.as_chunks_mut::<BLOCK>();
+            let mut places = [0; BLOCK];
+            for (pixels, row) in blocks.iter().zip(rows) {
+                avx2::places(proof, pixels, &mut places);
+                for (level, &place) in row.iter_mut().zip(&places) {
+                    *level = levels[place as usize & (COLOURS - 1)];
+                }
+            }
+            (pixels, row) = (rest, rest_of_row);
+        }
+        let _ = level;
+        for (level, pixel) in row.iter_mut().zip(pixels) {
+            *level = levels[usize::from(place(pixel))];
+        }
+    }
+
+    fn levels(&self) -> &[u8; COLOURS] {
+        self.levels.first_chunk().expect("all colours")
+    }
+}
+
+/// Where a colour stands in the square.
+#[inline]
+fn place(&[r, g, b]: &[u8; 3]) -> u16 {
+    u16::from_be_bytes([r, g.max(b)])
 }
 
 /// 65535 / 255: byte b is word 257 b.
@@ -70,4 +134,34 @@ fn between(table: &[i32; 256], word: u16) -> i64 {
     let (byte, part) = (usize::from(word / WORDS_A_BYTE), i64::from(word % WORDS_A_BYTE));
     let (low, high) = (i64::from(table[byte]), i64::from(table[(byte + 1).min(255)]));
     low + (high - low) * part / i64::from(WORDS_A_BYTE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::Eq3;
+
+    #[test]
+    fn every_instruction_set_gives_the_level_of_every_colour() {
+        let tables = Eq3::OURS.tables();
+        let square = tables.square();
+        // All reds with all of the larger of green and blue, which take turns; in pieces of odd lengths.
+        let pixels: Vec<[u8; 3]> = (0..=u16::MAX)
+            .map(|place| {
+                let [red, max] = place.to_be_bytes();
+                let less = red.min(max);
+                if place % 3 == 0 { [red, max, less] } else { [red, less, max] }
+            })
+            .collect();
+        let expected: Vec<u8> = pixels.iter().map(|&[r, g, b]| tables.level(r, g.max(b))).collect();
+        for length in [1, 63, 64, 65, 1000, pixels.len()] {
+            for level in Level::all() {
+                let mut found = vec![0; pixels.len()];
+                for (pixels, row) in pixels.chunks(length).zip(found.chunks_mut(length)) {
+                    square.row_of_bytes(level, pixels, row);
+                }
+                assert_eq!(found, expected, "{level:?}, {length} at once");
+            }
+        }
+    }
 }

@@ -20,6 +20,14 @@ pub trait Sample: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + S
     fn from_steps(steps: u64) -> Self;
     /// Whether values lie closer together than bytes.
     const FINE: bool;
+    /// The values as bytes, if that is what they are: bytes have faster ways.
+    fn bytes_mut(_: &mut [Self]) -> Option<&mut [u8]> {
+        None
+    }
+    /// [`Sample::bytes_mut`] for reading.
+    fn bytes(_: &[Self]) -> Option<&[u8]> {
+        None
+    }
     /// This value plus `shift`, rounded to the nearest storable value and clipped to `[0, 1]`,
     /// and whether clipping changed it.
     fn shifted(self, shift: Self::Shift) -> (Self, bool);
@@ -35,8 +43,10 @@ pub trait Sample: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + S
 /// `round(255 (v + s)) = 255 v + round(255 s)`: for whole steps the rounding can be done on the shift
 /// alone, once a table instead of once a pixel.
 macro_rules! integer_sample {
-    ($stored:ty, $step:ty, $to_byte:expr, $to_word:expr) => {
+    ($stored:ty, $step:ty, $to_byte:expr, $to_word:expr $(, $more:item)*) => {
         impl Sample for $stored {
+            $($more)*
+
             type Shift = $step;
 
             fn to_unit(self) -> f32 {
@@ -79,8 +89,9 @@ macro_rules! integer_sample {
             #[inline]
             fn changed(self, gain: f32, offset: f32) -> (Self, bool) {
                 let most = f32::from(Self::MAX);
-                let steps = (gain * f32::from(self) + most * offset + 0.5).floor();
-                (steps.clamp(0.0, most) as Self, !(0.0..=most).contains(&steps))
+                // What lies between two steps is cut off by the cast.
+                let steps = gain * f32::from(self) + most * offset + 0.5;
+                (steps.clamp(0.0, most) as Self, !(0.0..most + 1.0).contains(&steps))
             }
 
             fn shift_from_unit(shift: f32) -> $step {
@@ -93,7 +104,18 @@ macro_rules! integer_sample {
     };
 }
 
-integer_sample!(u8, i16, |byte| byte, |byte: u8| u16::from(byte) * 257);
+integer_sample!(
+    u8,
+    i16,
+    |byte| byte,
+    |byte: u8| u16::from(byte) * 257,
+    fn bytes_mut(values: &mut [Self]) -> Option<&mut [u8]> {
+        Some(values)
+    },
+    fn bytes(values: &[Self]) -> Option<&[u8]> {
+        Some(values)
+    }
+);
 integer_sample!(u16, i32, |word: u16| ((u32::from(word) + 128) / 257) as u8, |word| word);
 
 /// Steps of a float: as many as its fraction tells apart below 1.

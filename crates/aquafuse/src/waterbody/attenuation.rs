@@ -136,7 +136,8 @@ pub(super) fn fit<E: Encoding>(
     // Depth in units of the farthest bin, so that the fit does not know the unit of z.
     let mut points: Vec<(f32, f32)> =
         direct.iter().map(|&(z, signal)| (z / far, (brightest / signal).ln())).collect();
-    let mut curve = fit_unit_curve(&points);
+    let bases = bases(&points);
+    let mut curve = fit_unit_curve(&points, &bases);
     let mut at_camera = brightest;
     for _ in 0..SCALINGS {
         // -ln E at the nearest bin is what the fit says, not 0.
@@ -144,7 +145,7 @@ pub(super) fn fit<E: Encoding>(
         if missing > 0.0 {
             points.iter_mut().for_each(|(_, y)| *y += missing);
             at_camera *= missing.exp();
-            curve = fit_unit_curve(&points);
+            curve = fit_unit_curve(&points, &bases);
         }
     }
     Fit {
@@ -189,23 +190,30 @@ fn residual(curve: &Attenuation, points: &[(f32, f32)]) -> f32 {
     points.iter().map(off).sum::<f32>() / points.len() as f32
 }
 
+/// `z e^(-a z)` of each place for each of [`DECAYS`]: the places stay while the values are corrected.
+type Bases = [Vec<f32>; DECAYS.len()];
+
+fn bases(points: &[(f32, f32)]) -> Bases {
+    DECAYS.map(|decay| points.iter().map(|&(z, _)| z * (-decay * z).exp()).collect())
+}
+
 /// The best curve for -ln E against z in `[0, 1]`.
-fn fit_unit_curve(points: &[(f32, f32)]) -> Attenuation {
-    let pairs = DECAYS.iter().flat_map(|&a| DECAYS.iter().filter(move |&&b| b > a).map(move |&b| (a, b)));
+fn fit_unit_curve(points: &[(f32, f32)], bases: &Bases) -> Attenuation {
+    let places = 0..DECAYS.len();
+    let pairs = places.clone().flat_map(|a| (a + 1..DECAYS.len()).map(move |b| (a, b)));
     let fitted = pairs.map(|(a, b)| {
-        let ([p, q], cost) = non_negative_fit(points, |z| [z * (-a * z).exp(), z * (-b * z).exp()]);
+        let ([p, q], cost) = non_negative_fit(points, [&bases[a], &bases[b]]);
         // 0 - a, not -a: a decay of nothing is 0, not -0.
-        (cost, [p, 0.0 - a, q, 0.0 - b])
+        (cost, [p, 0.0 - DECAYS[a], q, 0.0 - DECAYS[b]])
     });
     let best = fitted.min_by(|(left, _), (right, _)| left.total_cmp(right));
     Attenuation { mu: best.map_or([0.0; 4], |(_, mu)| mu), held_beyond: 1.0 }
 }
 
-/// Weights >= 0 of two functions that fit `points` best, and the squared error left.
-fn non_negative_fit(points: &[(f32, f32)], basis: impl Fn(f32) -> [f32; 2]) -> ([f32; 2], f32) {
+/// Weights >= 0 of two functions, given at each of `points`, that fit them best, and the squared error left.
+fn non_negative_fit(points: &[(f32, f32)], [of_p, of_q]: [&[f32]; 2]) -> ([f32; 2], f32) {
     let (mut pp, mut pq, mut qq, mut py, mut qy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for &(z, y) in points {
-        let [p, q] = basis(z);
+    for ((&(_, y), p), q) in points.iter().zip(of_p).zip(of_q) {
         pp += p * p;
         pq += p * q;
         qq += q * q;
@@ -217,7 +225,8 @@ fn non_negative_fit(points: &[(f32, f32)], basis: impl Fn(f32) -> [f32; 2]) -> (
     let both = [(py * qq - qy * pq) / determinant, (qy * pp - py * pq) / determinant];
     let allowed = |w: &[f32; 2]| w.iter().all(|w| w.is_finite() && *w >= 0.0);
     let error = |w: &[f32; 2]| {
-        points.iter().map(|&(z, y)| (basis(z)[0] * w[0] + basis(z)[1] * w[1] - y).powi(2)).sum::<f32>()
+        let off = |((&(_, y), p), q): ((&(f32, f32), &f32), &f32)| (p * w[0] + q * w[1] - y).powi(2);
+        points.iter().zip(of_p).zip(of_q).map(off).sum::<f32>()
     };
     [both, [alone(pp, py), 0.0], [0.0, alone(qq, qy)]]
         .into_iter()

@@ -31,7 +31,8 @@ pub struct DepthBin {
     pub illumination: [Option<f32>; 3],
 }
 
-/// What [`estimate`](super::estimate) reads with the same arguments.
+/// What [`estimate`](super::estimate) reads with the same arguments, of all pixels: of large pictures that takes a
+/// thumbnail, which differs by less than the eye sees.
 ///
 /// # Errors
 ///
@@ -55,7 +56,9 @@ pub fn evidence<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Evidence, SizeError> {
-    let Look { quantised, statistics, light, growth, attenuation } = look::<E>(image, depth, options)?;
+    depth.check_fits(image.size())?;
+    let quantised = depth.quantised();
+    let Look { statistics, light, growth, attenuation } = look::<E>(image, &quantised, depth, options);
     let envelopes = backscatter::envelopes(&statistics, &light);
     let veil = VeilingLight::<E>::new(growth.veil).rgb();
     let bins = statistics.bins.iter().enumerate().map(|(i, bin)| {

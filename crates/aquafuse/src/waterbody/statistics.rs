@@ -25,7 +25,7 @@ pub(super) struct Bin<E: Encoding> {
     /// Mean z of its pixels.
     pub(super) z: f32,
     pub(super) count: u64,
-    values: [[u32; 256]; 3],
+    values: Values,
     encoding: PhantomData<E>,
 }
 
@@ -40,10 +40,7 @@ impl<E: Encoding> Statistics<E> {
     /// fast anything grows with distance: it joins no bin, unless there is nothing else.
     pub(super) fn gather(image: &Image<u8>, depth: &Quantised<'_>) -> Self {
         let Quantised { levels, step, beyond } = depth;
-        let mut counts = [0_u64; LEVELS];
-        for &level in levels.iter() {
-            counts[usize::from(level)] += 1;
-        }
+        let mut counts = count(levels);
         if let Some(beyond) = beyond.map(usize::from)
             && counts[beyond] < levels.len() as u64
         {
@@ -66,16 +63,11 @@ impl<E: Encoding> Statistics<E> {
             seen += counts[level];
             (middle * BINS / (2 * whole)).min(BINS - 1) as u8
         });
-        let mut bins: Vec<Bin<E>> = (0..BINS).map(|_| Bin::default()).collect();
-        for (pixel, &level) in image.pixels().iter().zip(levels.iter()) {
-            if counts[usize::from(level)] == 0 {
-                continue;
-            }
-            let bin = &mut bins[usize::from(bin_of[usize::from(level)])];
-            for (values, &value) in bin.values.iter_mut().zip(pixel) {
-                values[usize::from(value)] += 1;
-            }
-        }
+        let values = count_by_bin(image.pixels(), levels, &bin_of, &counts);
+        let mut bins: Vec<Bin<E>> = values
+            .into_iter()
+            .map(|values| Bin { z: 0.0, count: 0, values, encoding: PhantomData })
+            .collect();
         for (index, bin) in bins.iter_mut().enumerate() {
             let members = (0..LEVELS).filter(|&level| usize::from(bin_of[level]) == index);
             let weighted: u64 = members.clone().map(|level| counts[level] * level as u64).sum();
@@ -89,10 +81,62 @@ impl<E: Encoding> Statistics<E> {
     }
 }
 
-impl<E: Encoding> Default for Bin<E> {
-    fn default() -> Self {
-        Self { z: 0.0, count: 0, values: [[0; 256]; 3], encoding: PhantomData }
+/// Pixels of each level.
+fn count(levels: &[u8]) -> [u64; LEVELS] {
+    // Neighbours are often equal, and a count cannot rise again before it has been written: four take turns.
+    let mut turns = [[0_u32; LEVELS]; 4];
+    let (fours, rest) = levels.as_chunks::<4>();
+    for four in fours {
+        for (turn, &level) in turns.iter_mut().zip(four) {
+            turn[usize::from(level)] += 1;
+        }
     }
+    for &level in rest {
+        turns[0][usize::from(level)] += 1;
+    }
+    std::array::from_fn(|level| turns.iter().map(|turn| u64::from(turn[level])).sum())
+}
+
+/// Pixels of each value, by channel.
+type Values = [[u32; 256]; 3];
+
+/// Pixels of each value in each bin, those of levels without a count left out.
+fn count_by_bin(
+    pixels: &[[u8; 3]],
+    levels: &[u8],
+    bin_of: &[u8; LEVELS],
+    counts: &[u64; LEVELS],
+) -> Vec<Values> {
+    // One bin more for what is left out.
+    let bins = BINS as usize + 1;
+    let place: [u8; LEVELS] =
+        std::array::from_fn(|level| if counts[level] == 0 { BINS as u8 } else { bin_of[level] });
+    // As in `count`, two take turns.
+    let mut turns = [vec![[[0; 256]; 3]; bins], vec![[[0; 256]; 3]; bins]];
+    let (pairs, rest) = pixels.as_chunks::<2>();
+    let (pairs_of_levels, rest_of_levels) = levels.as_chunks::<2>();
+    let add = |turn: &mut [Values], pixel: &[u8; 3], level: u8| {
+        let values = &mut turn[usize::from(place[usize::from(level)])];
+        for (values, &value) in values.iter_mut().zip(pixel) {
+            values[usize::from(value)] += 1;
+        }
+    };
+    for (pixels, levels) in pairs.iter().zip(pairs_of_levels) {
+        for ((turn, pixel), &level) in turns.iter_mut().zip(pixels).zip(levels) {
+            add(turn, pixel, level);
+        }
+    }
+    for (pixel, &level) in rest.iter().zip(rest_of_levels) {
+        add(&mut turns[0], pixel, level);
+    }
+    let [mut first, second] = turns;
+    first.truncate(BINS as usize);
+    for (sum, more) in
+        first.as_flattened_mut().as_flattened_mut().iter_mut().zip(second.as_flattened().as_flattened())
+    {
+        *sum += more;
+    }
+    first
 }
 
 impl<E: Encoding> Bin<E> {
@@ -118,14 +162,13 @@ impl<E: Encoding> Bin<E> {
 
     /// The dark end: [`Bin::quantile`] in bytes, and the deviation of all values, in bytes.
     pub(super) fn dark(&self, channel: usize, share: f64) -> Dark {
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for (value, &count) in (0_u16..256).zip(&self.values[channel]) {
-            let (value, count) = (f64::from(value), f64::from(count));
-            sum += value * count;
-            squares += value * value * count;
+        let (mut sum, mut squares) = (0, 0);
+        for (value, &count) in (0_u32..256).zip(&self.values[channel]) {
+            sum += u64::from(value) * u64::from(count);
+            squares += u64::from(value * value) * u64::from(count);
         }
-        let mean = sum / self.count as f64;
-        let variance = (squares / self.count as f64 - mean * mean).max(0.0);
+        let mean = sum as f64 / self.count as f64;
+        let variance = (squares as f64 / self.count as f64 - mean * mean).max(0.0);
         Dark { value: self.quantile(channel, share) as f32, spread: variance.sqrt() as f32 }
     }
 

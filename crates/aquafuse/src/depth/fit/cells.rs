@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::LabelError;
 use crate::depth::Eq3;
-use crate::depth::median::median_7x7;
+use crate::depth::median;
 use crate::image::{Image, Sample, SizeError};
 
 /// Cells along each side of the (R, M) plane.
@@ -65,7 +65,7 @@ impl Picture {
         // that the median takes away must not bend the curves either.
         let plane = |of: fn([u8; 3]) -> u8| {
             let bytes: Vec<u8> = image.pixels().iter().map(|pixel| of(pixel.map(T::to_byte))).collect();
-            median_7x7(width, height, &bytes)
+            median::filtered(width, &bytes)
         };
         let (red, max) = (plane(|[r, _, _]| r), plane(|[_, g, b]| g.max(b)));
         let mut labelled: Vec<Labelled> = distances

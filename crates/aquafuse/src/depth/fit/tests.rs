@@ -1,6 +1,6 @@
 use super::*;
 use crate::depth::DepthModel;
-use crate::depth::median::median_7x7;
+use crate::depth::median;
 use crate::truth::{Scene, Size, waters};
 use proptest::prelude::*;
 
@@ -18,7 +18,7 @@ fn picture(seed: u64) -> Image<u8> {
 fn depth_of(image: &Image<u8>, model: &Eq3) -> Vec<f32> {
     let plane = |of: fn(&[u8; 3]) -> u8| {
         let bytes: Vec<u8> = image.pixels().iter().map(of).collect();
-        median_7x7(image.width(), image.height(), &bytes)
+        median::filtered(image.width(), &bytes)
     };
     let unit = |byte: u8| f64::from(byte) / 255.0;
     let (red, max) = (plane(|&[r, _, _]| r), plane(|&[_, g, b]| g.max(b)));

@@ -39,8 +39,10 @@ pub(super) fn optical_depth<E: Encoding>(
     let of_bins: Vec<(f32, f32)> =
         statistics.bins.iter().map(|bin| (bin.z / statistics.z95, thickness_around(&line, bin.z))).collect();
     let best = |c: usize| {
+        // What the line says is left of each bin.
+        let of_bins: Vec<(f32, f32)> = of_bins.iter().map(|&(z, t)| (z, (-t * SLOPE[c]).exp())).collect();
         let misfit = |ln_tau: f32| -> f32 {
-            let off = |&(z, t): &(f32, f32)| (-ln_tau.exp() * z).exp() - (-t * SLOPE[c]).exp();
+            let off = |&(z, left): &(f32, f32)| (-ln_tau.exp() * z).exp() - left;
             of_bins.iter().map(|bin| off(bin).powi(2)).sum()
         };
         let costs = taus.iter().map(|&ln_tau| (ln_tau, misfit(ln_tau)));

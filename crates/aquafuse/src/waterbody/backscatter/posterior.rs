@@ -93,8 +93,8 @@ pub(super) fn weigh<E: Encoding>(
         for &(ln_veil, veil_cost) in veils {
             let veil = (veil * ln_veil.exp()).min(1.0);
             let mut together = Sum::default();
-            for (floor, frequency) in floors.into_iter().zip(FREQUENCY) {
-                let misfit: f32 = terms.iter().map(|term| term.cost(veil, floor)).sum();
+            let misfits = misfits(&terms, veil, &floors);
+            for ((floor, frequency), misfit) in floors.into_iter().zip(FREQUENCY).zip(misfits) {
                 let cost = trust.weight * misfit - frequency.ln() + prior.cost(ln_tau) + veil_cost;
                 if cost < best.0 {
                     let on = terms.iter().filter(|term| term.is_on(veil, floor)).count();
@@ -116,6 +116,17 @@ pub(super) fn weigh<E: Encoding>(
         floor: Bell::of(&floor_values, &of_floor).mean,
         on_curve: best.1,
     }
+}
+
+/// What the bins cost together for each floor: side by side, so that no sum waits for itself alone.
+fn misfits(terms: &[Term], veil: f32, floors: &[f32; FLOORS.len()]) -> [f32; FLOORS.len()] {
+    let mut sums = [0.0; FLOORS.len()];
+    for term in terms {
+        for (sum, &floor) in sums.iter_mut().zip(floors) {
+            *sum += term.cost(veil, floor);
+        }
+    }
+    sums
 }
 
 /// -ln of a sum of e^-cost, added up without overflow.

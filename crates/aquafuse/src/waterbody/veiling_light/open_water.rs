@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use crate::depth::LEVELS;
 use crate::image::Image;
+use crate::simd;
 
 use super::hue::is_bluish_green;
 use super::places::Places;
@@ -46,16 +47,10 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
     let enough = smoothness(cells);
     let smooth = smooth(cells, enough);
     let rank = ranks(cells);
-    // Whole numbers: their sum does not depend on the order of the cells, nor on which way a mirror turns them.
-    let mut counts = vec![0_u64; SIDE * SIDE * SIDE];
-    for cell in smooth.iter().map(|&place| &cells[place]) {
-        let place = cell.mean.map(|value| (value / STEP) as usize);
-        let weight = rank[usize::from(cell.level)].pow(2);
-        for_neighbours(place, |index, share| counts[index] += share * weight);
-    }
-    let commonest = (0..counts.len()).max_by_key(|&index| counts[index])?;
-    let middle = [commonest / (SIDE * SIDE), commonest / SIDE % SIDE, commonest % SIDE]
-        .map(|place| (place as f32 - 0.5) * STEP);
+    let middle = commonest(smooth.iter().map(|&place| {
+        let cell = &cells[place];
+        (cell.mean.map(|value| (value / STEP) as usize), rank[usize::from(cell.level)].pow(2))
+    }))?;
     let alike: Vec<usize> =
         smooth.into_iter().filter(|&place| differ(&cells[place].mean, &middle) < NEAR).collect();
     let share = alike.len() as f64 / cells.len() as f64;
@@ -136,16 +131,40 @@ fn ranks(cells: &[Cell]) -> [u64; LEVELS] {
     })
 }
 
-/// Steps a side of the cube of colours, with a margin of one on either side for neighbours.
-const SIDE: usize = (256.0 / STEP) as usize + 2;
+/// The middle of the step of the cube of colours that weighs most, each step with its neighbours.
+///
+/// Weights are whole numbers: their sum does not depend on the order of the cells, nor on which way a mirror turns
+/// them. Of several that weigh most, it is the last; none where there are no colours.
+fn commonest(weighed: impl Iterator<Item = ([usize; 3], u64)> + Clone) -> Option<[f32; 3]> {
+    // Only the part of the cube that is used, with a margin of one on either side for neighbours.
+    let bound = |most: fn(usize, usize) -> usize| {
+        weighed.clone().map(|(place, _)| place).reduce(|a, b| std::array::from_fn(|c| most(a[c], b[c])))
+    };
+    let (low, high) = (bound(usize::min)?, bound(usize::max)?);
+    let sides: [usize; 3] = std::array::from_fn(|c| high[c] - low[c] + 3);
+    let mut sums = vec![0_u64; sides.iter().product()];
+    for (place, weight) in weighed {
+        for_neighbours(std::array::from_fn(|c| place[c] - low[c]), sides, |index, share| {
+            sums[index] += share * weight;
+        });
+    }
+    let index = (0..sums.len()).max_by_key(|&index| sums[index])?;
+    let place = [index / (sides[1] * sides[2]), index / sides[2] % sides[1], index % sides[2]];
+    Some(std::array::from_fn(|c| ((low[c] + place[c]) as f32 - 0.5) * STEP))
+}
 
-/// Visits a step of the cube and its neighbours, which count half for each axis they are off.
-fn for_neighbours([red, green, blue]: [usize; 3], mut visit: impl FnMut(usize, u64)) {
+/// Visits a step of a cube and its neighbours, which count half for each axis they are off.
+fn for_neighbours(
+    [red, green, blue]: [usize; 3],
+    [_, greens, blues]: [usize; 3],
+    mut visit: impl FnMut(usize, u64),
+) {
     const SHARE: [u64; 3] = [1, 2, 1];
     for (r, of_red) in SHARE.into_iter().enumerate() {
         for (g, of_green) in SHARE.into_iter().enumerate() {
             for (b, of_blue) in SHARE.into_iter().enumerate() {
-                visit(((red + r) * SIDE + green + g) * SIDE + blue + b, of_red * of_green * of_blue);
+                let index = ((red + r) * greens + green + g) * blues + blue + b;
+                visit(index, of_red * of_green * of_blue);
             }
         }
     }
@@ -164,15 +183,13 @@ impl Grid {
         let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
         let (columns, rows) = (borders(width, side), borders(height, side));
         let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
+        let mut sums = ColumnSums::new(width);
         for rows in rows.windows(2) {
-            for columns in columns.windows(2) {
-                let mut sums = Sums::default();
-                for y in rows[0]..rows[1] {
-                    let range = y * width + columns[0]..y * width + columns[1];
-                    sums.add(&image.pixels()[range.clone()], &levels[range]);
-                }
-                cells.push(sums.cell());
-            }
+            sums.clear();
+            simd::widest(AddRows { sums: &mut sums, image, levels, rows: rows[0]..rows[1] });
+            cells.extend(
+                columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])),
+            );
         }
         Self { columns, rows, cells }
     }
@@ -211,35 +228,75 @@ fn borders(length: usize, side: f32) -> Vec<usize> {
     (0..=count).map(|i| if 2 * i <= count { from_start(i) } else { length - from_start(count - i) }).collect()
 }
 
-#[derive(Default)]
-struct Sums {
-    pixels: u64,
-    values: [u64; 3],
-    squares: [u64; 3],
-    levels: u64,
+/// Sums over the rows of a row of cells, column by column: what is added is wide and without a branch.
+struct ColumnSums {
+    /// Of values and their squares, channels in turn; of levels.
+    values: Vec<u32>,
+    squares: Vec<u32>,
+    levels: Vec<u32>,
 }
 
-impl Sums {
-    fn add(&mut self, pixels: &[[u8; 3]], levels: &[u8]) {
-        self.pixels += pixels.len() as u64;
-        self.levels += levels.iter().map(|&level| u64::from(level)).sum::<u64>();
-        for pixel in pixels {
-            for c in 0..3 {
-                let value = u64::from(pixel[c]);
-                self.values[c] += value;
-                self.squares[c] += value * value;
-            }
+impl ColumnSums {
+    fn new(width: usize) -> Self {
+        Self { values: vec![0; 3 * width], squares: vec![0; 3 * width], levels: vec![0; width] }
+    }
+
+    fn clear(&mut self) {
+        for sums in [&mut self.values, &mut self.squares, &mut self.levels] {
+            sums.fill(0);
         }
     }
 
-    fn cell(&self) -> Cell {
-        let count = self.pixels as f64;
-        let mean = self.values.map(|sum| sum as f64 / count);
-        let variance = (0..3).map(|c| self.squares[c] as f64 / count - mean[c] * mean[c]);
+    #[inline(always)]
+    fn add(&mut self, values: &[u8], levels: &[u8]) {
+        for ((sum, square), &value) in self.values.iter_mut().zip(&mut self.squares).zip(values) {
+            *sum += u32::from(value);
+            *square += u32::from(u16::from(value) * u16::from(value));
+        }
+        for (sum, &level) in self.levels.iter_mut().zip(levels) {
+            *sum += u32::from(level);
+        }
+    }
+
+    /// The cell of these columns and so many rows.
+    fn cell(&self, columns: Range<usize>, rows: usize) -> Cell {
+        let pixels = (columns.len() * rows) as u64;
+        let (mut values, mut squares) = ([0_u64; 3], [0_u64; 3]);
+        let channels = 3 * columns.start..3 * columns.end;
+        let (of_values, of_squares) = (&self.values[channels.clone()], &self.squares[channels]);
+        for (value, square) in of_values.as_chunks::<3>().0.iter().zip(of_squares.as_chunks::<3>().0) {
+            for c in 0..3 {
+                values[c] += u64::from(value[c]);
+                squares[c] += u64::from(square[c]);
+            }
+        }
+        let levels: u64 = self.levels[columns].iter().map(|&level| u64::from(level)).sum();
+        let count = pixels as f64;
+        let mean = values.map(|sum| sum as f64 / count);
+        let variance = (0..3).map(|c| squares[c] as f64 / count - mean[c] * mean[c]);
         Cell {
             mean: mean.map(|value| value as f32),
             spread: variance.fold(0.0, f64::max).sqrt() as f32,
-            level: (self.levels / self.pixels) as u8,
+            level: (levels / pixels) as u8,
+        }
+    }
+}
+
+struct AddRows<'a> {
+    sums: &'a mut ColumnSums,
+    image: &'a Image<u8>,
+    levels: &'a [u8],
+    rows: Range<usize>,
+}
+
+impl simd::Work for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for y in self.rows {
+            let levels = &self.levels[y * self.image.width()..][..self.image.width()];
+            self.sums.add(self.image.row(y).as_flattened(), levels);
         }
     }
 }

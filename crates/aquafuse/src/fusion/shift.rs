@@ -1,0 +1,155 @@
+//! Shifts of bytes: looked up once a pixel, added many values at once.
+
+use crate::depth::LEVELS;
+use crate::simd::{self, Level, Work};
+
+/// Pixels shifted together: enough that what is looked up has left the processor's store queue before it is read.
+const BLOCK: usize = 512;
+/// Values after which the channels stand in the same order again, in whole vectors.
+const PERIOD: usize = 96;
+
+/// What is added to the three channels at each level of depth.
+pub(super) struct Shifts {
+    /// Steps up or down. The fourth byte is nothing: four bytes are moved at once.
+    steps: [[u8; 4]; LEVELS],
+    /// All ones where a channel goes up, and where it goes down, value by value.
+    up: [u8; PERIOD],
+    down: [u8; PERIOD],
+}
+
+impl Shifts {
+    /// Shifts of bytes, in `[-255, 255]`; none if one channel goes up at one level and down at another, which no
+    /// law does.
+    pub(super) fn new(of_level: &[[i16; 3]; LEVELS]) -> Option<Self> {
+        let any = |c: usize, holds: fn(i16) -> bool| of_level.iter().any(|shift| holds(shift[c]));
+        let rises: [bool; 3] = std::array::from_fn(|c| any(c, |shift| shift > 0));
+        if (0..3).any(|c| rises[c] && any(c, |shift| shift < 0)) {
+            return None;
+        }
+        let mut steps = [[0; 4]; LEVELS];
+        for (steps, shift) in steps.iter_mut().zip(of_level) {
+            (0..3).for_each(|c| steps[c] = shift[c].unsigned_abs().min(255) as u8);
+        }
+        let mask = |up: bool| std::array::from_fn(|i| if rises[i % 3] == up { u8::MAX } else { 0 });
+        Some(Self { steps, up: mask(true), down: mask(false) })
+    }
+
+    /// Adds the shift of each pixel's level to its three values and clips; returns how many values of each channel
+    /// that changed.
+    pub(super) fn add(&self, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
+        self.add_by(Level::best(), values, levels)
+    }
+
+    fn add_by(&self, level: Level, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
+        simd::widest_by(level, Add { shifts: self, values, levels })
+    }
+
+    /// The shifts of a block, channels in turn.
+    #[inline(always)]
+    fn look_up(&self, levels: &[u8; BLOCK], shifts: &mut [u8; 3 * BLOCK + 1]) {
+        for (i, &level) in levels.iter().enumerate() {
+            // The fourth byte is overwritten by the next pixel.
+            shifts[3 * i..3 * i + 4].copy_from_slice(&self.steps[usize::from(level)]);
+        }
+    }
+
+    #[inline(always)]
+    fn add_block(&self, values: &mut [u8; 3 * BLOCK], shifts: &[u8; 3 * BLOCK + 1], clipped: &mut [u64; 3]) {
+        // Each place of the period counts at most once a round: 16 rounds fit into a byte.
+        let mut counts = [0_u8; PERIOD];
+        let (rounds, _) = values.as_chunks_mut::<PERIOD>();
+        let (shifts, _) = shifts.as_chunks::<PERIOD>();
+        for (values, shifts) in rounds.iter_mut().zip(shifts) {
+            for i in 0..PERIOD {
+                let (up, down) = (shifts[i] & self.up[i], shifts[i] & self.down[i]);
+                let whole = values[i].wrapping_add(up).wrapping_sub(down);
+                let kept = values[i].saturating_add(up).saturating_sub(down);
+                values[i] = kept;
+                counts[i] += u8::from(whole != kept);
+            }
+        }
+        if counts != [0; PERIOD] {
+            for (i, &count) in counts.iter().enumerate() {
+                clipped[i % 3] += u64::from(count);
+            }
+        }
+    }
+}
+
+struct Add<'a> {
+    shifts: &'a Shifts,
+    values: &'a mut [u8],
+    levels: &'a [u8],
+}
+
+impl Work for Add<'_> {
+    type Output = [u64; 3];
+
+    #[inline(always)]
+    fn run(self) -> [u64; 3] {
+        let Self { shifts: table, values, levels } = self;
+        let mut clipped = [0; 3];
+        let mut shifts = [0; 3 * BLOCK + 1];
+        let (blocks, rest) = values.as_chunks_mut::<{ 3 * BLOCK }>();
+        let (blocks_of_levels, rest_of_levels) = levels.as_chunks::<BLOCK>();
+        for (values, levels) in blocks.iter_mut().zip(blocks_of_levels) {
+            table.look_up(levels, &mut shifts);
+            table.add_block(values, &shifts, &mut clipped);
+        }
+        // Filled up with black pixels at a level whose shift cannot be clipped there.
+        let mut last = [0; 3 * BLOCK];
+        last[..rest.len()].copy_from_slice(rest);
+        shifts.fill(0);
+        for (shift, &level) in shifts.chunks_exact_mut(3).zip(rest_of_levels) {
+            shift.copy_from_slice(&table.steps[usize::from(level)][..3]);
+        }
+        if !rest.is_empty() {
+            table.add_block(&mut last, &shifts, &mut clipped);
+            rest.copy_from_slice(&last[..rest.len()]);
+        }
+        clipped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Sample;
+
+    fn scattered(count: usize, seed: usize) -> Vec<u8> {
+        (0..count).map(|i| ((i + seed).wrapping_mul(2_654_435_761) >> 13) as u8).collect()
+    }
+
+    #[test]
+    fn many_values_are_shifted_and_counted_as_one_is() {
+        let of_level: [[i16; 3]; LEVELS] =
+            std::array::from_fn(|level| [level as i16, -(level as i16) / 3, 255 - level as i16]);
+        let shifts = Shifts::new(&of_level).unwrap();
+        for pixels in [1, 7, 33, 511, 512, 513, 1024, 2049] {
+            let (before, levels) = (scattered(3 * pixels, 5), scattered(pixels, 77));
+            let mut expected = [0; 3];
+            let mut one_by_one = before.clone();
+            for (i, value) in one_by_one.iter_mut().enumerate() {
+                let (kept, clips) = value.shifted(of_level[usize::from(levels[i / 3])][i % 3]);
+                *value = kept;
+                expected[i % 3] += u64::from(clips);
+            }
+            for level in Level::all() {
+                let mut values = before.clone();
+                assert_eq!(
+                    shifts.add_by(level, &mut values, &levels),
+                    expected,
+                    "{level:?}, {pixels} pixels"
+                );
+                assert_eq!(values, one_by_one, "{level:?}, {pixels} pixels");
+            }
+        }
+    }
+
+    #[test]
+    fn a_channel_that_goes_both_ways_is_left_to_others() {
+        let mut of_level = [[0; 3]; LEVELS];
+        (of_level[3][1], of_level[200][1]) = (4, -4);
+        assert!(Shifts::new(&of_level).is_none());
+    }
+}

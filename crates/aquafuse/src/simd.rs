@@ -1,0 +1,83 @@
+//! Which vector instructions this processor has; asked once, and never part of a result.
+//!
+//! A fast path is a module of its own (`avx2.rs`, `neon.rs`) beside the plain one, takes the proof that its
+//! instructions are there, and gives the same bits. Where the compiler makes vectors of plain code by itself,
+//! [`widest`] has it do so for the best instructions too.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+
+/// The fastest instructions there are for the kernels of this crate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Level {
+    /// What every processor of the target has.
+    #[cfg_attr(target_arch = "aarch64", allow(dead_code, reason = "every such processor has NEON"))]
+    Plain,
+    /// x86-64 with AVX2.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+    /// 64-bit Arm; part of the architecture.
+    #[cfg(target_arch = "aarch64")]
+    Neon,
+}
+
+/// The proof that AVX2 is there: only a processor that was asked makes one.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Avx2(());
+
+#[cfg(target_arch = "x86_64")]
+impl Avx2 {
+    fn detected() -> Option<Self> {
+        // The standard library asks once a process and remembers.
+        is_x86_feature_detected!("avx2").then_some(Self(()))
+    }
+}
+
+impl Level {
+    /// The best of this processor.
+    pub(crate) fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(proof) = Avx2::detected() {
+            return Self::Avx2(proof);
+        }
+        #[cfg(target_arch = "aarch64")]
+        return Self::Neon;
+        #[cfg(not(target_arch = "aarch64"))]
+        Self::Plain
+    }
+
+    /// All of this processor; a test compares them.
+    #[cfg(test)]
+    pub(crate) fn all() -> Vec<Self> {
+        let mut levels = vec![Self::Plain, Self::best()];
+        levels.dedup();
+        levels
+    }
+}
+
+/// Plain code that the compiler makes vectors of.
+///
+/// A trait and no closure, because its one method can be `#[inline(always)]`, as all that it calls must be: what the
+/// compiler does not inline, it does not compile once more.
+pub(crate) trait Work {
+    type Output;
+    fn run(self) -> Self::Output;
+}
+
+/// Does `work`, compiled once more for the vectors of this processor. It is the same code, and arithmetic is never
+/// rearranged for the sake of vectors, so that no bit changes.
+#[inline]
+pub(crate) fn widest<W: Work>(work: W) -> W::Output {
+    widest_by(Level::best(), work)
+}
+
+/// [`widest`] for the vectors of `level`.
+#[inline]
+pub(crate) fn widest_by<W: Work>(level: Level, work: W) -> W::Output {
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(proof) => avx2::run(proof, work),
+        _ => work.run(),
+    }
+}

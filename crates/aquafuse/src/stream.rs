@@ -1,0 +1,228 @@
+//! Frame after frame into one water: what a frame needs is kept for the next.
+
+use crate::depth::{DepthMap, DepthModel};
+use crate::fusion::{self, Bounded, Clipping};
+use crate::image::{Image, SizeError};
+use crate::waterbody::{self, Estimate, EstimateOptions, Scratch};
+
+/// Fuses the frames of a sequence with one reference.
+///
+/// Depth is estimated of every frame, the content's water of every [`Options::every`]-th. Frames may differ in size.
+/// Once the memory for a frame is there, the next of that size takes nothing more that grows with the picture. The
+/// result is that of [`depth`](crate::depth), [`waterbody`](crate::waterbody) and [`fusion`](crate::fusion) called
+/// one by one, to the bit, whatever the number of threads.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{depth, stream::{Options, Stream}, truth, waterbody};
+///
+/// let size = truth::Size { width: 96, height: 64 };
+/// let seen = |seed, water: usize| truth::Scene::new(seed, size).seen_through(&truth::waters()[water].water);
+/// let reference = seen(2, 1).to_samples::<u8>();
+/// let water = waterbody::estimate(&reference, &depth::estimate(&reference), &Default::default())?;
+///
+/// let mut stream = Stream::new(water, Options::default());
+/// let mut fused = reference.clone();
+/// for seed in 3..6 {
+///     let frame = seen(seed, 0).to_samples::<u8>();
+///     stream.fuse_into(&frame, &mut fused)?;
+///     assert_ne!(fused, frame);
+/// }
+/// # Ok::<(), aquafuse::image::SizeError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Stream {
+    reference: Estimate,
+    options: Options,
+    content: Option<Estimate>,
+    /// Frames since the content's water was estimated.
+    age: usize,
+    levels: Vec<u8>,
+    scratch: Scratch,
+}
+
+/// How the frames of a [`Stream`] are fused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// The way from colour to depth.
+    pub depth: DepthModel,
+    /// How waters are estimated.
+    pub estimate: EstimateOptions,
+    /// How they are fused.
+    pub fusion: fusion::Options,
+    /// The content's water is estimated of the first frame and of each so many frames; 0 counts as 1. Default: 1,
+    /// every frame by itself.
+    pub every: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            depth: DepthModel::default(),
+            estimate: EstimateOptions::default(),
+            fusion: fusion::Options::default(),
+            every: 1,
+        }
+    }
+}
+
+impl Stream {
+    /// A stream into the water of `reference`.
+    pub fn new(reference: Estimate, options: Options) -> Self {
+        let (levels, scratch) = (Vec::new(), Scratch::default());
+        Self { reference, options, content: None, age: 0, levels, scratch }
+    }
+
+    /// Takes another water for the frames to come.
+    pub fn refer_to(&mut self, reference: Estimate) {
+        self.reference = reference;
+    }
+
+    /// The content's water that the last frame was fused by; none before the first.
+    pub fn content(&self) -> Option<&Estimate> {
+        self.content.as_ref()
+    }
+
+    /// The water of a picture in the memory of this stream, estimated as the contents' is: a new reference, say.
+    pub fn estimate(&mut self, picture: &Image<u8>) -> Estimate {
+        let depth = self.depth_of(picture);
+        let found = self.water_of(picture, &depth);
+        self.levels = depth.into_levels();
+        found
+    }
+
+    /// Fuses a frame into `fused`, which keeps nothing of what it was.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when the two differ in size.
+    pub fn fuse_into(&mut self, frame: &Image<u8>, fused: &mut Image<u8>) -> Result<Clipping, SizeError> {
+        crate::image::check_same_size(frame.size(), fused.size())?;
+        let (depth, bounded) = self.look_at(frame);
+        let clipping = fusion::fuse_into(frame, &depth, bounded.waters(), &bounded.options, fused);
+        self.levels = depth.into_levels();
+        clipping
+    }
+
+    /// [`Stream::fuse_into`] in place.
+    pub fn fuse_mut(&mut self, frame: &mut Image<u8>) -> Clipping {
+        let (depth, bounded) = self.look_at(frame);
+        let clipping = fusion::fuse_mut(frame, &depth, bounded.waters(), &bounded.options);
+        self.levels = depth.into_levels();
+        clipping.expect("the depth map was made for this frame")
+    }
+
+    fn look_at(&mut self, frame: &Image<u8>) -> (DepthMap, Bounded<crate::image::Encoded>) {
+        let depth = self.depth_of(frame);
+        let content = match self.content.filter(|_| self.age < self.options.every) {
+            Some(known) => known,
+            None => {
+                self.age = 0;
+                self.water_of(frame, &depth)
+            }
+        };
+        self.age += 1;
+        self.content = Some(content);
+        (depth, Bounded::new(&content, &self.reference, self.options.fusion))
+    }
+
+    fn depth_of(&mut self, frame: &Image<u8>) -> DepthMap {
+        self.options.depth.estimate_in(frame, self.options.estimate.top, std::mem::take(&mut self.levels))
+    }
+
+    fn water_of(&mut self, frame: &Image<u8>, depth: &DepthMap) -> Estimate {
+        let found = waterbody::estimate_in(frame, depth, &self.options.estimate, &mut self.scratch);
+        found.expect("the depth map was made for this frame")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fusion::Model;
+    use crate::truth::{Scene, Size, waters};
+
+    fn picture(seed: u64, water: usize, width: usize, height: usize) -> Image<u8> {
+        Scene::new(seed, Size { width, height }).seen_through(&waters()[water].water).to_samples()
+    }
+
+    fn one_by_one(frame: &Image<u8>, reference: &Estimate, options: &Options) -> (Image<u8>, Clipping) {
+        let z = options.depth.estimate(frame);
+        let own = waterbody::estimate(frame, &z, &options.estimate).unwrap();
+        let bounded = Bounded::new(&own, reference, options.fusion);
+        let fused = fusion::fuse(frame, &z, bounded.waters(), &bounded.options).unwrap();
+        (fused.image, fused.clipping)
+    }
+
+    #[test]
+    fn a_stream_is_its_steps_one_by_one_at_any_size() {
+        for model in Model::ALL {
+            for depth in DepthModel::ALL {
+                let options =
+                    Options { depth, fusion: fusion::Options::for_model(model), ..Options::default() };
+                let mut stream = Stream::new(
+                    Stream::new(picture_estimate(), options).estimate(&picture(2, 1, 96, 64)),
+                    options,
+                );
+                for (seed, (width, height)) in
+                    [(33, 65), (1, 1), (1, 40), (40, 1), (7, 7), (96, 64)].into_iter().enumerate()
+                {
+                    let frame = picture(seed as u64, seed % 3, width, height);
+                    let expected = one_by_one(&frame, &stream.reference, &options);
+                    let (mut fused, mut in_place) = (picture(9, 2, width, height), frame.clone());
+                    let clipping = stream.fuse_into(&frame, &mut fused).unwrap();
+                    assert_eq!((fused, clipping), expected);
+                    let clipping = stream.fuse_mut(&mut in_place);
+                    assert_eq!((in_place, clipping), expected);
+                }
+            }
+        }
+    }
+
+    fn picture_estimate() -> Estimate {
+        let image = picture(1, 1, 48, 32);
+        waterbody::estimate(&image, &crate::depth::estimate(&image), &EstimateOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn the_contents_water_is_that_of_every_third_frame() {
+        let mut stream = Stream::new(picture_estimate(), Options { every: 3, ..Options::default() });
+        let frames: Vec<_> = (0..5).map(|seed| picture(seed, 0, 64, 48)).collect();
+        let found: Vec<_> = frames
+            .iter()
+            .map(|frame| {
+                stream.fuse_mut(&mut frame.clone());
+                *stream.content().unwrap()
+            })
+            .collect();
+        assert_eq!((found[1], found[2], found[4]), (found[0], found[0], found[3]));
+        assert_eq!(found[3], stream.estimate(&frames[3]));
+        assert_ne!(found[3], found[0]);
+    }
+
+    #[test]
+    fn sizes_that_differ_are_an_error() {
+        let mut stream = Stream::new(picture_estimate(), Options::default());
+        let error = stream.fuse_into(&picture(1, 0, 8, 8), &mut picture(1, 0, 8, 9)).unwrap_err();
+        assert_eq!(error, SizeError::Mismatch { left: (8, 8), right: (8, 9) });
+    }
+
+    #[cfg(feature = "threads")]
+    #[test]
+    fn threads_change_no_bit() {
+        // Large enough for threads to be woken, and to be thinned out.
+        let (width, height) = (1201, 903);
+        let frame = picture(4, 0, width, height);
+        let fused_on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let mut stream = Stream::new(picture_estimate(), Options::default());
+                let mut fused = frame.clone();
+                let clipping = stream.fuse_into(&frame, &mut fused).unwrap();
+                (fused, clipping, stream.content)
+            })
+        };
+        assert_eq!(fused_on(1), fused_on(3));
+    }
+}

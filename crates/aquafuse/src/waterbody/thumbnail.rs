@@ -1,0 +1,119 @@
+//! A large picture thinned out to what the estimators need.
+//!
+//! They take medians and quantiles, of which a few hundred thousand pixels tell as much as millions. Pixels are
+//! left out, not averaged: the noise of a picture, its darkest and its smoothest places stay what they are.
+
+use crate::bands;
+use crate::depth::Quantised;
+use crate::image::{Image, SizeError};
+
+/// Pixels that are kept at least; of fewer, none is left out. Of 250,000 the dark end of a bin of depth (.4 % of a
+/// 32nd) is still read off 30, and β_B moves by less than 2 % on nearly every picture.
+const ENOUGH: usize = 250_000;
+
+/// A picture and its depth in steps, of which a regular grid is kept.
+pub(super) struct Thumbnail {
+    pub(super) image: Image<u8>,
+    pub(super) depth: Quantised<'static>,
+}
+
+impl Thumbnail {
+    /// The thumbnail of a large picture; none of one that is small enough as it is.
+    pub(super) fn of(image: &Image<u8>, depth: &Quantised<'_>, scratch: &mut Scratch) -> Option<Self> {
+        let stride = (image.width() * image.height() / ENOUGH).isqrt();
+        (stride > 1)
+            .then(|| Self::every(stride, image, depth, std::mem::take(scratch)).expect("the grid is full"))
+    }
+
+    fn every(
+        stride: usize,
+        image: &Image<u8>,
+        depth: &Quantised<'_>,
+        scratch: Scratch,
+    ) -> Result<Self, SizeError> {
+        let Scratch { mut samples, mut levels } = scratch;
+        let (width, rows) = (kept(image.width(), stride).count(), kept(image.height(), stride));
+        let rows: Vec<usize> = rows.collect();
+        samples.resize(3 * width * rows.len(), 0);
+        bands::for_each(&mut samples, 3 * width, |first, band| {
+            for (samples, &y) in band.chunks_exact_mut(3 * width).zip(&rows[first..]) {
+                thin(image.row(y), stride, samples.as_chunks_mut().0);
+            }
+        });
+        levels.resize(width * rows.len(), 0);
+        bands::for_each(&mut levels, width, |first, band| {
+            for (levels, &y) in band.chunks_exact_mut(width).zip(&rows[first..]) {
+                thin(&depth.levels[y * image.width()..][..image.width()], stride, levels);
+            }
+        });
+        Ok(Self {
+            image: Image::from_raw(width, rows.len(), samples)?,
+            depth: Quantised { levels: levels.into(), step: depth.step, beyond: depth.beyond },
+        })
+    }
+
+    /// Its memory.
+    pub(super) fn into_scratch(self) -> Scratch {
+        Scratch { samples: self.image.into_raw(), levels: self.depth.levels.into_owned() }
+    }
+}
+
+/// The memory of a thumbnail that is no longer needed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    samples: Vec<u8>,
+    levels: Vec<u8>,
+}
+
+/// Places along a side of `length` that are kept: each `stride`-th counted from the nearer end, so that the mirror
+/// image keeps the mirrored ones, and a picture on its side the same.
+fn kept(length: usize, stride: usize) -> impl Iterator<Item = usize> {
+    let near = (0..length.div_ceil(2)).step_by(stride);
+    let far = (0..length / 2).step_by(stride).map(move |place| length - 1 - place);
+    near.chain(far.rev())
+}
+
+/// The values of a row that [`kept`] names.
+fn thin<T: Copy>(row: &[T], stride: usize, thinned: &mut [T]) {
+    let (near, far) = row.split_at(row.len().div_ceil(2));
+    let (to_near, to_far) = thinned.split_at_mut(near.len().div_ceil(stride));
+    to_near.iter_mut().zip(near.iter().step_by(stride)).for_each(|(to, &from)| *to = from);
+    to_far.iter_mut().rev().zip(far.iter().rev().step_by(stride)).for_each(|(to, &from)| *to = from);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn small_pictures_are_kept_whole_and_of_large_ones_enough() {
+        for (width, height, thinned) in
+            [(1, 1, false), (999, 1000, false), (1000, 1000, true), (1920, 1080, true), (9000, 500, true)]
+        {
+            let image = Image::from_raw(width, height, vec![7; 3 * width * height]).unwrap();
+            let depth = Quantised { levels: vec![9; width * height].into(), step: 0.1, beyond: None };
+            let thumbnail = Thumbnail::of(&image, &depth, &mut Scratch::default());
+            assert_eq!(thumbnail.is_some(), thinned, "{width}x{height}");
+            if let Some(Thumbnail { image, depth }) = thumbnail {
+                let pixels = image.pixels().len();
+                assert!((ENOUGH..5 * ENOUGH).contains(&pixels), "{pixels} of {width}x{height}");
+                assert_eq!(depth.levels.len(), pixels);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_grid_is_the_same_from_both_ends(length in 1..3000_usize, stride in 1..20_usize) {
+            let found: Vec<usize> = kept(length, stride).collect();
+            prop_assert!(found.iter().all(|&place| place.min(length - 1 - place).is_multiple_of(stride)));
+            let all: Vec<usize> = (0..length).collect();
+            let mut thinned = vec![0; found.len()];
+            thin(&all, stride, &mut thinned);
+            prop_assert_eq!(&thinned, &found);
+            let mirrored: Vec<usize> = found.iter().rev().map(|place| length - 1 - place).collect();
+            prop_assert_eq!(found, mirrored);
+        }
+    }
+}

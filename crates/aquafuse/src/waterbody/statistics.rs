@@ -97,6 +97,9 @@ fn count(levels: &[u8]) -> [u64; LEVELS] {
     std::array::from_fn(|level| turns.iter().map(|turn| u64::from(turn[level])).sum())
 }
 
+/// Parts of a picture that are counted side by side.
+const PARTS: usize = 4;
+
 /// Pixels of each value, by channel.
 type Values = [[u32; 256]; 3];
 
@@ -111,32 +114,28 @@ fn count_by_bin(
     let bins = BINS as usize + 1;
     let place: [u8; LEVELS] =
         std::array::from_fn(|level| if counts[level] == 0 { BINS as u8 } else { bin_of[level] });
-    // As in `count`, two take turns.
-    let mut turns = [vec![[[0; 256]; 3]; bins], vec![[[0; 256]; 3]; bins]];
-    let (pairs, rest) = pixels.as_chunks::<2>();
-    let (pairs_of_levels, rest_of_levels) = levels.as_chunks::<2>();
-    let add = |turn: &mut [Values], pixel: &[u8; 3], level: u8| {
-        let values = &mut turn[usize::from(place[usize::from(level)])];
+    let mut counted = vec![[[0; 256]; 3]; bins];
+    let mut add = |pixel: &[u8; 3], level: u8| {
+        let values = &mut counted[usize::from(place[usize::from(level)])];
         for (values, &value) in values.iter_mut().zip(pixel) {
             values[usize::from(value)] += 1;
         }
     };
-    for (pixels, levels) in pairs.iter().zip(pairs_of_levels) {
-        for ((turn, pixel), &level) in turns.iter_mut().zip(pixels).zip(levels) {
-            add(turn, pixel, level);
+    // As in `count`: pixels of four parts of the picture take turns, which are seldom alike.
+    let part = pixels.len() / PARTS;
+    let (rest, rest_of_levels) = (&pixels[PARTS * part..], &levels[PARTS * part..]);
+    let parts: [_; PARTS] =
+        std::array::from_fn(|i| (&pixels[i * part..][..part], &levels[i * part..][..part]));
+    for i in 0..part {
+        for (pixels, levels) in parts {
+            add(&pixels[i], levels[i]);
         }
     }
     for (pixel, &level) in rest.iter().zip(rest_of_levels) {
-        add(&mut turns[0], pixel, level);
+        add(pixel, level);
     }
-    let [mut first, second] = turns;
-    first.truncate(BINS as usize);
-    for (sum, more) in
-        first.as_flattened_mut().as_flattened_mut().iter_mut().zip(second.as_flattened().as_flattened())
-    {
-        *sum += more;
-    }
-    first
+    counted.truncate(BINS as usize);
+    counted
 }
 
 impl<E: Encoding> Bin<E> {

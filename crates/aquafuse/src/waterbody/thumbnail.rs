@@ -76,9 +76,14 @@ fn kept(length: usize, stride: usize) -> impl Iterator<Item = usize> {
 /// The values of a row that [`kept`] names.
 fn thin<T: Copy>(row: &[T], stride: usize, thinned: &mut [T]) {
     let (near, far) = row.split_at(row.len().div_ceil(2));
+    // The last of the far half is kept: so many places before the first that is.
+    let far = &far[far.len().saturating_sub(1) % stride..];
     let (to_near, to_far) = thinned.split_at_mut(near.len().div_ceil(stride));
-    to_near.iter_mut().zip(near.iter().step_by(stride)).for_each(|(to, &from)| *to = from);
-    to_far.iter_mut().rev().zip(far.iter().rev().step_by(stride)).for_each(|(to, &from)| *to = from);
+    for (to, from) in [(to_near, near), (to_far, far)] {
+        for (to, from) in to.iter_mut().zip(from.chunks(stride)) {
+            *to = from[0];
+        }
+    }
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ type Turns = BTreeMap<String, Vec<f64>>;
 pub(crate) fn run(tools: &Tools) -> Result<()> {
     say("Building");
     call(cargo(&["build", "--release", "--package", "aquafuse", "--examples", "--locked"]))?;
-    let mut rows = String::new();
+    let (mut rows, mut restorations) = (String::new(), String::new());
     for (width, height) in SIZES {
         say(&format!("{width} x {height}"));
         let folder = pictures(width, height)?;
@@ -36,6 +36,8 @@ pub(crate) fn run(tools: &Tools) -> Result<()> {
             let script = ["benches/opencv_pipeline.py", "time", &content, &reference, "--frames", &frames];
             read(&mut theirs, &output(command(&tools.python, &script))?);
         }
+        let restored = median(&ours, "restored");
+        writeln!(restorations, "| {width} x {height} | {restored:.2} | {:.1} |", 1e3 / restored)?;
         for (case, name) in CASES {
             let (our, their) = (median(&ours, case), median(&theirs, case));
             let ratios = ours[case].iter().zip(&theirs[case]).map(|(our, their)| our / their).collect();
@@ -45,7 +47,10 @@ pub(crate) fn run(tools: &Tools) -> Result<()> {
             writeln!(rows, "{row}")?;
         }
     }
-    results::write_section("speed", &section(tools, &rows)?)
+    results::write_section(results::RESULTS, "speed", &section(tools, &rows)?)?;
+    let restored =
+        format!("| size | `restore`, ms a frame | frames a second |\n|---|---|---|\n{restorations}");
+    results::write_section(results::RESULTS, "restored", &restored)
 }
 
 /// The truth scene of seed 1 through its waters; made anew, for the scene's code may have changed.

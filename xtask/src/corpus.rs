@@ -37,6 +37,14 @@ const MODEL: &str = "schema = 1\nmodel = \"eq3\"\nmu = [0.5, 0.5, -6.0, -0.5, -2
     depth_kind = \"metres\"\nscale = \"shared\"\ntarget = \"order\"\nrank_score = 0.75\nloss = 0.1\ndoubts = []\n\n\
     [[fit.scores]]\nname = \"a\"\nrank_score = 0.75\n";
 
+const WATER: &str = r#"{"schema":1,"from":["a.png"],"encoding":"encoded","depth":{"kind":"relative","model":"eq3"},
+"waterbody":{"veiling_light":[0.1,0.4,0.5],"backscatter_coefficient":[1.5,1,0.9],
+"attenuation":[[2,0,0.5,-1],[1,0,0,0],[0.9,0,0,0]],"attenuation_held_beyond":[0.8,0.8,0]},
+"intervals":{"veiling_light":[[0,0.2],[0.3,0.5],[0.4,0.6]],"backscatter_coefficient":[[1,2],[0.5,2],[0.4,2]]},
+"veiling_light_source":"open_water","veiling_light_share":0.2,
+"quality":{"verdict":"doubtful","reasons":["few_dark_pixels"]}}
+"#;
+
 pub(crate) fn run_all() -> Result<()> {
     say("Making the corpus of fuzz/ anew");
     let made = root().join("target/corpus");
@@ -64,6 +72,7 @@ pub(crate) fn run_all() -> Result<()> {
     }
     add(&corpus, "job-record", "job.jsonl", RECORD.as_bytes())?;
     add(&corpus, "model-file", "model.toml", MODEL.as_bytes())?;
+    add(&corpus, "water-file", "a.water.json", WATER.as_bytes())?;
     counts(&corpus)
 }
 

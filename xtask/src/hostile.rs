@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use crate::results::write_section;
+use crate::results::{RESULTS, write_section};
 use crate::runner::{End, Limits, Outcome, Runner};
 use crate::shell::{cargo, command, root, run as call, say};
 use files::{Role, Trial};
@@ -47,7 +47,7 @@ pub(crate) fn run() -> Result<()> {
     let seen = stage.all(&trials)?;
     let text = report(&seen);
     println!("{text}");
-    write_section("hostile", &text)
+    write_section(RESULTS, "hostile", &text)
 }
 
 /// Where things are.

@@ -1,5 +1,5 @@
-//! The project's habits, one command each: `cargo xtask check | test | truth | depth | published | hostile | memory |
-//! corpus | soak | bench`.
+//! The project's habits, one command each: `cargo xtask check | test | truth | readings | depth | published | hostile |
+//! memory | corpus | soak | bench`.
 
 mod bench;
 mod checks;
@@ -21,6 +21,7 @@ cargo xtask COMMAND
   check      format, spelling, lints, documentation, licences: what a reviewer would say first
   test       sets up what is missing, then `check` and every test: what CI runs
   truth      how much of the true change is made on scenes of known truth, into docs/results.md
+  readings   what each way to read the paper does to the scores, into docs/method.md
   depth      how well depth from colour orders measured depth, into docs/results.md
   published  real pictures scored beside the paper's tables, into docs/results.md
   hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         ["depth"] => results::depth(),
         ["published"] => results::published(),
         ["truth"] => results::truth(),
+        ["readings"] => results::readings(),
         ["hostile"] => hostile::run(),
         ["memory"] => memory::run_with(memory::PICTURES),
         ["memory", pictures] if pictures.parse::<usize>().is_ok_and(|count| count > 0) => {

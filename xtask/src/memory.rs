@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
-use crate::results::write_section;
+use crate::results::{RESULTS, write_section};
 use crate::runner::{End, Limits, Outcome, Runner};
 use crate::shell::{cargo, root, run, say};
 
@@ -42,7 +42,7 @@ pub(crate) fn run_with(pictures: usize) -> Result<()> {
         writeln!(table, "| {pictures} | {threads} | {BUDGET} | {peak:.0} | {each:.2} |")?;
     }
     println!("{table}");
-    write_section("memory", &table)
+    write_section(RESULTS, "memory", &table)
 }
 
 /// A folder of so many pictures.

@@ -1,8 +1,13 @@
-//! The tables of `docs/results.md` that commands write.
+//! The tables of `docs/` that commands write.
 
 use anyhow::{Context, Result};
 
 use crate::shell::{cargo, output, root, say};
+
+/// The page of what was measured.
+pub(crate) const RESULTS: &str = "docs/results.md";
+/// The page of how the paper is read.
+const METHOD: &str = "docs/method.md";
 
 /// `cargo xtask truth`: how right the estimates are, and how much of the true change they make.
 pub(crate) fn truth() -> Result<()> {
@@ -14,7 +19,7 @@ pub(crate) fn truth() -> Result<()> {
             ["run", "--release", "--quiet", "--package", "aquafuse", "--example", "truth_table", "--"];
         let text = output(cargo(&[&example[..], &[table]].concat()))?;
         println!("{text}");
-        write_section(section, &text)?;
+        write_section(RESULTS, section, &text)?;
     }
     Ok(())
 }
@@ -31,6 +36,32 @@ pub(crate) fn published() -> Result<()> {
     of_real_pictures("published", "published_table")
 }
 
+/// `cargo xtask readings`: what each way to read the paper does to the scores.
+pub(crate) fn readings() -> Result<()> {
+    say("Reading the paper each way, on truth scenes (two minutes)");
+    let text =
+        output(cargo(&["run", "--release", "--quiet", "--package", "aquafuse", "--example", "readings"]))?;
+    println!("{text}");
+    for (name, table) in sections(&text)? {
+        write_section(METHOD, name, table)?;
+    }
+    Ok(())
+}
+
+/// What an example prints between marks, by the names of the marks.
+fn sections(text: &str) -> Result<Vec<(&str, &str)>> {
+    let mut found = Vec::new();
+    let mut rest = text;
+    while let Some((_, after)) = rest.split_once("<!-- ") {
+        let (name, after) = after.split_once(" -->\n").context("a mark without an end")?;
+        let close = format!("<!-- /{name} -->");
+        let (table, after) = after.split_once(&close).with_context(|| format!("{name} is not closed"))?;
+        found.push((name, table));
+        rest = after;
+    }
+    Ok(found)
+}
+
 /// Writes a section that an example makes from the folder of real pictures.
 fn of_real_pictures(section: &str, example: &str) -> Result<()> {
     let data = std::env::var("AQUAFUSE_TEST_DATA")
@@ -39,16 +70,28 @@ fn of_real_pictures(section: &str, example: &str) -> Result<()> {
         ["run", "--release", "--quiet", "--package", "aquafuse-data", "--example", example, "--", &data];
     let table = output(cargo(&run))?;
     println!("{table}");
-    write_section(section, &table)
+    write_section(RESULTS, section, &table)
 }
 
-/// Replaces what stands between `<!-- name -->` and `<!-- /name -->` in `docs/results.md`.
-pub(crate) fn write_section(name: &str, text: &str) -> Result<()> {
-    let path = root().join("docs/results.md");
+/// Replaces what stands between `<!-- name -->` and `<!-- /name -->` in a page.
+pub(crate) fn write_section(page: &str, name: &str, text: &str) -> Result<()> {
+    let path = root().join(page);
     let page = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
     let around = page.split_once(&open).and_then(|(before, rest)| Some((before, rest.split_once(&close)?.1)));
     let (before, after) = around.with_context(|| format!("{} has no place for {name}", path.display()))?;
     std::fs::write(&path, format!("{before}{open}{text}{close}{after}"))
         .with_context(|| format!("cannot write {}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_between_marks_is_found_by_their_names() {
+        let text = "<!-- a -->\n| 1 |\n<!-- /a -->\nnot a table\n<!-- a-b -->\n<!-- /a-b -->\n";
+        assert_eq!(sections(text).unwrap(), [("a", "| 1 |\n"), ("a-b", "")]);
+        assert!(sections("<!-- a -->\n| 1 |\n").is_err());
+    }
 }

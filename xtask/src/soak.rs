@@ -12,7 +12,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::results::write_section;
+use crate::results::{RESULTS, write_section};
 use crate::shell::{cargo, root, run, say};
 use table::{Row, read, rows};
 
@@ -47,7 +47,7 @@ pub(crate) fn run_for(minutes: u64) -> Result<()> {
             failed.push(target.as_str());
         }
         table.entry(target.clone()).or_default().add(&row);
-        write_section("soak", &rows(&table))?;
+        write_section(RESULTS, "soak", &rows(&table))?;
     }
     kills()?;
     if failed.is_empty() {
@@ -122,5 +122,5 @@ fn kills() -> Result<()> {
         let line = said.lines().find_map(|line| line.find(name).map(|at| &line[at..]));
         line.map(|line| format!("- {line}\n")).with_context(|| format!("the test said no {name}"))
     };
-    write_section("kills", &(figures("kills: ")? + &figures("signals: ")? + &resume::figure()?))
+    write_section(RESULTS, "kills", &(figures("kills: ")? + &figures("signals: ")? + &resume::figure()?))
 }

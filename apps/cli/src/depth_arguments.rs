@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
-use aquafuse::depth::{DepthModel, SuppliedKind, SuppliedReport};
+use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::picture::shown;
@@ -39,6 +39,14 @@ pub(crate) enum Supply {
 }
 
 impl DepthArguments {
+    /// What the unit of depth will be.
+    pub(crate) fn kind_of_map(&self) -> DepthKind {
+        match self.depth_kind {
+            Some(SuppliedKind::Metres | SuppliedKind::Millimetres) => DepthKind::Metres,
+            _ => DepthKind::Relative,
+        }
+    }
+
     /// Where depth comes from; `in_folder` where it is that of a folder's pictures. Errors are wrong usage.
     pub(crate) fn supply(&self, in_folder: bool, model: DepthModel) -> Result<Supply> {
         let (depth, kind) = match (&self.depth, self.depth_kind) {

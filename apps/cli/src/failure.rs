@@ -62,3 +62,14 @@ impl From<aquafuse_data::picture::FileError> for Failure {
         }
     }
 }
+
+impl From<aquafuse_data::water_file::WaterFileError> for Failure {
+    fn from(error: aquafuse_data::water_file::WaterFileError) -> Self {
+        use aquafuse_data::water_file::WaterFileError::{Encoding, File};
+        match error {
+            File(error) => error.into(),
+            Encoding { .. } => Self::usage(error),
+            error => Self::work(error),
+        }
+    }
+}

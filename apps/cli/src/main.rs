@@ -1,23 +1,32 @@
 //! The `aquafuse` command: moves the waterbody of one underwater picture into another.
 
+mod common;
+mod crossover;
 mod demo;
 mod depth;
 mod depth_arguments;
 mod depth_model;
+mod enhance;
 mod failure;
 mod fit;
 mod fuse;
 mod inspect;
+mod manual;
 mod output;
 mod progress;
 mod reading;
+mod restore;
 mod signals;
+mod simulate;
+mod water;
+mod water_argument;
+mod work;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
+use common::Common;
 use failure::Failure;
-use reading::Reading;
 
 /// Moves the waterbody of one underwater picture into another, by physics in closed form.
 ///
@@ -27,26 +36,24 @@ use reading::Reading;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Work on this many threads [default: one a core]. No output depends on it.
-    #[arg(long, global = true, help_heading = COMMON, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
-    threads: Option<u16>,
     #[command(flatten)]
-    reading: Reading,
-    /// Say nothing but errors and what was asked for.
-    #[arg(long, global = true, help_heading = COMMON)]
-    quiet: bool,
+    common: Common,
 }
-
-/// Where the help lists what every command takes.
-const COMMON: &str = "Common options";
 
 #[derive(Subcommand)]
 enum Command {
     Demo(demo::Demo),
     Fuse(fuse::Fuse),
-    Inspect(inspect::Inspect),
+    Crossover(crossover::Crossover),
+    Restore(restore::Restore),
+    Enhance(enhance::Enhance),
     Depth(depth::Depth),
+    Inspect(inspect::Inspect),
+    Water(water::Water),
     Fit(fit::Fit),
+    Simulate(simulate::Simulate),
+    Completions(manual::Completions),
+    Man(manual::Man),
 }
 
 const EXAMPLES: &str = "\
@@ -58,6 +65,12 @@ Examples:
   aquafuse inspect reef.jpg                          what the picture tells about its water
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --depth reef.tiff --depth-kind metres
                                                      with depth that was measured
+  aquafuse fuse reef.jpg preset:jerlov-3C -o fused.jpg --model physical
+                                                     in water from published tables
+  aquafuse enhance reef.jpg -o clearer.jpg           with clear water, scored before and after
+  aquafuse restore reef.jpg -o air.jpg               without its water
+  aquafuse water extract green.jpg -o green.water.json
+                                                     a water to keep
   aquafuse depth reef.jpg -o depth.png
   aquafuse fit pairs/ -o mine.toml --depth-kind metres
                                                      a depth model from pictures with known depth
@@ -83,15 +96,23 @@ fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> Result<(), Failure> {
     signals::heed().map_err(Failure::work)?;
-    if let Some(threads) = cli.threads {
+    let common = &cli.common;
+    if let Some(threads) = common.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::work)?;
     }
     match &cli.command {
-        Command::Demo(demo) => demo.run(cli.quiet),
-        Command::Fuse(fuse) => fuse.run(cli.threads, &cli.reading, cli.quiet),
-        Command::Inspect(inspect) => inspect.run(&cli.reading),
-        Command::Depth(depth) => depth.run(&cli.reading, cli.quiet),
-        Command::Fit(fit) => fit.run(cli.quiet),
+        Command::Demo(demo) => demo.run(common.quiet),
+        Command::Fuse(fuse) => fuse.run(common),
+        Command::Crossover(crossover) => crossover.run(common),
+        Command::Restore(restore) => restore.run(common),
+        Command::Enhance(enhance) => enhance.run(common),
+        Command::Depth(depth) => depth.run(&common.reading, common.quiet),
+        Command::Inspect(inspect) => inspect.run(&common.reading),
+        Command::Water(water) => water.run(common),
+        Command::Fit(fit) => fit.run(common.quiet),
+        Command::Simulate(simulate) => simulate.run(common),
+        Command::Completions(completions) => completions.run(Cli::command()),
+        Command::Man(man) => man.run(Cli::command(), common),
     }
 }
 

@@ -11,15 +11,15 @@ use crate::failure::Failure;
 #[derive(Args)]
 pub(crate) struct Reading {
     /// Refuse pictures of more pixels than this.
-    #[arg(long, global = true, help_heading = crate::COMMON, value_name = "N", default_value_t = ReadOptions::default().most_pixels)]
+    #[arg(long, global = true, help_heading = crate::common::HEADING, value_name = "N", default_value_t = ReadOptions::default().most_pixels)]
     max_pixels: u64,
-    /// Memory for all pictures that `fuse` has in work at once: 512MiB, 2GiB or a number of bytes. One that needs more
+    /// Memory for all pictures that are in work at once: 512MiB, 2GiB or a number of bytes. One that needs more
     /// by itself is refused, by every command; others wait their turn.
-    #[arg(long, global = true, help_heading = crate::COMMON, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
+    #[arg(long, global = true, help_heading = crate::common::HEADING, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
     max_memory: u64,
     /// Take pictures whose file was cut short, JPEG and PNG above all, for what is left of them. Their outputs say so in
     /// their EXIF description.
-    #[arg(long, global = true, help_heading = crate::COMMON)]
+    #[arg(long, global = true, help_heading = crate::common::HEADING)]
     lenient: bool,
 }
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
-use aquafuse::image::Encoded;
-use aquafuse::waterbody::{self, Estimate, EstimateOptions, Reason};
+use aquafuse::image::{Encoded, Encoding, SizeError};
+use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use crate::depth_file;
 use crate::picture::{FileError, Picture};
@@ -42,7 +42,7 @@ impl DepthSource {
 
 /// A picture's depth and water, estimated.
 #[derive(Clone, Debug)]
-pub struct Analysis {
+pub struct Analysis<E: Encoding = Encoded> {
     /// Depth from colour, or as supplied.
     pub depth: DepthMap,
     /// The way it was come by.
@@ -50,10 +50,12 @@ pub struct Analysis {
     /// What is worth knowing about supplied depth, warnings among it; none for depth from colour.
     pub supplied: Option<SuppliedReport>,
     /// Its water, and how that was found.
-    pub estimate: Estimate<Encoded>,
+    pub estimate: Estimate<E>,
 }
 
 /// Estimates depth and water of a picture. Every command that needs either calls this.
+///
+/// The water is that of encoding `E`: of the values as the file holds them, or of the light behind them.
 ///
 /// # Errors
 ///
@@ -63,7 +65,7 @@ pub struct Analysis {
 ///
 /// ```
 /// use aquafuse::depth::SuppliedKind;
-/// use aquafuse::image::Image;
+/// use aquafuse::image::{Encoded, Image};
 /// use aquafuse_data::analysis::{DepthSource, analyse};
 /// use aquafuse_data::picture::Picture;
 ///
@@ -73,11 +75,11 @@ pub struct Analysis {
 /// std::fs::write(&path, [&b"Pf 2 1 -1\n"[..], &distances.map(f32::to_le_bytes).concat()].concat())?;
 ///
 /// let picture = Picture::new(Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
-/// let found = analyse(&picture, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
+/// let found = analyse::<Encoded>(&picture, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
 /// assert_eq!(found.depth.distances(), distances);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn analyse(picture: &Picture, source: &DepthSource) -> Result<Analysis, FileError> {
+pub fn analyse<E: Encoding>(picture: &Picture, source: &DepthSource) -> Result<Analysis<E>, FileError> {
     let top = picture.top_edge();
     // Estimators count in 256 steps: what lies between is of no use to them.
     let bytes = picture.bytes();
@@ -94,11 +96,23 @@ pub fn analyse(picture: &Picture, source: &DepthSource) -> Result<Analysis, File
             (found.depth, Some(found.report))
         }
     };
-    let options = EstimateOptions { top, ..EstimateOptions::default() };
-    let mut estimate =
-        waterbody::estimate(&bytes, &depth, &options).expect("the depth map was made for this picture");
+    let mut estimate = waterbody::estimate(&bytes, &depth, &options(picture))
+        .expect("the depth map was made for this picture");
     if supplied.is_some_and(|report| report.looks_turned_round()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
+}
+
+/// What the water of [`Analysis::estimate`] was fitted to, read again from the `picture` that was analysed.
+///
+/// # Errors
+///
+/// [`SizeError`] when it is another picture, of another size.
+pub fn evidence(picture: &Picture, found: &Analysis) -> Result<Evidence, SizeError> {
+    waterbody::evidence::<Encoded>(&picture.bytes(), &found.depth, &options(picture))
+}
+
+fn options(picture: &Picture) -> EstimateOptions {
+    EstimateOptions { top: picture.top_edge(), ..EstimateOptions::default() }
 }

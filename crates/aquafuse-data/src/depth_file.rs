@@ -25,7 +25,7 @@ pub use folder::DepthFolder;
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
 use crate::barrier;
-use crate::picture::{FileError, WriteOptions, one_line, open_file, write_atomically};
+use crate::picture::{FileError, WriteOptions, one_line, open_file, whole, write_atomically};
 
 /// Values of a file, row by row from the top, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,21 +81,32 @@ fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Re
     }
 }
 
-/// Reads `count` values of `N` bytes: the buffer grows with what is there, not with what the header promises.
+/// Reads the values, of `N` bytes, of a map whose size was checked: memory grows with what is there, not with what
+/// the header promises.
 fn read_values<const N: usize>(
     mut reader: impl Read,
-    count: usize,
+    (width, height): (usize, usize),
     value: impl Fn([u8; N]) -> f32,
 ) -> Result<Vec<f32>, Fault> {
     const AT_ONCE: usize = 1 << 16;
+    let count = width.saturating_mul(height);
     let mut values = Vec::new();
-    let mut bytes = vec![0; AT_ONCE.min(count) * N];
+    let mut stored = vec![[0; N]; AT_ONCE.min(count)];
     while values.len() < count {
-        let wanted = &mut bytes[..AT_ONCE.min(count - values.len()) * N];
-        reader.read_exact(wanted)?;
-        values.extend(wanted.as_chunks().0.iter().map(|&bytes| value(bytes)));
+        stored.truncate(count.saturating_sub(values.len()));
+        reader.read_exact(stored.as_flattened_mut())?;
+        values.extend(stored.iter().map(|&bytes| value(bytes)));
     }
     Ok(values)
+}
+
+/// The nearest float of 32 bits.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "nothing else makes it; what is too large becomes infinite, which is no depth"
+)]
+fn narrowed(value: f64) -> f32 {
+    value as f32
 }
 
 /// Reads a depth map of a declared kind. The format is told by the content.
@@ -227,7 +238,7 @@ fn steps(depth: &DepthMap) -> Vec<u16> {
         DepthKind::Metres => 1000.0,
         _ => 65535.0,
     };
-    let stored = |z: f32| (z * steps_per_unit).round().clamp(0.0, 65535.0) as u16;
+    let stored = |z: f32| u16::try_from(whole((z * steps_per_unit).into())).unwrap_or(u16::MAX);
     depth.distances().into_iter().map(stored).collect()
 }
 

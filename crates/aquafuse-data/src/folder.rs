@@ -30,7 +30,7 @@ pub fn list(folder: &Path) -> Result<Listing, FileError> {
         if Format::listed(&path) {
             listing.pictures.push(path);
         } else {
-            listing.others += 1;
+            listing.others = listing.others.saturating_add(1);
         }
     }
     listing.pictures.sort();

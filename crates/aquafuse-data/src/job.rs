@@ -8,25 +8,30 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::fusion::{Bounded, Bounds, Clipping, Options};
+use aquafuse::fusion::Clipping;
+use aquafuse::image::{Encoded, Encoding};
 use aquafuse::smooth::Smoothing;
-use aquafuse::waterbody::{Estimate, Quality};
+use aquafuse::waterbody::Quality;
 
 use crate::analysis::{DepthSource, analyse};
+use crate::maps;
 use crate::memory::Budget;
 use crate::picture::{FileError, Format, Opened, Picture, ReadOptions, WriteOptions};
+use crate::scores::Scores;
+use crate::treatment::{Held, Space, Treated, Treatment};
+use crate::water_file::Numbers;
 
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use record::try_parse;
 pub use record::{Plan, RECORD, Record};
 
-/// Fuses pictures with one water.
+/// Treats pictures alike: fuses them with one water, or restores them.
 #[derive(Debug)]
-pub struct Fuse {
+pub struct Job<E: Encoding = Encoded> {
     /// What to read, and where to write it.
     pub items: Vec<Item>,
-    /// How to fuse them.
-    pub recipe: Recipe,
+    /// What to do with them.
+    pub recipe: Recipe<E>,
     /// How to run.
     pub conduct: Conduct,
     /// Which items are done already, and where to say so; none for single pictures.
@@ -35,12 +40,10 @@ pub struct Fuse {
 
 /// Everything but the pictures that decides what is written.
 #[derive(Clone, Debug)]
-pub struct Recipe {
-    /// The reference's water, and what it is worth.
-    pub reference: Estimate,
-    /// How to fuse.
-    pub options: Options,
-    /// How to smooth what was fused.
+pub struct Recipe<E: Encoding = Encoded> {
+    /// What is done to each picture.
+    pub treatment: Treatment<E>,
+    /// How to smooth what comes out.
     pub smoothing: Smoothing,
     /// Turn each output as its EXIF orientation asks for.
     pub upright: bool,
@@ -51,12 +54,16 @@ pub struct Recipe {
 }
 
 /// How a job runs; nothing that is written depends on it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Conduct {
     /// Pictures in work at once; none: one a core.
     pub threads: Option<NonZeroUsize>,
     /// Stop once more pictures than this have failed; none: never.
     pub most_failures: Option<usize>,
+    /// Score each picture before and after.
+    pub scores: bool,
+    /// Write the maps of each picture into this folder.
+    pub maps: Option<PathBuf>,
 }
 
 /// One picture of a job.
@@ -64,7 +71,7 @@ pub struct Conduct {
 pub struct Item {
     /// The content.
     pub input: PathBuf,
-    /// The fused picture.
+    /// What comes of it.
     pub output: PathBuf,
     /// How to come by the content's depth.
     pub depth: DepthSource,
@@ -89,7 +96,7 @@ pub enum Message<'a> {
         /// Which.
         item: &'a Item,
         /// What is worth knowing about it.
-        report: Report,
+        report: Box<Report>,
     },
     /// A picture failed; the others go on.
     Failed {
@@ -100,15 +107,19 @@ pub enum Message<'a> {
     },
 }
 
-/// What is worth knowing about a fused picture.
+/// What is worth knowing about a treated picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// Values that did not fit into the range.
     pub clipping: Clipping,
+    /// Its own water, of the encoding it was worked on in.
+    pub water: Numbers,
+    /// How good it looks before and after, where that was asked for.
+    pub scores: Option<[Scores; 2]>,
     /// What the estimate of the content is worth.
     pub quality: Quality,
     /// Which safety bounds acted.
-    pub bounds: Bounds,
+    pub bounds: Held,
     /// What is worth knowing about its depth, where that was supplied.
     pub supplied: Option<SuppliedReport>,
     /// What was wrong with its file, where that was taken nevertheless.
@@ -130,20 +141,23 @@ pub struct Summary {
     pub left: usize,
 }
 
-impl Recipe {
+impl<E: Space> Recipe<E> {
     /// Everything in it that decides what is written, as text: two recipes of one text write the same bytes.
     pub fn fingerprint(&self) -> String {
-        let Self { reference, options, smoothing, upright, reading, writing } = self;
-        let (water, verdict) = (&reference.water, reference.quality);
+        let Self { treatment, smoothing, upright, reading, writing } = self;
+        let treatment = match treatment {
+            Treatment::Fuse { reference, options } => {
+                format!("{:?} {:?} {options:?}", reference.water, reference.quality)
+            }
+            restored => format!("{restored:?}"),
+        };
         let (lenient, quality) = (reading.lenient, writing.quality);
         let version = env!("CARGO_PKG_VERSION");
-        format!(
-            "{version} {water:?} {verdict:?} {options:?} {smoothing:?} upright {upright} lenient {lenient} JPEG {quality}"
-        )
+        format!("{version} {treatment} {smoothing:?} upright {upright} lenient {lenient} JPEG {quality}")
     }
 }
 
-impl Fuse {
+impl<E: Space> Job<E> {
     /// Runs the job, telling `listener` in the order in which pictures get done. The files do not depend on that
     /// order.
     pub fn run(&self, listener: &(dyn Fn(Message<'_>) + Sync)) -> Summary {
@@ -160,7 +174,8 @@ impl Fuse {
         });
         let Progress { done, kept, failed, .. } = progress;
         let [done, kept, failed] = [done, kept, failed].map(AtomicUsize::into_inner);
-        Summary { done, kept, failed, left: self.items.len() - done - kept - failed }
+        let tried = done.saturating_add(kept).saturating_add(failed);
+        Summary { done, kept, failed, left: self.items.len().saturating_sub(tried) }
     }
 
     /// Takes item after item until there is none left or too many failed.
@@ -172,15 +187,15 @@ impl Fuse {
             match self.make(item, budget) {
                 Ok(Some(report)) => {
                     progress.done.fetch_add(1, Ordering::Relaxed);
-                    listener(Message::Done { item, report });
+                    listener(Message::Done { item, report: Box::new(report) });
                 }
                 Ok(None) => {
                     progress.kept.fetch_add(1, Ordering::Relaxed);
                     listener(Message::Kept { item });
                 }
                 Err(error) => {
-                    let failed = 1 + progress.failed.fetch_add(1, Ordering::Relaxed);
-                    if self.conduct.most_failures.is_some_and(|most| failed > most) {
+                    let failed_before = progress.failed.fetch_add(1, Ordering::Relaxed);
+                    if self.conduct.most_failures.is_some_and(|most| failed_before >= most) {
                         progress.stopped.store(true, Ordering::Relaxed);
                     }
                     listener(Message::Failed { item, error });
@@ -199,28 +214,34 @@ impl Fuse {
                 Plan::Make | Plan::Foreign => {}
             }
         }
-        let made = self.fuse_file(item, budget, &writing);
+        let made = self.treat(item, budget, &writing);
         if let (Err(error), Some(record)) = (&made, &self.record) {
             record.failed(item, error)?;
         }
         made.map(Some)
     }
 
-    fn fuse_file(&self, item: &Item, budget: &Budget, writing: &WriteOptions) -> Result<Report, FileError> {
+    fn treat(&self, item: &Item, budget: &Budget, writing: &WriteOptions) -> Result<Report, FileError> {
         let sources = self.record.as_ref().map(|record| record.sources(item)).transpose()?;
         let opened = Picture::open(&item.input, &self.recipe.reading)?;
         let format = Format::written(&item.output).unwrap_or(Format::Png);
-        let _room = budget.reserve(opened.memory_until_written(format, beside(item, &opened))?);
+        let _room = budget.reserve(opened.memory_until_written(format, self.beside(item, &opened))?);
         let mut picture = opened.decode()?;
-        let found = analyse(&picture, &item.depth)?;
-        let bounded = Bounded::new(&found.estimate, &self.recipe.reference, self.recipe.options);
-        let clipping = picture
-            .pixels
-            .fuse_mut(&found.depth, bounded.waters(), &bounded.options)
-            .expect("the depth map was made for this picture");
-        let (quality, supplied) = (found.estimate.quality, found.supplied);
+        let found = analyse::<E>(&picture, &item.depth)?;
+        let scored = |picture: &Picture| self.conduct.scores.then(|| Scores::of(&picture.bytes()));
+        let before = scored(&picture);
+        if let Some(folder) = &self.conduct.maps {
+            maps::write(folder, &item.input, &picture, &found, &self.recipe.treatment)?;
+        }
+        let Treated { clipping, bounds } = self
+            .recipe
+            .treatment
+            .apply(&mut picture.pixels, &found)
+            .expect("the depth map is this picture's");
+        let (estimate, supplied) = (found.estimate, found.supplied);
         drop(found.depth);
         picture.pixels = picture.pixels.smoothed(self.recipe.smoothing);
+        let scores = before.zip(scored(&picture)).map(|(before, after)| [before, after]);
         if self.recipe.upright {
             picture = picture.upright();
         }
@@ -234,25 +255,33 @@ impl Fuse {
         let Picture { metadata, damage, .. } = picture;
         Ok(Report {
             clipping,
-            quality,
-            bounds: bounded.bounds,
+            water: Numbers::from(&estimate.water),
+            scores,
+            quality: estimate.quality,
+            bounds,
             supplied,
             damage,
             left_out: metadata.left_out,
         })
     }
+
+    /// Memory that an item takes beside its picture.
+    fn beside(&self, item: &Item, opened: &Opened) -> u64 {
+        let supplied = match &item.depth {
+            DepthSource::Supplied { .. } => SUPPLIED,
+            DepthSource::Estimated(_) => 0,
+        };
+        let scores = if self.conduct.scores { SCORED } else { 0 };
+        let maps = if self.conduct.maps.is_some() { maps::BYTES_A_PIXEL } else { 0 };
+        let a_pixel = [supplied, scores, maps, self.recipe.treatment.bytes_a_pixel()];
+        opened.pixels().saturating_mul(a_pixel.into_iter().fold(0, u64::saturating_add))
+    }
 }
 
 /// What a supplied depth map takes in bytes a pixel: as stored, as floats of its file and as distances.
 const SUPPLIED: u64 = 16;
-
-/// Memory that an item takes beside its picture.
-fn beside(item: &Item, opened: &Opened) -> u64 {
-    match &item.depth {
-        DepthSource::Supplied { .. } => opened.pixels().saturating_mul(SUPPLIED),
-        DepthSource::Estimated(_) => 0,
-    }
-}
+/// What scoring takes in bytes a pixel: colours in CIELab, chroma and lightness by themselves.
+const SCORED: u64 = 48;
 
 #[derive(Default)]
 struct Progress {

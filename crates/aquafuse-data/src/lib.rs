@@ -5,7 +5,7 @@
 //! ```
 //! use aquafuse::{fusion::Options, smooth::Smoothing};
 //! use aquafuse_data::analysis::{DepthSource, analyse};
-//! use aquafuse_data::{job, picture::{Picture, ReadOptions, WriteOptions}};
+//! use aquafuse_data::{job, picture::{Picture, ReadOptions, WriteOptions}, treatment::Treatment};
 //! # use aquafuse::truth::{Scene, Size, waters};
 //! # let folder = tempfile::tempdir()?;
 //! # let path = |name: &str| folder.path().join(name);
@@ -16,15 +16,17 @@
 //! # }
 //!
 //! let reference = Picture::read(&path("reference.png"))?;
-//! let job = job::Fuse {
+//! let job: job::Job = job::Job {
 //!     items: vec![job::Item {
 //!         input: path("content.png"),
 //!         output: path("fused.png"),
 //!         depth: DepthSource::default(),
 //!     }],
 //!     recipe: job::Recipe {
-//!         reference: analyse(&reference, &DepthSource::default())?.estimate,
-//!         options: Options::default(),
+//!         treatment: Treatment::Fuse {
+//!             reference: analyse(&reference, &DepthSource::default())?.estimate,
+//!             options: Options::default(),
+//!         },
 //!         smoothing: Smoothing::default(),
 //!         upright: false,
 //!         reading: ReadOptions::default(),
@@ -46,10 +48,14 @@
 //! | [`memory`] | one budget of memory for all pictures in work |
 //! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, read as a declared kind |
 //! | [`analysis`] | what a picture tells about its depth and water: the one estimator of every command |
+//! | [`treatment`] | what is done to a picture: fused with a water, or restored; encoded or in linear light |
 //! | [`folder`] | which pictures a folder holds |
 //! | [`job`] | a long run as a stream of messages; one that was stopped goes on where it was |
 //! | [`pairs`] | pictures with known depth, a folder `rgb` and a folder `depth`, to fit a depth model to |
 //! | [`model_file`] | fitted depth models as TOML |
+//! | [`water_file`] | waters as JSON |
+//! | [`maps`] | what a fusion is made from, as pictures |
+//! | [`scores`] | how good a picture looks |
 //! | [`sheet`] | pictures side by side with captions |
 //!
 //! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing.
@@ -58,17 +64,43 @@
 //!
 //! The command line and the network. Every error names its file, its cause and what to do.
 
+// Sizes and places in here come from files. Tests may panic: that is how they fail.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::arithmetic_side_effects,
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
+        clippy::disallowed_methods,
+        clippy::indexing_slicing,
+        clippy::string_slice
+    )
+)]
+
 pub mod analysis;
 mod barrier;
 pub mod depth_file;
 pub mod folder;
 pub mod job;
+pub mod maps;
 pub mod memory;
 pub mod model_file;
 pub mod pairs;
 pub mod picture;
+pub mod scores;
+#[allow(
+    clippy::arithmetic_side_effects,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    clippy::indexing_slicing,
+    reason = "it draws pictures that are read already, at places that we choose"
+)]
 pub mod sheet;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;
+pub mod treatment;
+pub mod water_file;
 
 pub use barrier::hush_decoders;

@@ -52,17 +52,22 @@ impl Budget {
     pub fn reserve(&self, bytes: u64) -> Reservation<'_> {
         let bytes = bytes.min(self.most);
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        while *free < bytes {
-            free = self.given_back.wait(free).unwrap_or_else(PoisonError::into_inner);
-        }
-        *free -= bytes;
+        let left = loop {
+            match free.checked_sub(bytes) {
+                Some(left) => break left,
+                None => free = self.given_back.wait(free).unwrap_or_else(PoisonError::into_inner),
+            }
+        };
+        *free = left;
         Reservation { budget: self, bytes }
     }
 }
 
 impl Drop for Reservation<'_> {
     fn drop(&mut self) {
-        *self.budget.free.lock().unwrap_or_else(PoisonError::into_inner) += self.bytes;
+        let mut free = self.budget.free.lock().unwrap_or_else(PoisonError::into_inner);
+        *free = free.saturating_add(self.bytes);
+        drop(free);
         self.budget.given_back.notify_all();
     }
 }

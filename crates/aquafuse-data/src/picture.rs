@@ -16,7 +16,7 @@ use std::path::Path;
 use aquafuse::image::{Image, TopEdge};
 
 pub(crate) use atomic::write_atomically;
-pub use atomic::{abandon_parts, remove_stale_parts};
+pub use atomic::{abandon_parts, remove_stale_parts, write_text};
 pub use error::FileError;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use exif::try_exif;
@@ -28,7 +28,7 @@ pub use read::Opened;
 pub(crate) use read::open_file;
 pub(crate) use shown::one_line;
 pub use shown::shown;
-pub(crate) use write::encode_grey16;
+pub(crate) use write::{encode_grey16, whole};
 
 /// A picture with what its file said about it.
 ///

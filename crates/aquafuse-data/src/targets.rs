@@ -6,14 +6,16 @@
 use std::path::Path;
 
 use aquafuse::depth::SuppliedKind;
-use aquafuse::fusion::{Bounded, Options};
-use aquafuse::image::Sample as _;
+use aquafuse::fusion::Options;
+use aquafuse::image::{Encoded, Sample as _};
 
 use crate::analysis::{DepthSource, analyse};
 use crate::depth_file;
 use crate::job;
 use crate::model_file::ModelFile;
 use crate::picture::{Format, Picture, Pixels, ReadOptions, try_exif};
+use crate::treatment::Treatment;
+use crate::water_file::WaterFile;
 
 /// A parser that takes bytes from outside.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +27,7 @@ pub struct Target {
 }
 
 /// Every parser there is.
-pub const ALL: [Target; 14] = [
+pub const ALL: [Target; 15] = [
     Target { name: "bmp", run: |bytes| picture(Format::Bmp, bytes) },
     Target { name: "exif", run: try_exif },
     Target { name: "gif", run: |bytes| picture(Format::Gif, bytes) },
@@ -40,6 +42,7 @@ pub const ALL: [Target; 14] = [
     Target { name: "depth-tiff", run: |bytes| depth(b"", bytes) },
     Target { name: "job-record", run: job::try_parse },
     Target { name: "model-file", run: model },
+    Target { name: "water-file", run: water },
 ];
 
 /// The target of a name.
@@ -71,18 +74,21 @@ const NAME: &str = "a fuzzed file";
 /// What must hold of every refusal: it names the file and says a cause and what to do, on one line.
 fn check_error(error: &impl std::fmt::Display) {
     let said = error.to_string();
-    assert!(said.contains(NAME) && said.len() > NAME.len() + 20 && !said.contains('\n'), "{said:?}");
+    assert!(
+        said.contains(NAME) && said.len().saturating_sub(NAME.len()) > 20 && !said.contains('\n'),
+        "{said:?}"
+    );
 }
 
 /// What must hold of whatever was read: it is fused to finite values within the range, upright and not.
 fn check(picture: &Picture, lenient: bool) {
     assert!(lenient || picture.damage.is_none(), "damage passed for whole");
     let (width, height) = picture.pixels.size();
-    assert!((width * height) as u64 <= LIMITS.most_pixels);
-    let found = analyse(picture, &DepthSource::default()).expect("depth from colour never fails");
-    let bounded = Bounded::new(&found.estimate, &found.estimate, Options::default());
+    assert!(width.saturating_mul(height) as u64 <= LIMITS.most_pixels);
+    let found = analyse::<Encoded>(picture, &DepthSource::default()).expect("depth from colour never fails");
+    let treatment = Treatment::Fuse { reference: found.estimate, options: Options::default() };
     let mut fused = picture.clone();
-    fused.pixels.fuse_mut(&found.depth, bounded.waters(), &bounded.options).expect("of one size");
+    treatment.apply(&mut fused.pixels, &found).expect("of one size");
     if let Pixels::Floats(layers) = &fused.pixels {
         assert!(layers.image.as_raw().iter().all(|value| (0.0..=1.0).contains(&value.to_unit())));
     }
@@ -107,5 +113,17 @@ fn model(bytes: &[u8]) {
         && let Err(error) = ModelFile::from_text(Path::new(NAME), text)
     {
         check_error(&error);
+    }
+}
+
+fn water(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    match WaterFile::<Encoded>::from_text(Path::new(NAME), text) {
+        Ok(file) => {
+            let again =
+                WaterFile::from_text(Path::new(NAME), &file.to_text()).expect("what is written is read");
+            assert_eq!(file, again);
+        }
+        Err(error) => check_error(&error),
     }
 }

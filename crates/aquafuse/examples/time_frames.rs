@@ -6,10 +6,12 @@
 //!
 //! `cached`: the reference's water is known; the content's depth and water are estimated for every frame.
 //! `estimated`: both pictures are estimated for every frame.
+//! `restored`: the content is estimated and its water taken out, within its bounds.
 
 use std::time::Instant;
 
-use aquafuse::image::{Image, SizeError};
+use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
+use aquafuse::image::{Encoded, Image, SizeError};
 use aquafuse::stream::{Options, Stream};
 use aquafuse::{depth, waterbody};
 
@@ -29,6 +31,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         stream.refer_to(water);
         stream.fuse_into(&content, &mut fused).map(drop)
     })?;
+    report("restored", frames, || restored(&content))?;
+    Ok(())
+}
+
+fn restored(content: &Image<u8>) -> Result<(), SizeError> {
+    let z = depth::estimate(content);
+    let found = waterbody::estimate::<Encoded>(content, &z, &Default::default())?;
+    let bounded = BoundedRestoration::new(content, &z, &found, &RestoreOptions::default())?;
+    let mut clear = content.clone();
+    restore_mut(&mut clear, &z, &bounded.water, &bounded.options)?;
+    std::hint::black_box(clear);
     Ok(())
 }
 

@@ -1,6 +1,11 @@
 //! The image formation model, forwards and back (Eq. 1 and 2).
 
+mod bound;
+
+pub use bound::{BoundedRestoration, RestoreBounds};
+
 use crate::depth::DepthMap;
+use crate::fusion::Clipping;
 use crate::image::{Encoding, Image, Sample, SizeError};
 use crate::waterbody::Waterbody;
 
@@ -55,14 +60,14 @@ pub fn form<T: Sample, E: Encoding>(
 /// How far [`restore`] may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestoreOptions {
-    /// Bound on the gain e^τ, >= 1. Where light is all but gone, what is left is noise: 8 turns one byte's
+    /// Bound on the gain e^τ of each channel, >= 1. Where light is all but gone, what is left is noise: 8 turns one byte's
     /// step into three percent of the range, which still looks like grain and not like confetti.
-    pub max_gain: f32,
+    pub max_gain: [f32; 3],
 }
 
 impl Default for RestoreOptions {
     fn default() -> Self {
-        Self { max_gain: 8.0 }
+        Self { max_gain: [8.0; 3] }
     }
 }
 
@@ -99,17 +104,51 @@ pub fn restore<T: Sample, E: Encoding>(
     options: &RestoreOptions,
 ) -> Result<Image<f32, E>, SizeError> {
     depth.check_fits(image.size())?;
-    // A bound below 1 would darken; `max` also takes a NaN to the safe side.
-    let max_gain = options.max_gain.max(1.0);
     let mut clear = image.to_unit();
-    depth.for_each_pixel(
-        clear.pixels_mut(),
-        |z| (water.illumination(z).map(|left| left.recip().min(max_gain)), water.backscatter(z)),
-        |pixel, (gain, backscatter)| {
-            for c in 0..3 {
-                pixel[c] = (pixel[c] - backscatter[c]) * gain[c];
-            }
-        },
-    );
+    let law = undoing(water, options);
+    depth.for_each_pixel(clear.pixels_mut(), law, |pixel, (gain, backscatter)| {
+        for c in 0..3 {
+            pixel[c] = (pixel[c] - backscatter[c]) * gain[c];
+        }
+    });
     Ok(clear)
+}
+
+/// [`restore`] in place: the picture becomes the restored one, rounded once and clipped, and nothing is allocated.
+///
+/// # Errors
+///
+/// [`SizeError`] when picture and depth map differ in size; the picture is then unchanged.
+pub fn restore_mut<T: Sample, E: Encoding>(
+    image: &mut Image<T, E>,
+    depth: &DepthMap,
+    water: &Waterbody<E>,
+    options: &RestoreOptions,
+) -> Result<Clipping, SizeError> {
+    depth.check_fits(image.size())?;
+    let pixels = image.pixels_mut();
+    let count = pixels.len() as u64;
+    let change = |pixel: &mut [T; 3], (gain, backscatter): ([f32; 3], [f32; 3]), clipped: &mut [u64; 3]| {
+        for c in 0..3 {
+            let (value, is_clipped) = pixel[c].changed(gain[c], -gain[c] * backscatter[c]);
+            pixel[c] = value;
+            clipped[c] += u64::from(is_clipped);
+        }
+    };
+    let add = |a: [u64; 3], b: [u64; 3]| std::array::from_fn(|c| a[c] + b[c]);
+    let values = depth.sum_over_pixels(pixels, undoing(water, options), change, add);
+    Ok(Clipping { values, pixels: count })
+}
+
+/// Gain and backscatter at a distance.
+fn undoing<E: Encoding>(
+    water: &Waterbody<E>,
+    options: &RestoreOptions,
+) -> impl Fn(f32) -> ([f32; 3], [f32; 3]) {
+    // A bound below 1 would darken; `max` also takes a NaN to the safe side.
+    let max_gain = options.max_gain.map(|gain| gain.max(1.0));
+    move |z| {
+        let left = water.illumination(z);
+        (std::array::from_fn(|c| left[c].recip().min(max_gain[c])), water.backscatter(z))
+    }
 }

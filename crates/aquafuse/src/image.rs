@@ -178,10 +178,10 @@ impl<T: Sample> Image<T, Encoded> {
     }
 }
 
-impl Image<f32, Linear> {
-    /// Encodes linear light by the sRGB transfer function; undoes [`Image::to_linear`].
+impl<E: Encoding> Image<f32, E> {
+    /// Encodes light by the sRGB transfer function; undoes [`Image::to_linear`]. What is encoded stays as it is.
     pub fn to_encoded(&self) -> Image<f32, Encoded> {
-        self.map(Linear::to_encoded)
+        self.map(E::to_encoded)
     }
 }
 

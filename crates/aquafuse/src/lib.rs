@@ -22,7 +22,23 @@
 //! # Ok::<(), aquafuse::image::SizeError>(())
 //! ```
 //!
+//! The fused picture keeps the content's size, sample type and objects; what did not fit into the range was clipped
+//! and counted. From here:
+//!
+//! - another look: [`fusion::Model`] has three, from a safe veil to the whole water, and [`fusion::Options`] how much;
+//! - measured depth: [`depth::Supplied`], of a declared kind;
+//! - doubt: [`waterbody::estimate`] also tells intervals and a verdict, and [`fusion::Bounded`] keeps a doubtful
+//!   estimate from painting what is not there;
+//! - the scene without water: [`formation::restore`]; a scene in water: [`formation::form`];
+//! - programs to read and run: `cargo run --release -p aquafuse --example` with `restore_scene`, `sweep` (the
+//!   angle θ), `sensor_depth`, `presets` or `scene`.
+//!
 //! # Concepts
+//!
+//! The **content** is the picture that keeps its objects, the **reference** the one that gives its water. A
+//! **waterbody** is a dozen numbers: the veiling light B∞ (the colour of water at infinity), β_B (how fast
+//! backscatter grows with the distance z) and β_D(z) (how fast the scene's own light fades). A camera sees
+//! `U = I e^(-β_D z) + B∞ (1 - e^(-β_B z))`, where I is the **clear image**, as seen through air.
 //!
 //! The modules, read in this order, are the pipeline of the paper:
 //!
@@ -49,6 +65,17 @@
 //!
 //! - `threads` (default): several cores for large pictures, by bands of rows. Off, no thread is started; no bit changes.
 //! - `serde`: `Serialize` for the types that describe water and depth.
+//!
+//! # Simplifications
+//!
+//! - One water fills the picture, in three channels; ambient light is the same everywhere.
+//! - β_B does not depend on the distance, and β_D on nothing else. Light is not blurred on its way.
+//! - Encoded values are treated as if light added up in them, as in the paper; where that is too wrong, fuse
+//!   [`Linear`](image::Linear) ones.
+//! - Depth from colour is relative, has no unit that two pictures share, and fails where red is dead.
+//!
+//! Where the paper leaves something open, `docs/method.md` of the repository says what we chose and what the
+//! other choices do to the scores.
 //!
 //! # Out of scope
 //!

@@ -5,6 +5,8 @@
 
 mod attenuation;
 mod backscatter;
+mod evidence;
+mod given;
 mod judge;
 mod pool;
 pub mod presets;
@@ -16,6 +18,7 @@ mod veiling_light;
 
 pub use attenuation::{Attenuation, AttenuationError};
 pub use backscatter::BackscatterMethod;
+pub use evidence::{DepthBin, Evidence, evidence};
 pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
@@ -101,7 +104,7 @@ pub struct Estimate<E: Encoding = Encoded> {
 /// Intervals that hold the truth nine times in ten, `[low, high]` per channel: measured on scenes of known
 /// truth, not derived.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Intervals {
     /// Of B∞.
     pub veiling_light: [[f32; 2]; 3],
@@ -185,6 +188,38 @@ fn estimate_from<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Estimate<E> {
+    let Look { statistics, light, growth, attenuation } = look::<E>(whole, image, quantised, depth, options);
+    let intervals = judge::intervals::<E>(&growth, &light);
+    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, quantised);
+    Estimate {
+        water: Waterbody {
+            veiling_light: VeilingLight::new(growth.veil),
+            backscatter_coefficient: growth.coefficient,
+            attenuation: attenuation.map(|fit| fit.curve),
+        },
+        veiling_light_source: light.source,
+        veiling_light_share: light.share as f32,
+        depth_model: depth.model(),
+        intervals,
+        quality,
+    }
+}
+
+/// All that was read and fitted: what [`estimate`] judges and [`evidence`] shows.
+struct Look<E: Encoding> {
+    statistics: Statistics<E>,
+    light: Reading,
+    growth: Growth,
+    attenuation: [attenuation::Fit; 3],
+}
+
+fn look<E: Encoding>(
+    whole: Seen<'_>,
+    image: &Image<u8>,
+    quantised: &Quantised<'_>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+) -> Look<E> {
     let counted = Seen { image, levels: &quantised.levels };
     let (statistics, mut light) = bands::both(
         whole.levels.len(),
@@ -197,22 +232,9 @@ fn estimate_from<E: Encoding>(
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
-    let attenuation: [attenuation::Fit; 3] =
+    let attenuation =
         std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
-    let intervals = judge::intervals::<E>(&growth, &light);
-    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, quantised);
-    Estimate {
-        water: Waterbody {
-            veiling_light: veil,
-            backscatter_coefficient: growth.coefficient,
-            attenuation: attenuation.map(|fit| fit.curve),
-        },
-        veiling_light_source: light.source,
-        veiling_light_share: light.share as f32,
-        depth_model: depth.model(),
-        intervals,
-        quality,
-    }
+    Look { statistics, light, growth, attenuation }
 }
 
 fn fit<E: Encoding>(

@@ -9,7 +9,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::depth_model::DepthModelArg;
 
-pub(super) const HELP: &str = "\
+pub(crate) const HELP: &str = "\
 Models. D is the difference of the two waters' colours (alpha times WATER's less CONTENT's),
 F falls with distance from 1 at the camera to 0 in open water:
   aquafuse   adds cos(theta) F (1 - F) D: a veil over the middle distance, the paper's method
@@ -26,14 +26,14 @@ Example:
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical --theta 30";
 
 /// Everything that decides how a picture is fused.
-pub(super) struct Settings {
-    pub(super) depth_model: DepthModel,
-    pub(super) options: Options,
-    pub(super) smoothing: Smoothing,
+pub(crate) struct Settings {
+    pub(crate) depth_model: DepthModel,
+    pub(crate) options: Options,
+    pub(crate) smoothing: Smoothing,
 }
 
 #[derive(Args)]
-pub(super) struct SettingsArgs {
+pub(crate) struct SettingsArgs {
     /// What is exchanged: `aquafuse` is subtle, `physical` is what people expect to see, `exchange` the whole water.
     #[arg(long, default_value = Model::default().name(), value_parser = model())]
     model: Model,
@@ -54,7 +54,7 @@ pub(super) struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    pub(super) fn get(&self) -> Settings {
+    pub(crate) fn get(&self) -> Settings {
         if self.as_published {
             return Settings {
                 depth_model: DepthModel::default(),
@@ -75,7 +75,7 @@ impl SettingsArgs {
     }
 }
 
-fn model() -> impl TypedValueParser<Value = Model> {
+pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
     PossibleValuesParser::new(Model::ALL.map(Model::name))
         .map(|name| Model::from_name(&name).unwrap_or_default())
 }
@@ -85,10 +85,10 @@ fn smoothing() -> impl TypedValueParser<Value = Smoothing> {
         .map(|name| Smoothing::from_name(&name).unwrap_or_default())
 }
 
-fn incidence(text: &str) -> anyhow::Result<Incidence> {
+pub(crate) fn incidence(text: &str) -> anyhow::Result<Incidence> {
     Ok(Incidence::from_degrees(text.parse().map_err(|_| anyhow!("not a number"))?)?)
 }
 
-fn gain(text: &str) -> anyhow::Result<Gain> {
+pub(crate) fn gain(text: &str) -> anyhow::Result<Gain> {
     Ok(Gain::new(text.parse().map_err(|_| anyhow!("not a number"))?)?)
 }

@@ -6,7 +6,7 @@ use ::exr::block;
 use ::exr::compression::Compression;
 use ::exr::error::Error;
 use ::exr::image::write::WritableImage;
-use ::exr::image::{Blocks, Encoding, Image, SpecificChannels};
+use ::exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image};
 use ::exr::math::Vec2;
 use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::header::Header;
@@ -38,10 +38,16 @@ pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Rast
             |size: Vec2<usize>, _| Raster {
                 width: size.0,
                 height: size.1,
-                values: vec![0.0; size.0 * size.1],
+                values: vec![0.0; size.0.saturating_mul(size.1)],
                 full_range: None,
             },
-            |raster, at, (value,): (f32,)| raster.values[at.1 * raster.width + at.0] = value,
+            |raster, Vec2(x, y), (value,): (f32,)| {
+                // The decoder names no place outside of the size that it told.
+                let place = y.checked_mul(raster.width).and_then(|row| row.checked_add(x));
+                if let Some(stored) = place.and_then(|place| raster.values.get_mut(place)) {
+                    *stored = value;
+                }
+            },
         )
         .first_valid_layer()
         .all_attributes()
@@ -74,11 +80,8 @@ fn channel(header: &Header) -> Option<Text> {
 }
 
 pub(super) fn encode(depth: &DepthMap) -> Result<Vec<u8>, String> {
-    let (width, height) = depth.size();
-    let distances = depth.distances();
-    let channels = SpecificChannels::build()
-        .with_channel(CHANNELS[0])
-        .with_pixel_fn(|at: Vec2<usize>| (distances[at.1 * width + at.0],));
+    let [name, ..] = CHANNELS;
+    let channels = AnyChannels::sort(vec![AnyChannel::new(name, FlatSamples::F32(depth.distances()))].into());
     let mut file = Cursor::new(Vec::new());
     // Scan lines and ZIP: what every reader can.
     let encoding = Encoding {
@@ -86,7 +89,7 @@ pub(super) fn encode(depth: &DepthMap) -> Result<Vec<u8>, String> {
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    Image::from_encoded_channels((width, height), encoding, channels)
+    Image::from_encoded_channels(depth.size(), encoding, channels)
         .write()
         .non_parallel()
         .to_buffered(&mut file)

@@ -8,12 +8,13 @@ use std::io::{BufRead, Read, Seek, Write};
 
 use aquafuse::depth::DepthMap;
 
-use super::{Fault, Raster, Wanted, check_size, read_values};
+use super::{Fault, Raster, Wanted, check_size, narrowed, read_values};
 
 /// Headers are one line of some hundred bytes; more is refused before it is read.
 const LONGEST_HEADER: u32 = 1 << 16;
-/// The header is padded so that the values begin at a multiple of this.
-const ALIGNMENT: usize = 64;
+/// Bytes of a header that we write, but for the line feed that ends it. Any two lengths fit in, and with 10 bytes
+/// before it the values begin at 128, a multiple of 64 as the format asks for.
+const PADDED: usize = 117;
 
 pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let mut start = [0; 8];
@@ -35,22 +36,21 @@ pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<
             "Save a plane of rows and columns, for one by np.squeeze",
         ));
     };
-    let (width, height) = check_size(wanted, columns, rows, 8)?;
-    let count = width * height;
+    let size @ (width, height) = check_size(wanted, columns, rows, 8)?;
     let (values, full_range) = match header.descr.as_str() {
-        "|u1" | "<u1" | ">u1" => (read_values(reader, count, |[byte]| f32::from(byte))?, Some(255.0)),
-        "<u2" => (read_values(reader, count, |b| f32::from(u16::from_le_bytes(b)))?, Some(65535.0)),
-        ">u2" => (read_values(reader, count, |b| f32::from(u16::from_be_bytes(b)))?, Some(65535.0)),
-        "<f4" => (read_values(reader, count, f32::from_le_bytes)?, None),
-        ">f4" => (read_values(reader, count, f32::from_be_bytes)?, None),
-        "<f8" => (read_values(reader, count, |b| f64::from_le_bytes(b) as f32)?, None),
-        ">f8" => (read_values(reader, count, |b| f64::from_be_bytes(b) as f32)?, None),
+        "|u1" | "<u1" | ">u1" => (read_values(reader, size, |[byte]| f32::from(byte))?, Some(255.0)),
+        "<u2" => (read_values(reader, size, |b| f32::from(u16::from_le_bytes(b)))?, Some(65535.0)),
+        ">u2" => (read_values(reader, size, |b| f32::from(u16::from_be_bytes(b)))?, Some(65535.0)),
+        "<f4" => (read_values(reader, size, f32::from_le_bytes)?, None),
+        ">f4" => (read_values(reader, size, f32::from_be_bytes)?, None),
+        "<f8" => (read_values(reader, size, |b| narrowed(f64::from_le_bytes(b)))?, None),
+        ">f8" => (read_values(reader, size, |b| narrowed(f64::from_be_bytes(b)))?, None),
         other => {
             let remedy = "Save z.astype('float32'), or unsigned whole numbers of 8 or 16 bits";
             return Err(Fault::Unsupported(format!("values of type {other}"), remedy));
         }
     };
-    let values = if header.fortran_order { by_rows(&values, width, height) } else { values };
+    let values = if header.fortran_order { by_rows(&values, height) } else { values };
     Ok(Raster { width, height, values, full_range })
 }
 
@@ -61,8 +61,8 @@ fn read_array<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], Fault> 
 }
 
 /// Values that stand column by column, row by row.
-fn by_rows(values: &[f32], width: usize, height: usize) -> Vec<f32> {
-    (0..height).flat_map(|y| (0..width).map(move |x| values[x * height + y])).collect()
+fn by_rows(values: &[f32], height: usize) -> Vec<f32> {
+    (0..height).flat_map(|y| values.iter().skip(y).step_by(height)).copied().collect()
 }
 
 struct Header {
@@ -112,7 +112,7 @@ impl Header {
 /// What stands in the quotes that `text` begins with, and what follows them.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|quote| matches!(quote, '\'' | '"'))?;
-    text[1..].split_once(quote)
+    text.strip_prefix(quote)?.split_once(quote)
 }
 
 pub(super) fn encode(out: &mut dyn Write, depth: &DepthMap) -> std::io::Result<()> {
@@ -121,11 +121,10 @@ pub(super) fn encode(out: &mut dyn Write, depth: &DepthMap) -> std::io::Result<(
         depth.height(),
         depth.width()
     );
-    // 10 bytes stand before the header, a line feed ends it.
-    let padded = (10 + literal.len() + 1).next_multiple_of(ALIGNMENT) - 10 - 1;
+    let header = format!("{literal:PADDED$}\n");
     out.write_all(b"\x93NUMPY\x01\x00")?;
-    out.write_all(&u16::try_from(padded + 1).unwrap_or(u16::MAX).to_le_bytes())?;
-    writeln!(out, "{literal:padded$}")?;
+    out.write_all(&u16::try_from(header.len()).unwrap_or(u16::MAX).to_le_bytes())?;
+    out.write_all(header.as_bytes())?;
     let bytes: Vec<u8> = depth.distances().into_iter().flat_map(f32::to_le_bytes).collect();
     out.write_all(&bytes)
 }

@@ -20,10 +20,10 @@ pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<
     if !scale.is_finite() || scale == 0.0 {
         return Err(Fault::Damaged(format!("its scale is {scale}")));
     }
-    let (width, height) = check_size(wanted, columns, rows, 4)?;
+    let size @ (width, height) = check_size(wanted, columns, rows, 4)?;
     let little_endian = scale < 0.0;
     let value = |bytes| if little_endian { f32::from_le_bytes(bytes) } else { f32::from_be_bytes(bytes) };
-    let values = flipped(&read_values(reader, width * height, value)?, width);
+    let values = flipped(&read_values(reader, size, value)?, width);
     Ok(Raster { width, height, values, full_range: None })
 }
 

@@ -7,7 +7,7 @@ use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::encoder::{TiffEncoder, colortype};
 use aquafuse::depth::DepthMap;
 
-use super::{Fault, MOST_BYTES, Raster, Wanted, check_size};
+use super::{Fault, MOST_BYTES, Raster, Wanted, check_size, narrowed};
 
 const REMEDY: &str = "Save it as grey, one channel of 32-bit float or 16-bit unsigned numbers";
 
@@ -26,7 +26,7 @@ pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Rast
     }
     let (values, full_range) = match decoder.read_image()? {
         DecodingResult::F32(values) => (values, None),
-        DecodingResult::F64(values) => (values.into_iter().map(|value| value as f32).collect(), None),
+        DecodingResult::F64(values) => (values.into_iter().map(narrowed).collect(), None),
         DecodingResult::U8(values) => (values.into_iter().map(f32::from).collect(), Some(255.0)),
         DecodingResult::U16(values) => (values.into_iter().map(f32::from).collect(), Some(65535.0)),
         _ => {

@@ -149,9 +149,10 @@ type Recorded = (Option<String>, HashMap<OsString, State>);
 /// What a record of whole lines says; the number of the line that is none otherwise.
 fn parse(text: &[u8]) -> Result<Recorded, usize> {
     let (mut settings, mut items) = (None, HashMap::new());
-    for (i, line) in text.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).enumerate() {
-        let (name, state) = match serde_json::from_slice(line).map_err(|_| i + 1)? {
-            Line::Job { schema: SCHEMA, settings: made_with } if i == 0 => {
+    let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        let (name, state) = match serde_json::from_slice(line).map_err(|_| number)? {
+            Line::Job { schema: SCHEMA, settings: made_with } if settings.is_none() => {
                 settings = Some(made_with);
                 continue;
             }
@@ -162,7 +163,7 @@ fn parse(text: &[u8]) -> Result<Recorded, usize> {
                 (output, State::Done { source, output: stamp })
             }
             Line::Failed { .. } if settings.is_some() => continue,
-            _ => return Err(i + 1),
+            _ => return Err(number),
         };
         items.insert(name.into_os(), state);
     }
@@ -219,7 +220,7 @@ impl Record {
             let mut file = self.file();
             file.seek(SeekFrom::Start(0)).map_err(cannot_read)?;
             file.read_to_end(&mut text).map_err(cannot_read)?;
-            let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at.saturating_add(1));
             if whole < text.len() {
                 file.set_len(whole as u64).map_err(cannot_read)?;
                 text.truncate(whole);

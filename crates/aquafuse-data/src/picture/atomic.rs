@@ -15,6 +15,15 @@ pub(crate) trait Output: Write + Seek {}
 
 impl<W: Write + Seek> Output for W {}
 
+/// Writes a text as a file, whole or not at all.
+///
+/// # Errors
+///
+/// [`FileError`] when the file exists and may not be replaced, or the system refuses.
+pub fn write_text(path: &Path, text: &str, overwrite: bool) -> Result<(), FileError> {
+    write_atomically(path, overwrite, |out| out.write_all(text.as_bytes()))
+}
+
 /// Writes a file through a temporary one in the same folder, which then takes its name.
 ///
 /// The data is on the disk before this returns, and the folder entry where the folder may be opened. When

@@ -5,6 +5,7 @@
 //! of TIFF the fields are written anew: all of the main, the EXIF, the GPS and the interoperability directory.
 
 use std::io::Cursor;
+use std::ops::Range;
 
 use ::tiff::TiffResult;
 use ::tiff::encoder::{DirectoryEncoder, TiffEncoder, TiffKindStandard};
@@ -44,6 +45,10 @@ const OF_STORAGE: [u16; 32] = [
 const PROFILE: u16 = 0x8773;
 /// More fields than any camera writes, in all directories together.
 const MOST_FIELDS: usize = 4096;
+/// EXIF in main, interoperability in EXIF: deeper there is nothing, but a loop.
+const INNER_LEVELS: usize = 2;
+/// Bytes of an entry.
+const ENTRY: usize = 12;
 
 /// What is still taken: fields may all point to the same bytes, and would grow without end.
 struct Allowance {
@@ -57,6 +62,17 @@ struct Block<'a> {
     little: bool,
 }
 
+/// An entry of a directory: what kind of value a tag has, and how many of them.
+struct Entry {
+    tag: u16,
+    kind: Option<Type>,
+    count: usize,
+    /// Where the value stands, if it does not fit into four bytes.
+    offset: usize,
+    /// Where the four bytes of the offset stand, or of the value that fits into them.
+    place: Range<usize>,
+}
+
 impl<'a> Block<'a> {
     fn new(bytes: &'a [u8]) -> Option<Self> {
         let little = match bytes.get(..4)? {
@@ -67,55 +83,73 @@ impl<'a> Block<'a> {
         Some(Self { bytes, little })
     }
 
-    fn get(&self, at: usize, length: usize) -> Option<&'a [u8]> {
-        self.bytes.get(at..at.checked_add(length)?)
-    }
-
-    fn short(&self, at: usize) -> Option<u16> {
-        let bytes = self.get(at, 2)?.try_into().ok()?;
+    /// Takes a number of 16 bits.
+    fn short(&self, rest: &mut &[u8]) -> Option<u16> {
+        let bytes = *rest.split_off(..2)?.first_chunk()?;
         Some(if self.little { u16::from_le_bytes(bytes) } else { u16::from_be_bytes(bytes) })
     }
 
-    fn long(&self, at: usize) -> Option<u32> {
-        let bytes = self.get(at, 4)?.try_into().ok()?;
-        Some(if self.little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
+    /// Takes a number of 32 bits: a count or an offset.
+    fn long(&self, rest: &mut &[u8]) -> Option<usize> {
+        let bytes = *rest.split_off(..4)?.first_chunk()?;
+        let long = if self.little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) };
+        usize::try_from(long).ok()
     }
 
-    fn offset(&self, at: usize) -> Option<usize> {
-        self.long(at).and_then(|offset| usize::try_from(offset).ok())
+    /// Where the main directory stands.
+    fn main(&self) -> Option<usize> {
+        self.long(&mut self.bytes.get(4..)?)
     }
 
-    /// Where the entries of the directory at `at` begin, and how many there are.
-    fn directory(&self, at: usize) -> Option<(usize, usize)> {
-        let count = usize::from(self.short(at)?);
-        self.get(at + 2, 12 * count)?;
-        Some((at + 2, count))
+    /// Where the entries of the directory at `at` stand.
+    fn directory(&self, at: usize) -> Option<Range<usize>> {
+        let count = self.short(&mut self.bytes.get(at..)?)?;
+        let first = at.checked_add(2)?;
+        let end = usize::from(count).checked_mul(ENTRY)?.checked_add(first)?;
+        (end <= self.bytes.len()).then_some(first..end)
     }
 
-    /// What kind of value an entry has, and where: in itself where it fits.
-    fn place(&self, entry: usize) -> Option<(Type, std::ops::Range<usize>)> {
-        let kind = Type::from_u16(self.short(entry + 2)?)?;
-        let length = size_of_kind(kind)?.checked_mul(self.offset(entry + 4)?)?;
-        let at = if length <= 4 { entry + 8 } else { self.offset(entry + 8)? };
-        Some((kind, at..at.checked_add(length)?))
+    fn entries(&self, at: usize) -> Option<impl Iterator<Item = Entry>> {
+        Some(self.directory(at)?.step_by(ENTRY).map_while(|at| self.entry(at)))
+    }
+
+    fn entry(&self, at: usize) -> Option<Entry> {
+        let (value, end) = (at.checked_add(8)?, at.checked_add(ENTRY)?);
+        let mut rest = self.bytes.get(at..end)?;
+        Some(Entry {
+            tag: self.short(&mut rest)?,
+            kind: Type::from_u16(self.short(&mut rest)?),
+            count: self.long(&mut rest)?,
+            offset: self.long(&mut rest)?,
+            place: value..end,
+        })
     }
 
     /// The value of an entry in this machine's byte order.
-    fn value(&self, entry: usize) -> Option<Field> {
-        let (kind, place) = self.place(entry)?;
+    fn value(&self, entry: &Entry) -> Option<Field> {
+        let (kind, place) = entry.value()?;
         let mut bytes = self.bytes.get(place)?.to_vec();
         let size = size_of_kind(kind)?;
         if self.little != cfg!(target_endian = "little") {
             let word = if matches!(kind, Type::RATIONAL | Type::SRATIONAL) { 4 } else { size };
             bytes.chunks_exact_mut(word).for_each(<[u8]>::reverse);
         }
-        Some(Field { tag: self.short(entry)?, kind, bytes })
+        Some(Field { tag: entry.tag, kind, bytes })
     }
 
     /// The entry of a tag in the main directory.
-    fn main_entry(&self, tag: u16) -> Option<usize> {
-        let (first, count) = self.directory(self.offset(4)?)?;
-        (0..count).map(|i| first + 12 * i).find(|&entry| self.short(entry) == Some(tag))
+    fn main_entry(&self, tag: u16) -> Option<Entry> {
+        self.entries(self.main()?)?.find(|entry| entry.tag == tag)
+    }
+}
+
+impl Entry {
+    /// What kind of value it has, and where: in itself where it fits.
+    fn value(&self) -> Option<(Type, Range<usize>)> {
+        let kind = self.kind?;
+        let length = size_of_kind(kind)?.checked_mul(self.count)?;
+        let at = if length <= 4 { self.place.start } else { self.offset };
+        Some((kind, at..at.checked_add(length)?))
     }
 }
 
@@ -134,31 +168,28 @@ impl Exif {
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
         let block = Block::new(bytes)?;
         let mut left = Allowance { fields: MOST_FIELDS, bytes: bytes.len() };
-        let mut exif = Self::directory(&block, block.offset(4)?, 0, &mut left)?;
+        let mut exif = Self::directory(&block, block.main()?, INNER_LEVELS, &mut left)?;
         exif.fields.retain(|field| !OF_STORAGE.contains(&field.tag) && field.tag != PROFILE);
         Some(exif)
     }
 
-    fn directory(block: &Block<'_>, at: usize, depth: usize, left: &mut Allowance) -> Option<Self> {
-        let (first, count) = block.directory(at)?;
+    fn directory(block: &Block<'_>, at: usize, levels: usize, left: &mut Allowance) -> Option<Self> {
         let mut read = Self::default();
-        for entry in (0..count).map(|i| first + 12 * i) {
+        for entry in block.entries(at)? {
             left.fields = left.fields.checked_sub(1)?;
-            let tag = block.short(entry)?;
+            let tag = entry.tag;
             if INNER.contains(&tag) {
-                // EXIF in main, interoperability in EXIF: deeper there is nothing, but a loop.
-                let inner = (depth < 2)
-                    .then(|| block.offset(entry + 8))
-                    .flatten()
-                    .and_then(|at| Self::directory(block, at, depth + 1, left));
+                let inner = levels
+                    .checked_sub(1)
+                    .and_then(|levels| Self::directory(block, entry.offset, levels, left));
                 if read.inner.iter().all(|(known, _)| *known != tag) {
                     read.inner.extend(inner.map(|inner| (tag, inner)));
                 }
             } else if read.fields.iter().all(|field| field.tag != tag) {
                 // Of two fields of one tag, which no directory may hold, readers take the first.
-                let length = block.place(entry).map_or(0, |(_, place)| place.len());
+                let length = entry.value().map_or(0, |(_, place)| place.len());
                 left.bytes = left.bytes.checked_sub(length)?;
-                read.fields.extend(block.value(entry));
+                read.fields.extend(block.value(&entry));
             }
         }
         Some(read)
@@ -166,14 +197,11 @@ impl Exif {
 
     /// The resolution of the main directory; inches where it names no unit.
     pub(super) fn resolution(&self) -> Option<Resolution> {
-        let numbers = |tag: u16| {
-            let field = self.fields.iter().find(|field| field.tag == tag)?;
-            let longs = field.bytes.as_chunks().0.iter().map(|&long| f64::from(u32::from_ne_bytes(long)));
-            Some((field.kind, longs.collect::<Vec<_>>()))
-        };
-        let density = |tag: u16| match numbers(tag)? {
-            (Type::RATIONAL, ratio) if ratio.first()? / ratio.get(1)? > 0.0 => Some(ratio[0] / ratio[1]),
-            _ => None,
+        let density = |tag: u16| {
+            let field = self.fields.iter().find(|field| field.tag == tag && field.kind == Type::RATIONAL)?;
+            let ratio = field.bytes.as_chunks().0.first_chunk()?;
+            let [above, below] = ratio.map(|long| f64::from(u32::from_ne_bytes(long)));
+            Some(above / below).filter(|density| *density > 0.0)
         };
         let unit = self.fields.iter().find(|field| field.tag == 0x0128 && field.kind == Type::SHORT);
         let unit = match unit.map(|field| field.bytes.as_slice()) {
@@ -249,17 +277,17 @@ impl Exif {
 /// The colour profile of a TIFF file.
 pub(super) fn profile(file: &[u8]) -> Option<Vec<u8>> {
     let block = Block::new(file)?;
-    Some(block.value(block.main_entry(PROFILE)?)?.bytes)
+    Some(block.value(&block.main_entry(PROFILE)?)?.bytes)
 }
 
 /// The orientation a block holds, 1 to 8; 1 where it holds none.
 pub(super) fn orientation(block: &[u8]) -> u8 {
     let read = || {
         let block = Block::new(block)?;
-        let field = block.value(block.main_entry(ORIENTATION)?)?;
+        let field = block.value(&block.main_entry(ORIENTATION)?)?;
         let value = match field.kind {
-            Type::SHORT => u32::from(u16::from_ne_bytes(field.bytes.get(..2)?.try_into().ok()?)),
-            Type::LONG => u32::from_ne_bytes(field.bytes.get(..4)?.try_into().ok()?),
+            Type::SHORT => u32::from(u16::from_ne_bytes(*field.bytes.first_chunk()?)),
+            Type::LONG => u32::from_ne_bytes(*field.bytes.first_chunk()?),
             Type::BYTE => u32::from(*field.bytes.first()?),
             _ => return None,
         };
@@ -271,7 +299,7 @@ pub(super) fn orientation(block: &[u8]) -> u8 {
 /// Sets the orientation of a block to 1, if it holds one.
 pub(super) fn set_upright(bytes: &mut [u8]) {
     let place = Block::new(bytes).and_then(|block| {
-        let (kind, place) = block.place(block.main_entry(ORIENTATION)?)?;
+        let (kind, place) = block.main_entry(ORIENTATION)?.value()?;
         let value: &[u8] = match (kind, block.little) {
             (Type::BYTE, _) => &[1],
             (Type::SHORT, true) => &[1, 0],
@@ -292,26 +320,25 @@ pub(super) fn set_upright(bytes: &mut [u8]) {
 
 /// Exchanges the resolutions across and down, for a picture that is turned onto its side.
 pub(super) fn exchange_resolution(bytes: &mut [u8]) {
-    let values = Block::new(bytes).and_then(|block| {
-        let value = |tag: u16| {
+    let offsets = Block::new(bytes).and_then(|block| {
+        let offset = |tag: u16| {
             let entry = block.main_entry(tag)?;
-            let (kind, _) = block.place(entry)?;
-            (kind == Type::RATIONAL && block.long(entry + 4)? == 1).then_some(entry + 8)
+            (entry.kind == Some(Type::RATIONAL) && entry.count == 1).then_some(entry.place)
         };
-        Some((value(X_RESOLUTION)?, value(Y_RESOLUTION)?))
+        Some([offset(X_RESOLUTION)?, offset(Y_RESOLUTION)?])
     });
-    if let Some((x, y)) = values {
-        (0..4).for_each(|i| bytes.swap(x + i, y + i));
+    if let Some(offsets) = offsets
+        && let Ok([x, y]) = bytes.get_disjoint_mut(offsets)
+    {
+        x.swap_with_slice(y);
     }
 }
 
 /// Takes the link to the thumbnail away: it shows the picture as it was.
 pub(super) fn unlink_thumbnail(bytes: &mut [u8]) {
-    let link = Block::new(bytes).and_then(|block| {
-        let (first, count) = block.directory(block.offset(4)?)?;
-        Some(first + 12 * count)
-    });
-    if let Some(link) = link.and_then(|at| bytes.get_mut(at..at.checked_add(4)?)) {
+    // It stands behind the entries.
+    let link = Block::new(bytes).and_then(|block| Some(block.directory(block.main()?)?.end));
+    if let Some(link) = link.and_then(|at| bytes.get_mut(at..)?.first_chunk_mut::<4>()) {
         link.fill(0);
     }
 }

@@ -1,5 +1,7 @@
 //! What a picture may ask for, told from its header before memory is taken.
 
+use std::num::Saturating;
+
 use super::Format;
 use crate::memory::Budget;
 
@@ -42,11 +44,11 @@ pub(crate) struct Size {
 }
 
 /// What the estimators' view takes of a pixel of more than 8 bits: colour and depth in bytes.
-const VIEW: u64 = 4;
+const VIEW: Saturating<u64> = Saturating(4);
 /// What the encoder of WebP takes of a pixel: its own four samples, and as much again for the coded picture.
-const WEBP: u64 = 8;
+const WEBP: Saturating<u64> = Saturating(8);
 /// Tables, buffers, the program itself and what allocators keep.
-const OVERHEAD: u64 = 16 << 20;
+const OVERHEAD: Saturating<u64> = Saturating(16 << 20);
 
 impl Size {
     pub(crate) fn pixels(&self) -> u64 {
@@ -54,33 +56,35 @@ impl Size {
     }
 
     /// Memory that reading, analysing and fusing it take, at most, if its file has `length` bytes.
+    ///
+    /// As all sizes here it saturates: what is too large for a number is too large for every limit.
     pub(crate) fn memory(&self, length: u64) -> u64 {
-        let reading = self.of_pixels(self.kept() + self.beside).saturating_add(length);
+        let (pixels, kept, sample) = (Saturating(self.pixels()), self.kept(), Saturating(self.sample));
+        let reading = pixels * (kept + Saturating(self.beside)) + Saturating(length);
         // Depth before and after its median.
-        let view = if self.sample > 1 { VIEW } else { 0 };
-        let analysing = self.of_pixels(self.kept() + 2 * self.sample + view);
-        reading.max(analysing).saturating_add(OVERHEAD)
+        let view = if self.sample > 1 { VIEW } else { Saturating(0) };
+        let analysing = pixels * (kept + sample + sample + view);
+        (reading.max(analysing) + OVERHEAD).0
     }
 
     /// Memory that turning, smoothing and writing it take, at most.
     pub(crate) fn memory_to_write(&self, format: Format) -> u64 {
+        let (pixels, kept) = (Saturating(self.pixels()), self.kept());
+        let copy_if = |is_made: bool| if is_made { kept } else { Saturating(0) };
         // Side by side with its opacity, and in bytes or words of the other order.
-        let copies = u64::from(self.channels == 4) + u64::from(self.sample > 1);
+        let copies = copy_if(self.channels == 4) + copy_if(self.sample > 1);
         let encoder = match format {
             Format::WebP => WEBP,
             // The compressed picture, which may be as large.
-            Format::Png => self.kept(),
-            _ => 0,
+            Format::Png => kept,
+            _ => Saturating(0),
         };
-        let writing = self.kept() * (1 + copies) + encoder;
-        self.of_pixels(writing.max(2 * self.kept())).saturating_add(OVERHEAD)
+        let writing = kept + copies + encoder;
+        (pixels * writing.max(kept + kept) + OVERHEAD).0
     }
 
-    fn kept(&self) -> u64 {
-        self.channels * self.sample
-    }
-
-    fn of_pixels(&self, bytes: u64) -> u64 {
-        self.pixels().saturating_mul(bytes)
+    /// Bytes of a pixel as it is kept.
+    fn kept(&self) -> Saturating<u64> {
+        Saturating(self.channels) * Saturating(self.sample)
     }
 }

@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::fusion::{Clipping, Options, Waters, fuse_mut};
-use aquafuse::image::{Encoded, Image, Sample, SizeError, TopEdge};
+use aquafuse::image::{Image, Sample, SizeError, TopEdge};
 use aquafuse::smooth::Smoothing;
 
 /// Pixels of 8 or 16 bits or in floats, encoded; fused as they are, so that nothing of 16 bits is lost.
@@ -89,20 +88,6 @@ impl Pixels {
         each!(self, layers => model.estimate_seen(&layers.image, top))
     }
 
-    /// [`fuse_mut`] on whatever the samples are.
-    ///
-    /// # Errors
-    ///
-    /// [`SizeError`] when picture and depth map differ in size.
-    pub fn fuse_mut(
-        &mut self,
-        depth: &DepthMap,
-        waters: Waters<'_, Encoded>,
-        options: &Options,
-    ) -> Result<Clipping, SizeError> {
-        each!(self, layers => fuse_mut(&mut layers.image, depth, waters, options))
-    }
-
     /// The picture, smoothed; opacity is left as it is.
     pub fn smoothed(self, smoothing: Smoothing) -> Self {
         fn layers<T: Sample>(Layers { image, alpha }: Layers<T>, smoothing: Smoothing) -> Layers<T> {
@@ -126,25 +111,26 @@ impl Pixels {
 }
 
 impl<T: Sample> Layers<T> {
-    /// Colour of `N` samples a pixel taken apart: the first three, and the fourth if there is one.
-    pub(super) fn of_interleaved<const N: usize>(
-        width: usize,
-        height: usize,
-        all: &[T],
-    ) -> Result<Self, SizeError> {
-        let pixels = all.as_chunks::<N>().0;
-        let colours = pixels.iter().flat_map(|pixel| [pixel[0], pixel[1 % N], pixel[2 % N]]).collect();
+    /// Colour and opacity taken apart.
+    pub(super) fn of_rgba(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
+        let pixels = all.as_chunks().0;
+        let colours = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         let image = Image::from_raw(width, height, colours)?;
-        let alpha = (N == 4).then(|| pixels.iter().map(|pixel| pixel[N - 1]).collect());
-        Ok(Self { image, alpha })
+        Ok(Self { image, alpha: Some(pixels.iter().map(|&[.., a]| a).collect()) })
     }
 
-    /// Grey, with or without opacity, as colour.
-    pub(super) fn of_grey<const N: usize>(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
-        let pixels = all.as_chunks::<N>().0;
-        let image = Image::from_raw(width, height, pixels.iter().flat_map(|pixel| [pixel[0]; 3]).collect())?;
-        let alpha = (N == 2).then(|| pixels.iter().map(|pixel| pixel[N - 1]).collect());
-        Ok(Self { image, alpha })
+    /// Grey as colour.
+    pub(super) fn of_grey(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
+        let colours = all.iter().flat_map(|&grey| [grey; 3]).collect();
+        Ok(Self { image: Image::from_raw(width, height, colours)?, alpha: None })
+    }
+
+    /// Grey as colour, and opacity.
+    pub(super) fn of_grey_alpha(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
+        let pixels = all.as_chunks().0;
+        let colours = pixels.iter().flat_map(|&[grey, _]| [grey; 3]).collect();
+        let image = Image::from_raw(width, height, colours)?;
+        Ok(Self { image, alpha: Some(pixels.iter().map(|&[_, a]| a).collect()) })
     }
 
     /// Colour and opacity side by side.
@@ -170,22 +156,25 @@ impl<T: Sample> Layers<T> {
         }
         let (width, height) = self.image.size();
         let (across, down) = if orientation > 4 { (height, width) } else { (width, height) };
-        // Where the pixel seen at column x, row y is stored.
-        let stored = |x: usize, y: usize| match orientation {
-            2 => (width - 1 - x, y),
-            3 => (width - 1 - x, height - 1 - y),
-            4 => (x, height - 1 - y),
-            5 => (y, x),
-            6 => (y, height - 1 - x),
-            7 => (width - 1 - y, height - 1 - x),
-            _ => (width - 1 - y, x),
-        };
-        let places = || (0..down).flat_map(move |y| (0..across).map(move |x| stored(x, y)));
-        let at = |(x, y): (usize, usize)| y * width + x;
-        let pixels = self.image.pixels();
-        let colours = places().flat_map(|place| pixels[at(place)]).collect();
+        let colours = turned(self.image.pixels(), width, orientation).into_flattened();
         let image = Image::from_raw(across, down, colours).expect("as many pixels as before");
-        let alpha = self.alpha.map(|alpha| places().map(|place| alpha[at(place)]).collect());
-        Self { image, alpha }
+        Self { image, alpha: self.alpha.map(|alpha| turned(&alpha, width, orientation)) }
     }
+}
+
+/// What is stored row by row, as an EXIF orientation of 2 to 8 shows it.
+fn turned<P: Copy>(stored: &[P], width: usize, orientation: u8) -> Vec<P> {
+    let rows = stored.chunks_exact(width);
+    let column = |x: usize| stored.iter().skip(x).step_by(width);
+    let mut seen = Vec::with_capacity(stored.len());
+    match orientation {
+        2 => seen.extend(rows.flat_map(|row| row.iter().rev())),
+        3 => seen.extend(stored.iter().rev()),
+        4 => seen.extend(rows.rev().flatten()),
+        5 => seen.extend((0..width).flat_map(column)),
+        6 => seen.extend((0..width).flat_map(|x| column(x).rev())),
+        7 => seen.extend((0..width).rev().flat_map(|x| column(x).rev())),
+        _ => seen.extend((0..width).rev().flat_map(column)),
+    }
+    seen
 }

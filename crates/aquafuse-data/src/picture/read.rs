@@ -229,11 +229,11 @@ fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<Picture, Fault>
 fn size_of(decoder: &impl ImageDecoder) -> Size {
     let (width, height) = decoder.dimensions();
     let colour = decoder.color_type();
-    let decoded = u64::from(colour.bytes_per_pixel());
-    let sample = decoded / u64::from(colour.channel_count().max(1));
+    let decoded = colour.bytes_per_pixel();
+    let sample = decoded.checked_div(colour.channel_count()).unwrap_or(decoded).into();
     let channels = if colour.has_alpha() { 4 } else { 3 };
     // What is colour alone is kept as it is decoded; the rest is taken apart.
-    let beside = if decoded == 3 * sample { 0 } else { decoded };
+    let beside = if colour.channel_count() == 3 { 0 } else { decoded.into() };
     Size { width: width.into(), height: height.into(), channels, sample, beside }
 }
 
@@ -263,16 +263,16 @@ fn of_dynamic(image: DynamicImage) -> Result<Pixels, Fault> {
         DynamicImage::ImageRgb16(image) => {
             aquafuse::image::Image::from_raw(w, h, image.into_raw()).map(Pixels::from)
         }
-        DynamicImage::ImageRgba8(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Bytes),
-        DynamicImage::ImageLuma8(image) => Layers::of_grey::<1>(w, h, &image).map(Pixels::Bytes),
-        DynamicImage::ImageLumaA8(image) => Layers::of_grey::<2>(w, h, &image).map(Pixels::Bytes),
-        DynamicImage::ImageRgba16(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Words),
-        DynamicImage::ImageLuma16(image) => Layers::of_grey::<1>(w, h, &image).map(Pixels::Words),
-        DynamicImage::ImageLumaA16(image) => Layers::of_grey::<2>(w, h, &image).map(Pixels::Words),
+        DynamicImage::ImageRgba8(image) => Layers::of_rgba(w, h, &image).map(Pixels::Bytes),
+        DynamicImage::ImageLuma8(image) => Layers::of_grey(w, h, &image).map(Pixels::Bytes),
+        DynamicImage::ImageLumaA8(image) => Layers::of_grey_alpha(w, h, &image).map(Pixels::Bytes),
+        DynamicImage::ImageRgba16(image) => Layers::of_rgba(w, h, &image).map(Pixels::Words),
+        DynamicImage::ImageLuma16(image) => Layers::of_grey(w, h, &image).map(Pixels::Words),
+        DynamicImage::ImageLumaA16(image) => Layers::of_grey_alpha(w, h, &image).map(Pixels::Words),
         DynamicImage::ImageRgb32F(image) => {
             aquafuse::image::Image::from_raw(w, h, image.into_raw()).map(Pixels::from)
         }
-        DynamicImage::ImageRgba32F(image) => Layers::of_interleaved::<4>(w, h, &image).map(Pixels::Floats),
+        DynamicImage::ImageRgba32F(image) => Layers::of_rgba(w, h, &image).map(Pixels::Floats),
         other => {
             return Err(Fault::Unsupported(
                 format!("of kind {:?}", other.color()),

@@ -75,6 +75,16 @@ fn side(length: usize) -> u32 {
     u32::try_from(length).unwrap_or(u32::MAX)
 }
 
+/// The nearest whole number, as far as 32 bits go.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "of floats this alone makes whole numbers; what lies outside becomes the nearest one inside"
+)]
+pub(crate) fn whole(value: f64) -> u32 {
+    value.round() as u32
+}
+
 fn png(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
     let (width, height) = picture.pixels.size();
     let mut info = Info::with_size(side(width), side(height));
@@ -84,7 +94,7 @@ fn png(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Resul
     info.pixel_dims = metadata.resolution.map(|resolution| {
         let Resolution { density: (x, y), unit } = resolution.into_unit(ResolutionUnit::Metre);
         let unit = if unit == ResolutionUnit::Metre { Unit::Meter } else { Unit::Unspecified };
-        PixelDimensions { xppu: x.round() as u32, yppu: y.round() as u32, unit }
+        PixelDimensions { xppu: whole(x), yppu: whole(y), unit }
     });
     let big_endian = |layers: &Layers<u16>| -> Vec<u8> {
         layers.interleaved().iter().flat_map(|word| word.to_be_bytes()).collect()
@@ -135,8 +145,9 @@ fn density(resolution: Resolution) -> PixelDensity {
         ResolutionUnit::Centimetre => PixelDensityUnit::Centimeters,
         ResolutionUnit::Unknown => PixelDensityUnit::PixelAspectRatio,
     };
-    let whole = |density: f64| density.round().clamp(1.0, 65535.0) as u16;
-    PixelDensity { density: (whole(resolution.density.0), whole(resolution.density.1)), unit }
+    let (x, y) = resolution.density;
+    let short = |density: f64| u16::try_from(whole(density)).unwrap_or(u16::MAX).max(1);
+    PixelDensity { density: (short(x), short(y)), unit }
 }
 
 fn webp(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {

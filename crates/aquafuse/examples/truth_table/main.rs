@@ -4,6 +4,7 @@
 
 mod chance;
 mod estimates;
+mod exchange;
 mod rivals;
 mod scenes;
 mod shares;

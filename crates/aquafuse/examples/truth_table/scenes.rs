@@ -35,15 +35,13 @@ pub(crate) struct Case<E: Encoding> {
     pub(crate) clean: bool,
 }
 
-/// The places, made once: even numbers look ahead, odd ones down.
-fn places() -> &'static [Scene] {
-    static PLACES_MADE: OnceLock<Vec<Scene>> = OnceLock::new();
-    PLACES_MADE.get_or_init(|| {
-        let place = |i: usize| {
-            let gaze = if i.is_multiple_of(2) { Gaze::Ahead } else { Gaze::Down };
-            Scene::of(View { site: Site::Harbour, gaze }, FIRST_SEED + i as u64, SIZE)
-        };
-        (0..PLACES).map(place).collect()
+/// A place, made once: even numbers look ahead, odd ones down.
+fn place(number: usize) -> &'static Scene {
+    static PLACES_MADE: [OnceLock<Scene>; PLACES] = [const { OnceLock::new() }; PLACES];
+    let number = place_of(number);
+    PLACES_MADE[number].get_or_init(|| {
+        let gaze = if number.is_multiple_of(2) { Gaze::Ahead } else { Gaze::Down };
+        Scene::of(View { site: Site::Harbour, gaze }, FIRST_SEED + number as u64, SIZE)
     })
 }
 
@@ -56,7 +54,7 @@ impl<E: Encoding> Case<E> {
     /// The scene of this number; `turn` into encoding `E` is the identity or the sRGB transfer function.
     pub(crate) fn new(number: usize) -> Self {
         let mut chance = Chance(1 + number as u64);
-        let place = &places()[place_of(number)];
+        let place = place(number);
         let open = place_of(number).is_multiple_of(2);
         let preset = Preset::ALL[chance.below(Preset::ALL.len())];
         let conditions = Conditions::default();

@@ -5,24 +5,16 @@
 //! wholly in the other water.
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::formation::form;
 use aquafuse::fusion::{Bounded, Incidence, Law, Model, Options, Waters};
-use aquafuse::image::{Encoding, Image, SizeError};
-use aquafuse::waterbody::{
-    BackscatterMethod, Estimate, EstimateOptions, VeilingLightMethod, Waterbody, estimate,
-};
+use aquafuse::image::{Encoding, SizeError};
+use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, VeilingLightMethod, estimate};
 
+use crate::exchange::Exchange;
 use crate::rivals::RIVALS;
-use crate::scenes::{Case, place_of};
+use crate::scenes::Case;
 use crate::statistics::{mean, median, share};
 
 const EXCHANGES: usize = 120;
-/// Scenes that the first table does not look at.
-const CONTENTS: usize = 1000;
-const REFERENCES: usize = 3000;
-
-/// Veils that differ by less in every channel (encoded) are one water to the eye: nothing is to be exchanged.
-const ANOTHER_WATER: f32 = 0.2;
 
 /// How depth is come by, and whose estimators tell the water; no estimators: the truth is given.
 struct Way {
@@ -102,44 +94,7 @@ fn row<E: Encoding>(way: &str, model: &str, cases: &[Exchange<E>], shares: &[[f3
     );
 }
 
-/// The largest difference of two veils in any channel, encoded.
-fn differ<E: Encoding>(a: &Waterbody<E>, b: &Waterbody<E>) -> f32 {
-    let [a, b] = [a, b].map(|water| water.veiling_light.rgb().map(E::to_encoded));
-    (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max)
-}
-
-/// A content, and a reference in another water.
-struct Exchange<E: Encoding> {
-    content: Case<E>,
-    reference: Case<E>,
-    /// Truth A and truth B.
-    truths: [Image<f32, E>; 2],
-}
-
 impl<E: Encoding> Exchange<E> {
-    fn new(number: usize) -> Self {
-        let content = Case::new(CONTENTS + number);
-        let mut other = REFERENCES + number;
-        let reference = loop {
-            // The content's own place would hand its histogram to the rivals.
-            let elsewhere = place_of(other) != place_of(CONTENTS + number);
-            let reference = Case::new(other);
-            if elsewhere && differ(&content.water, &reference.water) >= ANOTHER_WATER {
-                break reference;
-            }
-            // The next place that looks the same way.
-            other += 2;
-        };
-        let veil = Waterbody { veiling_light: reference.water.veiling_light, ..content.water };
-        let truth = |water| form(&content.clear, &content.depth, water).expect("made in one size");
-        let truths = [truth(&veil), truth(&reference.water)];
-        Self { content, reference, truths }
-    }
-
-    fn open(&self) -> bool {
-        self.content.open && self.reference.open
-    }
-
     /// Shares of both truths by each model.
     fn by(&self, way: &Way) -> Result<Vec<[f32; 2]>, SizeError> {
         let z = self.depth(&self.content, way);

@@ -1,6 +1,6 @@
 //! How fast the direct signal fades: the curve β_D(z) and its fit (Eq. 6-8).
 
-use super::statistics::Statistics;
+use super::statistics::{Bin, Statistics};
 use crate::image::Encoding;
 
 /// Attenuation coefficient of the direct signal in one channel, per unit of z:
@@ -124,34 +124,46 @@ pub(super) fn fit<E: Encoding>(
     let direct: Vec<(f32, f32)> = statistics
         .bins
         .iter()
-        .map(|bin| {
-            let backscatter = veiling_light * (1.0 - (-backscatter_coefficient * bin.z).exp());
-            (bin.z, bin.mean(channel) - backscatter)
-        })
+        .map(|bin| (bin.z, direct_signal(bin, channel, veiling_light, backscatter_coefficient)))
         .filter(|&(_, signal)| signal > faintest)
         .collect();
     let brightest = direct.iter().map(|&(_, signal)| signal).fold(faintest, f32::max);
     let far = direct.last().map_or(0.0, |&(z, _)| z);
     if far <= 0.0 {
-        return Fit { curve: Attenuation { mu: [0.0; 4], held_beyond: 0.0 }, residual: 0.0 };
+        let curve = Attenuation { mu: [0.0; 4], held_beyond: 0.0 };
+        return Fit { curve, residual: 0.0, at_camera: brightest, faintest };
     }
     // Depth in units of the farthest bin, so that the fit does not know the unit of z.
     let mut points: Vec<(f32, f32)> =
         direct.iter().map(|&(z, signal)| (z / far, (brightest / signal).ln())).collect();
     let bases = bases(&points);
     let mut curve = fit_unit_curve(&points, &bases);
+    let mut at_camera = brightest;
     for _ in 0..SCALINGS {
         // -ln E at the nearest bin is what the fit says, not 0.
         let missing = curve.optical_depth(points[0].0) - points[0].1;
         if missing > 0.0 {
             points.iter_mut().for_each(|(_, y)| *y += missing);
+            at_camera *= missing.exp();
             curve = fit_unit_curve(&points, &bases);
         }
     }
     Fit {
         residual: residual(&curve, &points),
         curve: Attenuation { mu: curve.mu.map(|mu| mu / far), held_beyond: far },
+        at_camera,
+        faintest,
     }
+}
+
+/// Mean of U - B over a bin.
+pub(super) fn direct_signal<E: Encoding>(
+    bin: &Bin<E>,
+    channel: usize,
+    veiling_light: f32,
+    backscatter_coefficient: f32,
+) -> f32 {
+    bin.mean(channel) - veiling_light * (1.0 - (-backscatter_coefficient * bin.z).exp())
 }
 
 /// A curve and how well it fits.
@@ -160,6 +172,17 @@ pub(super) struct Fit {
     /// L_z of the paper with z in units of the farthest bin: mean of (z + ln E / β_D)², each term at most 1
     /// (where hardly anything fades, a distance cannot be read off it).
     pub(super) residual: f32,
+    /// The direct signal that E = 1 stands for.
+    at_camera: f32,
+    /// A direct signal no stronger than this did not count.
+    faintest: f32,
+}
+
+impl Fit {
+    /// E of a direct signal, if it counted.
+    pub(super) fn illumination(&self, direct: f32) -> Option<f32> {
+        (direct > self.faintest).then(|| direct / self.at_camera)
+    }
 }
 
 fn residual(curve: &Attenuation, points: &[(f32, f32)]) -> f32 {

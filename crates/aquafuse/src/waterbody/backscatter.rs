@@ -73,6 +73,11 @@ pub(super) struct Growth {
     pub(super) on_curve: [f32; 3],
 }
 
+/// The dark envelope of each channel, near to far.
+pub(super) fn envelopes<E: Encoding>(statistics: &Statistics<E>, light: &Reading) -> [Vec<Point>; 3] {
+    std::array::from_fn(|c| envelope::read(statistics, c, light.noise))
+}
+
 /// Fits β_B of all channels, and where no open water was seen B∞ with it.
 ///
 /// The search is over ln(β_B z95), so the unit of z cancels. Where the bins say nothing (water as dark as
@@ -81,7 +86,7 @@ pub(super) struct Growth {
 pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, depth: &DepthMap) -> Growth {
     let veil = light.rgb.map(E::from_encoded);
     let open = light.source == VeilingLightSource::OpenWater;
-    let envelopes: [Vec<Point>; 3] = std::array::from_fn(|c| envelope::read(statistics, c, light.noise));
+    let envelopes = envelopes(statistics, light);
     let base = if depth.model().is_some() { FROM_COLOUR } else { GIVEN };
     let noise = NOISE_LEFT * light.noise / 255.0;
     let trust = Trust { deviation: base.deviation.hypot(noise), ..base };
@@ -159,6 +164,7 @@ fn even(from: f32, to: f32, count: usize) -> Vec<f32> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::veiling_light::Places;
     use super::*;
     use crate::image::{Encoded, Linear};
 
@@ -183,6 +189,7 @@ mod tests {
             rgb: [veil; 3],
             source: VeilingLightSource::OpenWater,
             share: 0.2,
+            places: Places::Cells(Vec::new()),
             standard_error: [0.0; 3],
             level: None,
             noise: 0.3,

@@ -27,15 +27,47 @@ impl<E: Encoding> Waterbody<E> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn per_relative(&self, scale: RelativeScale) -> Result<Self, AttenuationError> {
-        let metres = scale.metres_at_one();
+        self.per(scale.metres_at_one())
+    }
+
+    /// This water, given per unit of relative depth, per metre; undoes [`per_relative`](Self::per_relative).
+    ///
+    /// # Errors
+    ///
+    /// [`AttenuationError`] when a coefficient is so large that the quotient is no number.
+    pub fn per_metre(&self, scale: RelativeScale) -> Result<Self, AttenuationError> {
+        self.per(scale.metres_at_one().recip())
+    }
+
+    /// The same per a unit that is so many times as long.
+    fn per(&self, times: f32) -> Result<Self, AttenuationError> {
         let rescale = |curve: &Attenuation| {
-            Attenuation::new(curve.mu().map(|mu| mu * metres), scale.relative(curve.held_beyond()))
+            Attenuation::new(curve.mu().map(|mu| mu * times), curve.held_beyond() / times)
         };
         let [red, green, blue] = self.attenuation.each_ref().map(rescale);
         Ok(Self {
             veiling_light: self.veiling_light,
-            backscatter_coefficient: self.backscatter_coefficient.map(|beta| beta * metres),
+            backscatter_coefficient: self.backscatter_coefficient.map(|beta| beta * times),
             attenuation: [red?, green?, blue?],
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::truth::waters;
+
+    #[test]
+    fn per_metre_undoes_per_relative() {
+        let scale = RelativeScale::new(8.0).unwrap();
+        let metric = waters()[0].water;
+        let back = metric.per_relative(scale).unwrap().per_metre(scale).unwrap();
+        for z in [0.5, 3.0, 20.0] {
+            for c in 0..3 {
+                assert!((metric.illumination(z)[c] - back.illumination(z)[c]).abs() < 1e-5);
+                assert!((metric.backscatter(z)[c] - back.backscatter(z)[c]).abs() < 1e-5);
+            }
+        }
     }
 }

@@ -4,11 +4,14 @@ mod corners;
 mod histogram;
 mod hue;
 mod open_water;
+mod places;
 mod published;
 mod reading;
 
 use std::marker::PhantomData;
 
+#[cfg(test)]
+pub(super) use places::Places;
 pub(super) use reading::Reading;
 pub use reading::VeilingLightSource;
 

@@ -171,6 +171,12 @@ fn what_is_no_record_is_left_alone() {
     }
 }
 
+#[test]
+fn a_line_is_counted_as_an_editor_counts_it() {
+    let text = b"\n{\"job\":{\"schema\":1,\"settings\":\"blue\"}}\n\nnotes of my own\n";
+    assert_eq!(parse(text), Err(4));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_name_that_is_no_text_is_known_again() {

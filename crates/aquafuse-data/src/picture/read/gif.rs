@@ -10,7 +10,7 @@ use super::{Decoded, Fault, Pixels, by_image, size_of};
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
     // A frame is a picture of its own within the screen.
     let size = size_of(&GifDecoder::new(reader)?);
-    Ok(Size { beside: size.beside + 4, ..size })
+    Ok(Size { beside: size.beside.saturating_add(4), ..size })
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
@@ -46,13 +46,18 @@ impl Blocks {
     }
 
     fn walk(&mut self, bytes: &[u8]) -> Option<()> {
-        let mut at = 13 + palette(*bytes.get(10)?);
+        let (&[.., flags, _background, _aspect], mut rest) = bytes.split_first_chunk::<13>()?;
+        pass_palette(&mut rest, flags)?;
         loop {
-            match bytes.get(at)? {
-                0x21 => at = after_sub_blocks(bytes, at + 2)?,
+            match rest.split_off_first()? {
+                0x21 => {
+                    let _label = rest.split_off_first()?;
+                }
                 0x2c => {
-                    self.frames += 1;
-                    at = after_sub_blocks(bytes, at + 11 + palette(*bytes.get(at + 9)?))?;
+                    self.frames = self.frames.saturating_add(1);
+                    let flags = *rest.split_off(..9)?.last()?;
+                    pass_palette(&mut rest, flags)?;
+                    let _code_size = rest.split_off_first()?;
                 }
                 0x3b => {
                     self.ended = true;
@@ -60,20 +65,26 @@ impl Blocks {
                 }
                 _ => return None,
             }
+            pass_sub_blocks(&mut rest)?;
         }
     }
 }
 
-/// Bytes of the palette that a flag byte announces.
-fn palette(flags: u8) -> usize {
-    if flags & 0x80 == 0 { 0 } else { 3 << ((flags & 7) + 1) }
+/// Bytes of a palette, by the last three bits of the flags that announce it.
+const PALETTES: [usize; 8] = [6, 12, 24, 48, 96, 192, 384, 768];
+
+fn pass_palette(rest: &mut &[u8], flags: u8) -> Option<()> {
+    if flags & 0x80 != 0 {
+        rest.split_off(..*PALETTES.get(usize::from(flags & 7))?)?;
+    }
+    Some(())
 }
 
-fn after_sub_blocks(bytes: &[u8], mut at: usize) -> Option<usize> {
+fn pass_sub_blocks(rest: &mut &[u8]) -> Option<()> {
     loop {
-        match usize::from(*bytes.get(at)?) {
-            0 => return Some(at + 1),
-            length => at += 1 + length,
-        }
+        match *rest.split_off_first()? {
+            0 => return Some(()),
+            length => rest.split_off(..usize::from(length))?,
+        };
     }
 }

@@ -34,16 +34,15 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
         if marker != END_OF_IMAGE {
             reader.read_exact(&mut length)?;
         }
-        let mut rest = i64::from(u16::from_be_bytes(length)) - 2;
-        match (marker, frame) {
+        let read = match (marker, frame) {
             (START_OF_SCAN, Some((marker, [_, y1, y0, x1, x0, components]))) => {
                 let mut scanned = [0];
                 reader.read_exact(&mut scanned)?;
                 let side = |high, low| u64::from(u16::from_be_bytes([high, low]));
                 // All of the picture's coefficients are held where they come in more than one scan; grey is tripled.
                 let in_scans = marker == PROGRESSIVE || scanned[0] < components;
-                let coefficients = if in_scans { 2 * u64::from(components) } else { 0 };
-                let beside = coefficients + u64::from(components == 1);
+                let coefficients = if in_scans { u64::from(components).saturating_mul(2) } else { 0 };
+                let beside = coefficients.saturating_add(u64::from(components == 1));
                 return Ok(Size {
                     width: side(x1, x0),
                     height: side(y1, y0),
@@ -59,14 +58,15 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
                 let mut found = [0; 6];
                 reader.read_exact(&mut found)?;
                 frame = frame.or(Some((marker, found)));
-                rest -= 6;
+                8
             }
-            _ => {}
-        }
-        if rest < 0 {
+            _ => 2,
+        };
+        // The length counts itself.
+        let Some(rest) = u16::from_be_bytes(length).checked_sub(read) else {
             return Err(Fault::Damaged("a part of it says that it is shorter than it can be".into()));
-        }
-        reader.seek(SeekFrom::Current(rest))?;
+        };
+        reader.seek(SeekFrom::Current(rest.into()))?;
     }
 }
 
@@ -90,8 +90,9 @@ fn next_marker(reader: &mut impl BufRead) -> Result<u8, Fault> {
 
 /// The marks of a file: where the image ends, which a file that was cut short does not say, and its scans.
 #[derive(Default)]
-struct Marks {
-    end: Option<usize>,
+struct Marks<'a> {
+    /// The file up to where the image ends.
+    before_end: Option<&'a [u8]>,
     scans: usize,
     /// Bytes of coded data in the first scan.
     first_scan: usize,
@@ -100,41 +101,40 @@ struct Marks {
     size: (usize, usize),
 }
 
-impl Marks {
-    fn of(bytes: &[u8]) -> Self {
+impl<'a> Marks<'a> {
+    fn of(bytes: &'a [u8]) -> Self {
         let mut marks = Self::default();
-        let mut at = 2;
-        while let Some(&[mark, code]) = bytes.get(at..at + 2).and_then(|pair| pair.first_chunk()) {
-            match (mark, code) {
-                (0xff, END_OF_IMAGE) => {
-                    marks.end = Some(at);
+        let mut rest = bytes.get(2..).unwrap_or_default();
+        loop {
+            rest = match rest {
+                [0xff, END_OF_IMAGE, ..] => {
+                    marks.before_end = bytes.strip_suffix(rest);
                     break;
                 }
-                (0xff, 0xff) => at += 1,
-                (0xff, 0x01 | 0xd0..=0xd8) => at += 2,
-                (0xff, 0x00) | (..0xff, _) => break,
-                (0xff, code) => {
-                    let Some(&length) = bytes.get(at + 2..at + 4).and_then(|length| length.first_chunk())
-                    else {
-                        break;
-                    };
+                [0xff, 0x01 | 0xd0..=0xd8, after @ ..] => after,
+                [0xff, after @ ..] if after.starts_with(&[0xff]) => after,
+                &[0xff, code @ (0x02..), ref part @ ..] => {
+                    let Some(length) = part.first_chunk() else { break };
                     if is_frame(code)
-                        && let Some(&[y1, y0, x1, x0]) =
-                            bytes.get(at + 5..at + 9).and_then(|size| size.first_chunk())
+                        && let Some(&[_, _, _bits, y1, y0, x1, x0]) = part.first_chunk()
                     {
                         let side = |high, low| usize::from(u16::from_be_bytes([high, low]));
                         (marks.progressive, marks.size) = (code == PROGRESSIVE, (side(x1, x0), side(y1, y0)));
                     }
-                    at += 2 + usize::from(u16::from_be_bytes(length));
+                    // The length counts itself.
+                    let after = part.get(usize::from(u16::from_be_bytes(*length))..).unwrap_or_default();
                     if code == START_OF_SCAN {
-                        let began = at;
-                        at = end_of_scan(bytes, at);
+                        let (coded, after) = split_coded(after);
                         if marks.scans == 0 {
-                            marks.first_scan = at.saturating_sub(began);
+                            marks.first_scan = coded.len();
                         }
-                        marks.scans += 1;
+                        marks.scans = marks.scans.saturating_add(1);
+                        after
+                    } else {
+                        after
                     }
                 }
+                _ => break,
             }
         }
         marks
@@ -142,25 +142,18 @@ impl Marks {
 
     /// Whether the first scan is too short for a bit to each block: the first scan of every coding has one.
     fn lacks_data(&self) -> bool {
-        let blocks = self.size.0.div_ceil(LARGEST_BLOCK) * self.size.1.div_ceil(LARGEST_BLOCK);
-        8 * self.first_scan < blocks
+        let (across, down) = (self.size.0.div_ceil(LARGEST_BLOCK), self.size.1.div_ceil(LARGEST_BLOCK));
+        self.first_scan < across.saturating_mul(down).div_ceil(8)
     }
 }
 
 /// Side of what may be coded as one, in pixels: four blocks of eight.
 const LARGEST_BLOCK: usize = 32;
 
-/// Where the coded data that begins at `at` ends: at a marker that is neither stuffing nor a restart.
-fn end_of_scan(bytes: &[u8], mut at: usize) -> usize {
-    while let Some(pair) = bytes.get(at..at + 2) {
-        match pair {
-            [0xff, 0x00 | 0xd0..=0xd7] => at += 2,
-            [0xff, 0xff] => at += 1,
-            [0xff, _] => return at,
-            _ => at += 1,
-        }
-    }
-    bytes.len()
+/// Splits where coded data ends: at a marker that is neither stuffing, nor a restart, nor fill.
+fn split_coded(bytes: &[u8]) -> (&[u8], &[u8]) {
+    let marker = bytes.windows(2).position(|pair| matches!(pair, [0xff, 0x01..=0xcf | 0xd8..=0xfe]));
+    marker.and_then(|at| bytes.split_at_checked(at)).unwrap_or((bytes, &[]))
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
@@ -173,11 +166,8 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
     }
     // Without the mark of the end the decoder can tell data that is missing from data that is there: where it
     // meets a mark it takes zeros for the rest. Of a progressive picture it wants to see the mark.
-    let strictly = match marks.end {
-        Some(end) if !marks.progressive => &bytes[..end],
-        _ => bytes,
-    };
-    let cause = match (try_decode(strictly, true), marks.end) {
+    let strictly = marks.before_end.filter(|_| !marks.progressive).unwrap_or(bytes);
+    let cause = match (try_decode(strictly, true), marks.before_end) {
         (Ok(_), _) if marks.lacks_data() => "there are more blocks of pixels than bits in it".into(),
         (Ok(decoded), Some(_)) => return Ok(decoded),
         (Ok(_), None) => "its end is missing".into(),
@@ -188,7 +178,7 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
         let decoded = try_decode(bytes, false)?;
         return Ok(Decoded { damage: Some(cause), ..decoded });
     }
-    Err(if marks.end.is_none() { Fault::CutShort(cause) } else { Fault::Damaged(cause) })
+    Err(if marks.before_end.is_none() { Fault::CutShort(cause) } else { Fault::Damaged(cause) })
 }
 
 fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {
@@ -209,7 +199,7 @@ fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {
     let (width, height) = decoder.dimensions().ok_or_else(|| Fault::Damaged("it has no size".into()))?;
     let samples = decoder.decode()?;
     let pixels = if grey {
-        Layers::of_grey::<1>(width, height, &samples).map(Pixels::Bytes)
+        Layers::of_grey(width, height, &samples).map(Pixels::Bytes)
     } else {
         Image::from_raw(width, height, samples).map(Pixels::from)
     };
@@ -223,19 +213,20 @@ fn try_decode(bytes: &[u8], strict: bool) -> Result<Decoded, Fault> {
 
 /// The density in the JFIF segment, which comes first.
 fn resolution(bytes: &[u8]) -> Option<Resolution> {
-    let segment = bytes.get(2..18)?;
-    if segment[..2] != [0xff, 0xe0] || &segment[4..9] != b"JFIF\0" {
+    let &[0xff, 0xe0, _, _, b'J', b'F', b'I', b'F', 0, _, _, unit, x1, x0, y1, y0] =
+        bytes.get(2..)?.first_chunk()?
+    else {
         return None;
-    }
-    let unit = match segment[11] {
+    };
+    let unit = match unit {
         0 => ResolutionUnit::Unknown,
         1 => ResolutionUnit::Inch,
         2 => ResolutionUnit::Centimetre,
         _ => return None,
     };
-    let density = |at: usize| f64::from(u16::from_be_bytes([segment[at], segment[at + 1]]));
+    let density = |high, low| f64::from(u16::from_be_bytes([high, low]));
     // Square pixels without a unit are what every file says that knows nothing.
-    let known = Resolution { density: (density(12), density(14)), unit };
+    let known = Resolution { density: (density(x1, x0), density(y1, y0)), unit };
     (known.density.0 > 0.0
         && known.density.1 > 0.0
         && (unit, known.density) != (ResolutionUnit::Unknown, (1.0, 1.0)))

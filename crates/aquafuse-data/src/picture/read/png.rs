@@ -16,14 +16,14 @@ const BESIDE: usize = 24 << 20;
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
     let mut head = [0; 26];
     reader.read_exact(&mut head)?;
-    if &head[12..16] != b"IHDR" {
+    let [.., b'I', b'H', b'D', b'R', x3, x2, x1, x0, y3, y2, y1, y0, bits, _colour] = head else {
         return Err(Fault::Damaged("it does not begin with its header".into()));
-    }
-    let side =
-        |at: usize| u64::from(u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]));
-    let sample = if head[24] == 16 { 2 } else { 1 };
+    };
+    let side = |bytes| u64::from(u32::from_be_bytes(bytes));
+    let (width, height) = (side([x3, x2, x1, x0]), side([y3, y2, y1, y0]));
+    let (sample, beside) = if bits == 16 { (2, 8) } else { (1, 4) };
     // Whatever it says here, it may turn out to be transparent.
-    Ok(Size { width: side(16), height: side(20), channels: 4, sample, beside: 4 * sample })
+    Ok(Size { width, height, channels: 4, sample, beside })
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
@@ -85,9 +85,9 @@ fn layers<T: Sample>(
 ) -> Result<Layers<T>, SizeError> {
     match colour {
         ColorType::Rgb => Image::from_raw(width, height, all).map(|image| Layers { image, alpha: None }),
-        ColorType::Rgba => Layers::of_interleaved::<4>(width, height, &all),
-        ColorType::GrayscaleAlpha => Layers::of_grey::<2>(width, height, &all),
-        ColorType::Grayscale | ColorType::Indexed => Layers::of_grey::<1>(width, height, &all),
+        ColorType::Rgba => Layers::of_rgba(width, height, &all),
+        ColorType::GrayscaleAlpha => Layers::of_grey_alpha(width, height, &all),
+        ColorType::Grayscale | ColorType::Indexed => Layers::of_grey(width, height, &all),
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     let size = size_of(&decoder);
     // It decodes into a buffer of its own first.
     let own = if cmyk { 4 } else { size.channels };
-    Ok(Size { beside: size.beside + own * size.sample, ..size })
+    Ok(Size { beside: size.beside.saturating_add(size.sample.saturating_mul(own)), ..size })
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {

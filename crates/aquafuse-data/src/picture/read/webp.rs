@@ -17,7 +17,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     }
     // Lossless is decoded to four samples first.
     let size = size_of(&decoder);
-    Ok(Size { beside: size.beside + 4, ..size })
+    Ok(Size { beside: size.beside.saturating_add(4), ..size })
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
@@ -32,18 +32,23 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
 }
 
 /// How many bytes fewer there are than the file, or one of its chunks, says.
-fn missing(bytes: &[u8]) -> u64 {
-    let length = |at: usize| {
-        let length = bytes.get(at..).and_then(|rest| rest.first_chunk()).copied();
-        length.map(|length| u64::from(u32::from_le_bytes(length)))
-    };
-    let there = bytes.len() as u64;
-    let end = length(4).map_or(0, |length| length + 8);
-    let (mut furthest, mut at) = (end, 12);
-    while let (true, Some(length)) = (at + 8 <= there, usize::try_from(at + 4).ok().and_then(length)) {
+fn missing(bytes: &[u8]) -> usize {
+    let Some((length, content)) = chunk(bytes) else { return 0 };
+    let mut missing = length.saturating_sub(content.len());
+    // What kind of file it is, then chunks.
+    let mut rest = content.get(4..).unwrap_or_default();
+    while let Some((length, content)) = chunk(rest) {
+        missing = missing.max(length.saturating_sub(content.len()));
         // An odd length is padded, but the padding of the last chunk is often left out.
-        furthest = furthest.max(at + 8 + length);
-        at += 8 + length + length % 2;
+        let padded = length.checked_next_multiple_of(2);
+        rest = padded.and_then(|padded| content.get(padded..)).unwrap_or_default();
     }
-    furthest.saturating_sub(there)
+    missing
+}
+
+/// How many bytes a chunk says that it holds, and whatever comes after that.
+fn chunk(bytes: &[u8]) -> Option<(usize, &[u8])> {
+    let (_name, rest) = bytes.split_first_chunk::<4>()?;
+    let (length, rest) = rest.split_first_chunk()?;
+    Some((usize::try_from(u32::from_le_bytes(*length)).ok()?, rest))
 }

@@ -12,7 +12,7 @@ use super::super::atomic::Output;
 use super::super::exif::Exif;
 use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::super::pixels::{Layers, Pixels};
-use super::{Picture, side};
+use super::{Picture, side, whole};
 
 pub(super) fn encode(out: &mut dyn Output, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
     let encoded = match &picture.pixels {
@@ -71,7 +71,7 @@ fn write_resolution<W: io::Write + io::Seek>(
         ResolutionUnit::Unknown => Unit::None,
     };
     // Thousandths keep what a metre, 39.37 inches, makes of whole numbers.
-    let ratio = |density: f64| Rational { n: (1000.0 * density).round() as u32, d: 1000 };
+    let ratio = |density: f64| Rational { n: whole(1000.0 * density), d: 1000 };
     directory.write_tag(Tag::XResolution, ratio(resolution.density.0))?;
     directory.write_tag(Tag::YResolution, ratio(resolution.density.1))?;
     directory.write_tag(Tag::ResolutionUnit, unit.to_u16())

@@ -12,11 +12,11 @@ const MOVED: [f32; 2] = [2.65, 0.9];
 
 /// One bin of depth, in one channel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+pub(in crate::waterbody) struct Point {
     /// z in units of z95.
     pub(super) z: f32,
     /// The darkest things, what noise took from them given back, in the encoding of the fit.
-    pub(super) dark: f32,
+    pub(in crate::waterbody) dark: f32,
     /// How much of the encoding one step of an encoded value is there: 1 for encoded values.
     pub(super) slope: f32,
 }

@@ -9,28 +9,32 @@ const CORNER_SHARE: f64 = 0.20;
 
 /// Bluish-green colours of the two corners, 20 % x 20 % of the picture each, at the edge that is up.
 pub(super) fn corners(image: &Image<u8>, edge: TopEdge) -> Histogram {
-    let (width, height) = image.size();
-    let side = |length: usize| (length as f64 * CORNER_SHARE).ceil() as usize;
-    let (columns, rows) = (side(width), side(height));
-    let at_left = |x: usize| x < columns;
-    let at_right = |x: usize| x >= width - columns;
-    let at_first = |y: usize| y < rows;
-    let at_last = |y: usize| y >= height - rows;
+    let inside = in_corners(image.size(), edge);
     let mut histogram = Histogram::default();
     for (y, row) in image.rows().enumerate() {
         for (x, pixel) in row.iter().enumerate() {
-            let inside = match edge {
-                TopEdge::First => at_first(y) && (at_left(x) || at_right(x)),
-                TopEdge::Last => at_last(y) && (at_left(x) || at_right(x)),
-                TopEdge::Left => at_left(x) && (at_first(y) || at_last(y)),
-                TopEdge::Right => at_right(x) && (at_first(y) || at_last(y)),
-            };
-            if inside && is_bluish_green(pixel) {
+            if inside(x, y) && is_bluish_green(pixel) {
                 histogram.add(pixel);
             }
         }
     }
     histogram
+}
+
+/// Whether a column and row of a picture of this size lie in one of the two corners at this edge.
+pub(super) fn in_corners((width, height): (usize, usize), edge: TopEdge) -> impl Fn(usize, usize) -> bool {
+    let side = |length: usize| (length as f64 * CORNER_SHARE).ceil() as usize;
+    let (columns, rows) = (side(width), side(height));
+    move |x, y| {
+        let (at_left, at_right) = (x < columns, x >= width - columns);
+        let (at_first, at_last) = (y < rows, y >= height - rows);
+        match edge {
+            TopEdge::First => at_first && (at_left || at_right),
+            TopEdge::Last => at_last && (at_left || at_right),
+            TopEdge::Left => at_left && (at_first || at_last),
+            TopEdge::Right => at_right && (at_first || at_last),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::image::Image;
 use crate::simd;
 
 use super::hue::is_bluish_green;
+use super::places::Places;
 use super::reading::{ROUNDING, Reading, VeilingLightSource};
 
 /// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
@@ -64,6 +65,7 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
         rgb: water.map(|value| value / 255.0),
         source: VeilingLightSource::OpenWater,
         share,
+        places: Places::Cells(alike.iter().map(|&place| grid.cell(place)).collect()),
         standard_error: std::array::from_fn(|c| {
             let values = alike.iter().map(|&place| f64::from(cells[place].mean[c]));
             standard_error_of_median(values) / 255.0
@@ -170,7 +172,8 @@ fn for_neighbours(
 
 /// The picture in cells whose borders are mirrored with it.
 struct Grid {
-    columns: usize,
+    columns: Vec<usize>,
+    rows: Vec<usize>,
     cells: Vec<Cell>,
 }
 
@@ -188,17 +191,25 @@ impl Grid {
                 columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])),
             );
         }
-        Self { columns: columns.len() - 1, cells }
+        Self { columns, rows, cells }
+    }
+
+    /// The columns and rows of a cell.
+    fn cell(&self, place: usize) -> [Range<usize>; 2] {
+        let across = self.columns.len() - 1;
+        let between = |borders: &[usize], i: usize| borders[i]..borders[i + 1];
+        [between(&self.columns, place % across), between(&self.rows, place / across)]
     }
 
     /// How much a cell differs from its neighbours, the two that differ more left out: those may be things.
     fn step(&self, place: usize) -> f32 {
-        let (row, column) = (place / self.columns, place % self.columns);
+        let across = self.columns.len() - 1;
+        let (row, column) = (place / across, place % across);
         let neighbours = [
             (column > 0).then(|| place - 1),
-            (column + 1 < self.columns).then_some(place + 1),
-            (row > 0).then(|| place - self.columns),
-            Some(place + self.columns).filter(|&below| below < self.cells.len()),
+            (column + 1 < across).then_some(place + 1),
+            (row > 0).then(|| place - across),
+            Some(place + across).filter(|&below| below < self.cells.len()),
         ];
         let mean = &self.cells[place].mean;
         let mut steps =

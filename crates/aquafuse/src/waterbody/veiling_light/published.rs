@@ -3,6 +3,7 @@
 use super::corners::corners;
 use super::histogram::Histogram;
 use super::hue::is_bluish_green;
+use super::places::Places;
 use super::reading::{ROUNDING, Reading, VeilingLightSource};
 use crate::depth::LEVELS;
 use crate::image::{Image, TopEdge};
@@ -44,32 +45,38 @@ fn read_by(
 ) -> Reading {
     use VeilingLightSource::{BottomCorners, Farthest, TopCorners, Unfiltered};
     let pixels = image.pixels();
-    let attempts: [(VeilingLightSource, &dyn Fn() -> Histogram); 3] = [
-        (Farthest, &|| farthest(pixels, levels, is_bluish_green)),
-        (TopCorners, &|| corners(image, top)),
-        (BottomCorners, &|| corners(image, top.opposite())),
-    ];
-    let usable = attempts.into_iter().find_map(|(source, read)| {
-        let histogram = read();
-        (histogram.count > FEW_PIXELS).then_some((source, histogram))
+    let far = |of_any_colour| {
+        let (nearest, histogram) = farthest(pixels, levels, |pixel| of_any_colour || is_bluish_green(pixel));
+        (Places::Far { nearest, of_any_colour }, histogram)
+    };
+    let at = |edge| (Places::Corners(edge), corners(image, edge));
+    let attempts = [(Farthest, None), (TopCorners, Some(top)), (BottomCorners, Some(top.opposite()))];
+    let usable = attempts.into_iter().find_map(|(source, edge)| {
+        let (places, histogram) = edge.map_or_else(|| far(false), at);
+        (histogram.count > FEW_PIXELS).then_some((source, places, histogram))
     });
-    let (source, histogram) = usable.unwrap_or_else(|| (Unfiltered, farthest(pixels, levels, |_| true)));
+    let (source, places, histogram) = usable.unwrap_or_else(|| {
+        let (places, histogram) = far(true);
+        (Unfiltered, places, histogram)
+    });
     Reading {
         rgb: colour(&histogram, source),
         source,
         share: histogram.count as f64 / pixels.len() as f64,
+        places,
         standard_error: [0.0; 3],
         level: None,
         noise: ROUNDING,
     }
 }
 
-/// Colours of whole depth levels from the far end until 5 % of the picture's pixels are in.
+/// Colours of whole depth levels from the far end until 5 % of the picture's pixels are in, and the nearest of
+/// these levels.
 ///
 /// It stops at the median depth: what is nearer than half of the picture is not far, whatever its colour,
 /// and a bluish fish must not pass for the water. (Without the stop the corners could never be reached:
 /// they hold no pixel that the far end would not have taken first.)
-fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) -> Histogram {
+fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) -> (u8, Histogram) {
     let mut all = [0_u64; LEVELS];
     let mut kept = [0_u64; LEVELS];
     for (pixel, &level) in pixels.iter().zip(levels) {
@@ -90,7 +97,7 @@ fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) 
             histogram.add(pixel);
         }
     }
-    histogram
+    (nearest_taken as u8, histogram)
 }
 
 #[cfg(test)]

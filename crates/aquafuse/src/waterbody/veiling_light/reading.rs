@@ -1,11 +1,13 @@
 //! A veiling light as read from bytes, and where.
 
+use super::places::Places;
+
 /// Noise of a picture without a smooth place to measure it, in bytes: that of rounding.
 pub(super) const ROUNDING: f32 = 0.3;
 
 /// Where the veiling light was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum VeilingLightSource {
     /// Smooth open water of one colour.
     OpenWater,
@@ -17,6 +19,8 @@ pub enum VeilingLightSource {
     BottomCorners,
     /// None of these: the farthest pixels whatever their colour.
     Unfiltered,
+    /// No picture: the water is known from elsewhere.
+    Given,
 }
 
 /// What was read off a picture.
@@ -26,6 +30,8 @@ pub(in crate::waterbody) struct Reading {
     pub(in crate::waterbody) source: VeilingLightSource,
     /// Share of the picture it is the median of.
     pub(in crate::waterbody) share: f64,
+    /// The pixels it was read from.
+    pub(in crate::waterbody) places: Places,
     /// Standard error of the colour, encoded; 0 where it is not known.
     pub(in crate::waterbody) standard_error: [f32; 3],
     /// Level of depth at which open water was seen.

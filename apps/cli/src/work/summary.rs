@@ -1,12 +1,13 @@
-//! What is said about fused pictures: how many, and which deserve a look.
+//! What is said about pictures that were made: how many, and which deserve a look.
 
 use std::fmt::Write;
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::fusion::Bounds;
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::job::{Item, Report};
 use aquafuse_data::picture::shown;
+use aquafuse_data::scores::Scores;
+use aquafuse_data::treatment::Held;
 
 use crate::depth_arguments::turned_round;
 use crate::inspect::reasons;
@@ -36,7 +37,7 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     clipped.sort_by(|(_, a), (_, b)| b.clipping.share().total_cmp(&a.clipping.share()));
     let with_share =
         |(item, report): &&(Item, Report)| format!("{} {:.0} %", name(item), 100.0 * report.clipping.share());
-    list(&mut text, "much clipped (try a larger --theta or another WATER)", clipped.iter().map(with_share));
+    list(&mut text, "much clipped", clipped.iter().map(with_share));
     let supplied = reports.iter().filter_map(|(item, report)| Some((item, report.supplied?)));
     for (item, supplied) in supplied.clone().filter(|(_, supplied)| supplied.looks_turned_round()).take(NAMED)
     {
@@ -66,21 +67,50 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
         "not carried over",
         left_out.map(|(item, report)| format!("{} ({})", name(item), report.left_out.join(", "))),
     );
+    scores(&mut text, reports);
     let held = reports.iter().filter(|(_, report)| report.bounds.any());
     list(
         &mut text,
-        "held back for that",
+        "held back",
         held.map(|(item, report)| format!("{} ({})", name(item), bounds(report.bounds))),
     );
     text
 }
 
+/// A table of scores before and after: means over the pictures that have them.
+fn scores(text: &mut String, reports: &[(Item, Report)]) {
+    type Score = fn(&Scores) -> Option<f64>;
+    const ALL: [(&str, Score); 5] = [
+        ("UCIQE", |scores| Some(scores.uciqe)),
+        ("UIQM", |scores| scores.uiqm),
+        ("colour", |scores| Some(scores.colour)),
+        ("contrast", |scores| Some(scores.contrast)),
+        ("sharpness", |scores| scores.sharpness),
+    ];
+    let all: Vec<[Scores; 2]> = reports.iter().filter_map(|(_, report)| report.scores).collect();
+    if all.is_empty() {
+        return;
+    }
+    let _ =
+        writeln!(text, "  {:<10} {:>8} {:>8}", if all.len() == 1 { "" } else { "means" }, "before", "after");
+    for (name, score) in ALL {
+        let both: Vec<_> = all.iter().filter_map(|[b, a]| Some([score(b)?, score(a)?])).collect();
+        let mean = |i: usize| both.iter().map(|pair| pair[i]).sum::<f64>() / both.len() as f64;
+        if !both.is_empty() {
+            let _ = writeln!(text, "  {name:<10} {:>8.3} {:>8.3}", mean(0), mean(1));
+        }
+    }
+}
+
 /// Which bounds acted, in words.
-fn bounds(bounds: Bounds) -> String {
+fn bounds(bounds: Held) -> String {
+    let Held { fusion, restoration } = bounds;
     let said = [
-        (bounds.glare, "the glare of WATER darkened"),
-        (bounds.red, "no red cast"),
-        (bounds.gain, "nothing strengthened"),
+        (fusion.glare, "the glare of WATER darkened"),
+        (fusion.red || restoration.red, "no red cast"),
+        (fusion.gain, "nothing strengthened"),
+        (restoration.backscatter, "less veil taken off"),
+        (restoration.gain, "nothing burnt"),
     ];
     said.into_iter().filter(|(acted, _)| *acted).map(|(_, said)| said).collect::<Vec<_>>().join(", ")
 }

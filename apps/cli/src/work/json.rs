@@ -1,13 +1,17 @@
-//! `fuse --json`: a record of each picture for programs, one a line.
+//! `--json` and `--report`: a record of each picture for programs.
 
 use std::ffi::OsStr;
 use std::path::Path;
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::fusion::{Bounds, Clipping};
+use aquafuse::fusion::Clipping;
 use aquafuse::waterbody::Quality;
 use aquafuse_data::job::{Item, Message, Report};
+use aquafuse_data::scores::Scores;
+use aquafuse_data::treatment::Held;
+use aquafuse_data::water_file::Numbers;
 use serde::Serialize;
+use serde_json::value::RawValue;
 
 /// One picture; `schema` changes when a field changes its meaning or goes.
 #[derive(Serialize)]
@@ -22,18 +26,22 @@ struct Record<'a> {
 #[derive(Serialize)]
 #[serde(tag = "status", rename_all = "lowercase")]
 enum Outcome<'a> {
-    Done {
-        clipping: Clipping,
-        quality: Quality,
-        held_back: HeldBack,
-        supplied_depth: Option<Supplied>,
-        damage: Option<&'a str>,
-        left_out: &'a [&'static str],
-    },
+    Done(Box<Done<'a>>),
     Kept,
-    Failed {
-        error: String,
-    },
+    Failed { error: String },
+}
+
+#[derive(Serialize)]
+struct Done<'a> {
+    clipping: Clipping,
+    quality: Quality,
+    waterbody: Numbers,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scores: Option<BeforeAfter>,
+    held_back: HeldBack,
+    supplied_depth: Option<Supplied>,
+    damage: Option<&'a str>,
+    left_out: &'a [&'static str],
 }
 
 /// A path: as text, or as bytes where it is no text.
@@ -51,12 +59,19 @@ impl<'a> Name<'a> {
     }
 }
 
+#[derive(Serialize)]
+struct BeforeAfter {
+    before: Scores,
+    after: Scores,
+}
+
 /// Which safety bounds acted.
 #[derive(Serialize)]
 struct HeldBack {
     glare: bool,
     red: bool,
     gain: bool,
+    backscatter: bool,
 }
 
 #[derive(Serialize)]
@@ -66,8 +81,8 @@ struct Supplied {
     looks_turned_round: bool,
 }
 
-/// The line of a message that is about a picture.
-pub(super) fn line(message: &Message<'_>) -> Option<String> {
+/// What a message says of a picture.
+pub(super) fn record(message: &Message<'_>) -> Option<Box<RawValue>> {
     let (item, outcome): (&Item, Outcome<'_>) = match message {
         Message::Done { item, report } => (item, done(report)),
         Message::Kept { item } => (item, Outcome::Kept),
@@ -75,22 +90,29 @@ pub(super) fn line(message: &Message<'_>) -> Option<String> {
         _ => return None,
     };
     let record = Record { schema: 1, input: Name::of(&item.input), output: Name::of(&item.output), outcome };
-    serde_json::to_string(&record).ok().map(|line| line + "\n")
+    serde_json::value::to_raw_value(&record).ok()
 }
 
 fn done(report: &Report) -> Outcome<'_> {
-    let Bounds { glare, red, gain, .. } = report.bounds;
+    let Held { fusion, restoration } = report.bounds;
     let supplied = |supplied: SuppliedReport| Supplied {
         invalid_share: supplied.invalid_share(),
         agreement: supplied.agreement,
         looks_turned_round: supplied.looks_turned_round(),
     };
-    Outcome::Done {
+    Outcome::Done(Box::new(Done {
         clipping: report.clipping,
         quality: report.quality,
-        held_back: HeldBack { glare, red, gain },
+        waterbody: report.water,
+        scores: report.scores.map(|[before, after]| BeforeAfter { before, after }),
+        held_back: HeldBack {
+            glare: fusion.glare,
+            red: fusion.red || restoration.red,
+            gain: fusion.gain || restoration.gain,
+            backscatter: restoration.backscatter,
+        },
         supplied_depth: report.supplied.map(supplied),
         damage: report.damage.as_deref(),
         left_out: &report.left_out,
-    }
+    }))
 }

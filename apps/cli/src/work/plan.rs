@@ -8,18 +8,18 @@ use anyhow::{Error, Result, anyhow};
 use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::folder;
 use aquafuse_data::job::{Item, Plan, RECORD, Record};
+use aquafuse_data::maps;
 use aquafuse_data::picture::{FileError, Format, LISTED, WRITTEN, shown};
 
 use crate::depth_arguments::Supply;
 
-/// The pictures to fuse: one, or those of a folder.
-pub(super) fn items(content: &Path, water: &Path, output: &Path, supply: &Supply) -> Result<Vec<Item>> {
+/// The pictures to treat: one, or those of a folder. `beside` are further inputs, not to be written over.
+pub(super) fn items(content: &Path, beside: &[&Path], output: &Path, supply: &Supply) -> Result<Vec<Item>> {
     let about = content.metadata().map_err(|error| FileError::Read { path: content.to_owned(), error })?;
-    let files =
-        if about.is_dir() { of_folder(content, output)? } else { vec![of_file(content, water, output)?] };
+    let files = if about.is_dir() { of_folder(content, output)? } else { vec![of_file(content, output)?] };
     let item = |(input, output): (PathBuf, PathBuf)| {
         let depth = supply.of(&input)?;
-        if same(water, &output) {
+        if beside.iter().any(|other| same(other, &output)) {
             return Err(written_over(&output));
         }
         if let DepthSource::Supplied { path, .. } = &depth
@@ -50,6 +50,29 @@ pub(super) fn refuse_foreign(items: &[Item], record: &Record, overwrite: bool) -
     refuse(items.iter().filter(|item| record.plan(item, overwrite) == Plan::Foreign))
 }
 
+/// Refuses maps that are there and would be replaced, and pictures whose maps would have one name.
+pub(super) fn refuse_maps(
+    items: &[Item],
+    folder: &Path,
+    record: Option<&Record>,
+    overwrite: bool,
+) -> Result<()> {
+    let mut taken = HashMap::new();
+    for item in items {
+        let is_new = record.is_none_or(|record| record.plan(item, overwrite) == Plan::Make);
+        for path in maps::paths(folder, &item.input) {
+            if !overwrite && is_new && path.symlink_metadata().is_ok() {
+                return Err(FileError::Exists { path }.into());
+            }
+            if let Some(other) = taken.insert(path, &item.input) {
+                let (one, other) = (shown(&item.input), shown(other));
+                return Err(anyhow!("{one} and {other} would have maps of one name; rename one of them"));
+            }
+        }
+    }
+    Ok(())
+}
+
 fn refuse<'a>(mut existing: impl Iterator<Item = &'a Item>) -> Result<()> {
     let Some(first) = existing.next() else { return Ok(()) };
     let exists = FileError::Exists { path: first.output.clone() };
@@ -60,7 +83,7 @@ fn refuse<'a>(mut existing: impl Iterator<Item = &'a Item>) -> Result<()> {
 }
 
 /// Input and output.
-fn of_file(content: &Path, water: &Path, output: &Path) -> Result<(PathBuf, PathBuf)> {
+fn of_file(content: &Path, output: &Path) -> Result<(PathBuf, PathBuf)> {
     let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
     let output = match content.file_name() {
         Some(name) if is_folder => output.join(name),
@@ -69,7 +92,7 @@ fn of_file(content: &Path, water: &Path, output: &Path) -> Result<(PathBuf, Path
     if Format::written(&output).is_none() {
         return Err(FileError::UnknownExtension { path: output, expected: WRITTEN }.into());
     }
-    if [content, water].into_iter().any(|input| same(input, &output)) {
+    if same(content, &output) {
         return Err(written_over(&output));
     }
     Ok((content.to_owned(), output))

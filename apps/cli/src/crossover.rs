@@ -1,0 +1,107 @@
+//! `aquafuse crossover`: two pictures, each in the other's water.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use aquafuse::image::{Encoded, Linear};
+use aquafuse_data::analysis::{DepthSource, analyse};
+use aquafuse_data::picture::{FileError, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::treatment::{Space, Treatment};
+use clap::Args;
+
+use crate::common::Common;
+use crate::failure::Failure;
+use crate::fuse::settings::{Settings, SettingsArgs};
+use crate::inspect::veiling_light;
+use crate::output;
+
+/// Put two pictures each into the other's water: twice the data.
+///
+/// Writes DIR/A__B.png, A's objects in B's water, and DIR/B__A.png (their names without extension).
+#[derive(Args)]
+#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/ --model physical")]
+pub(crate) struct Crossover {
+    /// One picture.
+    a: PathBuf,
+    /// The other.
+    b: PathBuf,
+    /// Folder to write into; made if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Work in linear light.
+    #[arg(long)]
+    linear: bool,
+    /// Replace pictures that exist.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl Crossover {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match self.linear {
+            true => self.run_in::<Linear>(common),
+            false => self.run_in::<Encoded>(common),
+        }
+    }
+
+    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let outputs = self.outputs()?;
+        let Settings { depth_model, options, smoothing } = self.settings.get();
+        let source = DepthSource::Estimated(depth_model);
+        let (a, b) = (common.reading.read(&self.a)?, common.reading.read(&self.b)?);
+        let waters = [analyse::<E>(&a, &source)?, analyse::<E>(&b, &source)?];
+        remove_stale_parts(&self.output);
+        let says: Vec<String> = [(&self.a, &waters[0]), (&self.b, &waters[1])]
+            .map(|(path, found)| format!("{}: {}\n", shown(path), veiling_light(&found.estimate)))
+            .into();
+        if !common.quiet {
+            output::print(&says.concat())?;
+        }
+        for (i, (mut picture, path)) in [a, b].into_iter().zip(&outputs).enumerate() {
+            let treatment = Treatment::Fuse { reference: waters[1 - i].estimate, options };
+            let treated = treatment.apply(&mut picture.pixels, &waters[i]).map_err(Failure::work)?;
+            picture.pixels = picture.pixels.smoothed(smoothing);
+            picture.write(path, &WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() })?;
+            if !common.quiet {
+                let clipped = 100.0 * treated.clipping.share();
+                output::print(&format!("{}: written, {clipped:.2} % of the values clipped\n", shown(path)))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where both go, once it is sure that nothing is replaced.
+    fn outputs(&self) -> Result<[PathBuf; 2], Failure> {
+        let (a, b) = (stem(&self.a), stem(&self.b));
+        if a == b {
+            return Err(Failure::usage(anyhow!(
+                "{} and {} would both become {}__{}.png; rename one of them",
+                shown(&self.a),
+                shown(&self.b),
+                shown(a.as_ref()),
+                shown(b.as_ref())
+            )));
+        }
+        output::make_folder(&self.output)?;
+        let named = |of: &OsString, water: &OsString| {
+            let mut name = of.clone();
+            name.push("__");
+            name.push(water);
+            name.push(".png");
+            self.output.join(name)
+        };
+        let outputs = [named(&a, &b), named(&b, &a)];
+        let existing = outputs.iter().find(|path| !self.overwrite && path.symlink_metadata().is_ok());
+        match existing {
+            Some(path) => Err(FileError::Exists { path: path.clone() }.into()),
+            None => Ok(outputs),
+        }
+    }
+}
+
+fn stem(path: &Path) -> OsString {
+    path.file_stem().unwrap_or_default().to_owned()
+}

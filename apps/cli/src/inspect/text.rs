@@ -1,0 +1,109 @@
+//! What `inspect` says to people, and its words for other commands.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use aquafuse::depth::DepthKind;
+use aquafuse::image::Encoding;
+use aquafuse::waterbody::{Estimate, Quality, Reason, VeilingLightSource, Verdict};
+use aquafuse_data::analysis::Analysis;
+use aquafuse_data::picture::{Picture, shown};
+
+use super::report::{Depth, Size};
+
+/// The report for people.
+pub(super) fn text(picture: &Picture, found: &Analysis, plot: Option<&Path>) -> String {
+    let (depth, water) = (Depth::new(found), &found.estimate.water);
+    let [r, g, b] = water.veiling_light.rgb();
+    let [beta_r, beta_g, beta_b] = water.backscatter_coefficient;
+    let [tau_r, tau_g, tau_b] = water.backscatter_coefficient.map(|beta| beta * depth.p95);
+    let [fade_r, fade_g, fade_b] = water.attenuation.map(|curve| curve.optical_depth(depth.p95));
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<28}{value}");
+    };
+    let quality = found.estimate.quality;
+    line(
+        "verdict",
+        match quality.verdict {
+            Verdict::Good => "good".to_owned(),
+            other => format!("{}: {}", other.name(), reasons(quality)),
+        },
+    );
+    let Size { width, height } = Size::of(picture);
+    line("size", format!("{width} x {height}"));
+    if let Some(damage) = &picture.damage {
+        line("  WARNING", format!("the file is damaged: {damage}"));
+    }
+    let unit = match depth.kind {
+        DepthKind::Metres => "metres",
+        _ => "relative: 0 near, 1 far; it has no unit",
+    };
+    line("depth z", format!("{}, {unit}", depth.source));
+    if let Some(supplied) = &depth.supplied {
+        let invalid = 100.0 * supplied.invalid_share;
+        line("  file", format!("{}, {}", shown(supplied.file.as_ref()), supplied.kind.name()));
+        line("  without a value", format!("{invalid:.1} % of the pixels: depth from colour there"));
+        for warning in &supplied.warnings {
+            line("  WARNING", format!("the map {warning}"));
+        }
+    }
+    line("  mean, 5 %, 95 %", format!("{:.2} {:.2} {:.2}", depth.mean, depth.p05, depth.p95));
+    line("veiling light B∞", format!("{r:.3} {g:.3} {b:.3} (red, green, blue)   {}", hex([r, g, b])));
+    line("  nine in ten within", ranges(found.estimate.intervals.veiling_light, 3));
+    line("  read from", source(&found.estimate));
+    line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
+    line("  nine in ten within", ranges(found.estimate.intervals.backscatter_coefficient, 2));
+    line("  at the far end, β_B z95", format!("{tau_r:.2} {tau_g:.2} {tau_b:.2}"));
+    line("attenuation", "the curve β_D(z), in --json".to_owned());
+    line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
+    if let Some(path) = plot {
+        line("drawn", shown(path).to_string());
+    }
+    text
+}
+
+/// Three ranges.
+fn ranges(of: [[f32; 2]; 3], decimals: usize) -> String {
+    of.map(|[low, high]| format!("{low:.decimals$}-{high:.decimals$}")).join(" ")
+}
+
+/// What speaks against an estimate, in words.
+pub(crate) fn reasons(quality: Quality) -> String {
+    quality.reasons.iter().map(Reason::describe).collect::<Vec<_>>().join(", ")
+}
+
+pub(crate) fn hex(rgb: [f32; 3]) -> String {
+    let [r, g, b] = rgb.map(|value| (value * 255.0).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Where the veiling light was read, and from how much of the picture.
+pub(super) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
+    let share = 100.0 * estimate.veiling_light_share;
+    match estimate.veiling_light_source {
+        VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the picture"),
+        VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
+        VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
+        VeilingLightSource::BottomCorners => {
+            "the bottom corners: neither the far end nor the top has the water's colour".into()
+        }
+        VeilingLightSource::Unfiltered => {
+            format!("the farthest {share:.1} %, whatever their colour: no water was found")
+        }
+        VeilingLightSource::Given => "what is known of it".into(),
+    }
+}
+
+/// One line on a water: its colour, where that was read, and what speaks against it.
+pub(crate) fn veiling_light<E: Encoding>(estimate: &Estimate<E>) -> String {
+    let light = format!(
+        "veiling light {}, from {}",
+        hex(estimate.water.veiling_light.rgb().map(E::to_encoded)),
+        source(estimate)
+    );
+    match estimate.quality.verdict {
+        Verdict::Good => light,
+        verdict => format!("{light}; {}: {}", verdict.name(), reasons(estimate.quality)),
+    }
+}

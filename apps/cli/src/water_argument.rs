@@ -1,0 +1,140 @@
+//! `WATER`: a picture, a `*.water.json` file, or `preset:NAME`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
+use aquafuse::waterbody::Estimate;
+use aquafuse::waterbody::presets::{Conditions, Preset, White};
+use aquafuse_data::analysis::{DepthSource, analyse};
+use aquafuse_data::picture::shown;
+use aquafuse_data::treatment::Space;
+use aquafuse_data::water_file::{WaterFile, has_suffix};
+use clap::{Args, ValueEnum};
+
+use crate::failure::Failure;
+use crate::reading::Reading;
+
+/// Where a water comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum WaterSource {
+    Picture(PathBuf),
+    File(PathBuf),
+    Preset(Preset),
+}
+
+/// How presets and units are read.
+#[derive(Args)]
+pub(crate) struct WaterArguments {
+    /// How far below the surface a preset is looked at, 0 to 100.
+    #[arg(long, value_name = "METRES", default_value_t = 5.0, help_heading = "Presets and units")]
+    below_surface: f64,
+    /// How the camera that looks at a preset is balanced.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t, help_heading = "Presets and units")]
+    white: Balance,
+    /// What relative depth 1 is, where a water per metre meets depth without a unit, or the other way round.
+    #[arg(long, value_name = "METRES", default_value_t = RelativeScale::default().metres_at_one(), help_heading = "Presets and units")]
+    metres_at_one: f32,
+}
+
+/// [`White`] on the command line.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Balance {
+    /// For daylight, exposed at depth: water is blue or green.
+    #[default]
+    Daylight,
+    /// At depth: a white card is white there.
+    AtDepth,
+    /// For daylight, exposed just below the surface: darker with depth.
+    AtSurface,
+}
+
+impl WaterSource {
+    /// Reads what is said on the command line.
+    pub(crate) fn parse(said: &Path) -> Result<Self, Failure> {
+        let Some(name) = said.to_str().and_then(|text| text.strip_prefix("preset:")) else {
+            let path = said.to_owned();
+            return Ok(if has_suffix(said) { Self::File(path) } else { Self::Picture(path) });
+        };
+        Preset::from_name(name).map(Self::Preset).ok_or_else(|| {
+            let names = Preset::ALL.map(Preset::name).join(", ");
+            Failure::usage(anyhow!(
+                "there is no preset {name:?}; the presets are {names} (`aquafuse water list`)"
+            ))
+        })
+    }
+
+    /// The file it is read from.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Picture(path) | Self::File(path) => Some(path),
+            Self::Preset(_) => None,
+        }
+    }
+
+    /// What to call it.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Picture(path) | Self::File(path) => shown(path).to_string(),
+            Self::Preset(preset) => format!("preset:{}", preset.name()),
+        }
+    }
+}
+
+impl WaterArguments {
+    /// Where a preset is looked at.
+    pub(crate) fn conditions(&self) -> Result<Conditions, Failure> {
+        let white = match self.white {
+            Balance::Daylight => White::Daylight,
+            Balance::AtDepth => White::AtDepth,
+            Balance::AtSurface => White::AtSurface,
+        };
+        let conditions = Conditions::default().with_white(white);
+        conditions.with_depth_below_surface(self.below_surface).map_err(Failure::usage)
+    }
+
+    /// The water as it is, and what one unit of its z is.
+    pub(crate) fn read<E: Space>(
+        &self,
+        source: &WaterSource,
+        model: DepthModel,
+        reading: &Reading,
+    ) -> Result<WaterFile<E>, Failure> {
+        match source {
+            WaterSource::File(path) => Ok(WaterFile::read(path)?),
+            WaterSource::Preset(preset) => Ok(WaterFile {
+                from: vec![source.name()],
+                depth_kind: DepthKind::Metres,
+                estimate: Estimate::given(preset.water(&self.conditions()?)),
+            }),
+            WaterSource::Picture(path) => {
+                let found = analyse(&reading.read(path)?, &DepthSource::Estimated(model))?;
+                Ok(WaterFile {
+                    from: vec![shown(path).to_string()],
+                    depth_kind: found.depth.kind(),
+                    estimate: found.estimate,
+                })
+            }
+        }
+    }
+
+    /// The water per unit of depth of `kind`.
+    pub(crate) fn per<E: Space>(&self, kind: DepthKind, file: &WaterFile<E>) -> Result<Estimate<E>, Failure> {
+        let scale = RelativeScale::new(self.metres_at_one).map_err(Failure::usage)?;
+        let mut estimate = file.estimate;
+        let (water, times) = match (file.depth_kind, kind) {
+            (DepthKind::Metres, DepthKind::Relative) => {
+                (estimate.water.per_relative(scale), scale.metres_at_one())
+            }
+            (DepthKind::Relative, DepthKind::Metres) => {
+                (estimate.water.per_metre(scale), 1.0 / scale.metres_at_one())
+            }
+            _ => return Ok(estimate),
+        };
+        estimate.water = water.map_err(Failure::work)?;
+        for end in estimate.intervals.backscatter_coefficient.as_flattened_mut() {
+            *end *= times;
+        }
+        Ok(estimate)
+    }
+}

@@ -1,0 +1,68 @@
+//! What a fusion or restoration is made from, as pictures to look at.
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::formation::form;
+use aquafuse::image::{Encoding, Image};
+use aquafuse::waterbody::{VeilingLight, Waterbody};
+
+use crate::analysis::Analysis;
+use crate::depth_file;
+use crate::picture::{FileError, Picture, Pixels, WriteOptions};
+use crate::treatment::{Space, Treatment};
+
+/// What making them takes in bytes a pixel: a map in floats, and the picture treated and not.
+pub(crate) const BYTES_A_PIXEL: u64 = 40;
+
+/// The maps, by what is put between a picture's stem and `.png`.
+const NAMES: [&str; 4] = ["depth", "backscatter", "illumination", "change"];
+
+/// The files that hold the maps of a picture: depth z (16 bits: 65535 is relative depth 1, or the unit is a
+/// millimetre), backscatter B, illumination E, and what the treatment changes (mid grey: nothing).
+pub fn paths(folder: &Path, input: &Path) -> [PathBuf; 4] {
+    NAMES.map(|name| {
+        let mut file = input.file_stem().unwrap_or_default().to_owned();
+        file.push(format!(".{name}.png"));
+        folder.join(file)
+    })
+}
+
+/// Writes the maps of a picture, replacing those of an earlier run.
+pub(crate) fn write<E: Space>(
+    folder: &Path,
+    input: &Path,
+    picture: &Picture,
+    found: &Analysis<E>,
+    treatment: &Treatment<E>,
+) -> Result<(), FileError> {
+    let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
+    let [depth, backscatter, illumination, change] = paths(folder, input);
+    depth_file::write(&depth, &found.depth, &options)?;
+    let write = |image: Image<u8>, path: &Path| Picture::new(image).write(path, &options);
+    let water = &found.estimate.water;
+    write(seen(0.0, found, water), &backscatter)?;
+    let without_veil = Waterbody { veiling_light: VeilingLight::new([0.0; 3]), ..*water };
+    write(seen(1.0, found, &without_veil), &illumination)?;
+    write(changed(picture, found, treatment), &change)
+}
+
+/// A clear image of one value everywhere, put into a water.
+fn seen<E: Encoding>(value: f32, found: &Analysis<E>, water: &Waterbody<E>) -> Image<u8> {
+    let (width, height) = found.depth.size();
+    let flat = Image::<f32, E>::from_raw(width, height, [value; 3].repeat(width.saturating_mul(height)));
+    let flat = flat.expect("a depth map has places");
+    form(&flat, &found.depth, water).expect("it was made for this depth map").to_encoded().to_samples()
+}
+
+/// The difference that a treatment makes, about mid grey.
+fn changed<E: Space>(picture: &Picture, found: &Analysis<E>, treatment: &Treatment<E>) -> Image<u8> {
+    let before = picture.bytes().into_owned();
+    let mut after = Pixels::from(before.clone());
+    treatment.apply(&mut after, found).expect("the depth map is this picture's");
+    let (width, height) = before.size();
+    let difference = |(after, before): (&u8, &u8)| {
+        128_u8.saturating_add(after.saturating_sub(*before)).saturating_sub(before.saturating_sub(*after))
+    };
+    let samples = after.into_bytes().as_raw().iter().zip(before.as_raw()).map(difference).collect();
+    Image::from_raw(width, height, samples).expect("of one size")
+}

@@ -1,0 +1,46 @@
+//! How good a picture looks, by scores that need no other picture.
+
+use aquafuse::image::Image;
+use aquafuse::metrics::{uciqe, uiqm};
+use serde::Serialize;
+
+/// Scores of one picture; for each, more is held to be better. All are fooled by oversaturation and noise.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::image::Image;
+/// use aquafuse_data::scores::Scores;
+///
+/// let flat: Image<u8> = Image::from_raw(10, 10, [90, 90, 90].repeat(100))?;
+/// let found = Scores::of(&flat);
+/// assert_eq!((found.contrast, found.sharpness), (0.0, Some(0.0)));
+/// # Ok::<(), aquafuse::image::SizeError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Scores {
+    /// UCIQE.
+    pub uciqe: f64,
+    /// UIQM; none for pictures smaller than its blocks of 10 x 10.
+    pub uiqm: Option<f64>,
+    /// Deviation of chroma, the first part of UCIQE.
+    pub colour: f64,
+    /// Lightness of the lightest less that of the darkest hundredth, the second part of UCIQE.
+    pub contrast: f64,
+    /// UISM, the second part of UIQM.
+    pub sharpness: Option<f64>,
+}
+
+impl Scores {
+    /// Scores a picture.
+    pub fn of(image: &Image<u8>) -> Self {
+        let (colour, sharp) = (uciqe(image), uiqm(image));
+        Self {
+            uciqe: colour.score(),
+            uiqm: sharp.map(|parts| parts.score()),
+            colour: colour.chroma_deviation,
+            contrast: colour.luminance_contrast,
+            sharpness: sharp.map(|parts| parts.sharpness),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! What is done to a picture: its water exchanged, or taken out.
+
+use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
+use aquafuse::fusion::{Bounded, Bounds, Clipping, Options, fuse_mut};
+use aquafuse::image::{Encoded, Encoding, Image, Linear, Sample, SizeError};
+use aquafuse::waterbody::Estimate;
+
+use crate::analysis::Analysis;
+use crate::picture::Pixels;
+
+/// What is done to each picture, in encoding `E`.
+#[derive(Clone, Debug)]
+pub enum Treatment<E: Encoding = Encoded> {
+    /// It is seen in another water.
+    Fuse {
+        /// The reference's water, and what it is worth.
+        reference: Estimate<E>,
+        /// How to fuse.
+        options: Options,
+    },
+    /// It is seen as if through air.
+    Restore(RestoreOptions),
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Treated {
+    /// Values that did not fit into the range.
+    pub clipping: Clipping,
+    /// Which safety bounds acted.
+    pub bounds: Held,
+}
+
+/// Which safety bounds acted: those of fusion, or those of restoration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Held {
+    /// Of a fusion.
+    pub fusion: Bounds,
+    /// Of a restoration.
+    pub restoration: RestoreBounds,
+}
+
+impl Held {
+    /// Whether any acted.
+    pub fn any(self) -> bool {
+        self != Self::default()
+    }
+}
+
+impl<E: Space> Treatment<E> {
+    /// Treats the pixels that `found` was told from.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when pixels and depth map differ in size; the pixels are then unchanged.
+    pub fn apply(&self, pixels: &mut Pixels, found: &Analysis<E>) -> Result<Treated, SizeError> {
+        match pixels {
+            Pixels::Bytes(layers) => E::apply(&mut layers.image, found, self),
+            Pixels::Words(layers) => E::apply(&mut layers.image, found, self),
+            Pixels::Floats(layers) => E::apply(&mut layers.image, found, self),
+        }
+    }
+
+    /// Treats a picture in the encoding of the water.
+    fn on<T: Sample>(&self, image: &mut Image<T, E>, found: &Analysis<E>) -> Result<Treated, SizeError> {
+        match self {
+            Self::Fuse { reference, options } => {
+                let bounded = Bounded::new(&found.estimate, reference, *options);
+                let clipping = fuse_mut(image, &found.depth, bounded.waters(), &bounded.options)?;
+                Ok(Treated { clipping, bounds: Held { fusion: bounded.bounds, ..Held::default() } })
+            }
+            Self::Restore(options) => {
+                let bounded = BoundedRestoration::new(image, &found.depth, &found.estimate, options)?;
+                let clipping = restore_mut(image, &found.depth, &bounded.water, &bounded.options)?;
+                Ok(Treated { clipping, bounds: Held { restoration: bounded.bounds, ..Held::default() } })
+            }
+        }
+    }
+
+    /// Bytes a pixel that it takes beside the picture.
+    pub(crate) fn bytes_a_pixel(&self) -> u64 {
+        E::BYTES_A_PIXEL
+    }
+}
+
+/// An encoding that pictures of files can be worked on in.
+pub trait Space: Encoding {
+    /// Treats a picture as its file holds it.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when picture and depth map differ in size; the picture is then unchanged.
+    fn apply<T: Sample>(
+        image: &mut Image<T>,
+        found: &Analysis<Self>,
+        treatment: &Treatment<Self>,
+    ) -> Result<Treated, SizeError>;
+    /// Bytes a pixel that this takes beside the picture.
+    const BYTES_A_PIXEL: u64;
+    /// The name in reports.
+    const NAME: &'static str;
+}
+
+impl Space for Encoded {
+    /// In place.
+    fn apply<T: Sample>(
+        image: &mut Image<T>,
+        found: &Analysis<Self>,
+        treatment: &Treatment<Self>,
+    ) -> Result<Treated, SizeError> {
+        treatment.on(image, found)
+    }
+    const BYTES_A_PIXEL: u64 = 0;
+    const NAME: &'static str = "encoded";
+}
+
+impl Space for Linear {
+    /// Decoded to floats, and encoded again.
+    fn apply<T: Sample>(
+        image: &mut Image<T>,
+        found: &Analysis<Self>,
+        treatment: &Treatment<Self>,
+    ) -> Result<Treated, SizeError> {
+        let mut light = image.to_linear();
+        let treated = treatment.on(&mut light, found)?;
+        *image = light.to_encoded().to_samples();
+        Ok(treated)
+    }
+    /// The light, the same encoded, and the samples.
+    const BYTES_A_PIXEL: u64 = 3 * (4 + 4 + 4);
+    const NAME: &'static str = "linear";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::{DepthSource, analyse};
+    use crate::picture::Picture;
+    use aquafuse::fusion::{Gain, Incidence, Model};
+    use aquafuse::truth::{Scene, Size, waters};
+
+    fn pictures() -> [Picture; 2] {
+        [0, 1].map(|i| {
+            let scene = Scene::new(i as u64, Size { width: 64, height: 48 });
+            Picture::new(scene.seen_through(&waters()[i].water).to_samples::<u8>())
+        })
+    }
+
+    fn treated<E: Space>(theta: f32) -> [Image<u8>; 2] {
+        let [content, reference] = pictures();
+        let found = analyse::<E>(&content, &DepthSource::default()).unwrap();
+        let reference = analyse::<E>(&reference, &DepthSource::default()).unwrap().estimate;
+        let options = Options {
+            incidence: Incidence::from_degrees(theta).unwrap(),
+            gain: Gain::new(1.0).unwrap(),
+            ..Options::for_model(Model::Physical)
+        };
+        let mut pixels = content.pixels.clone();
+        Treatment::Fuse { reference, options }.apply(&mut pixels, &found).unwrap();
+        [content.pixels.into_bytes(), pixels.into_bytes()]
+    }
+
+    #[test]
+    fn at_ninety_degrees_linear_light_returns_every_byte() {
+        let [before, after] = treated::<Linear>(90.0);
+        assert_eq!(before, after);
+    }
+
+    #[test]
+    fn in_linear_light_the_fusion_is_another_one() {
+        let [[_, encoded], [before, linear]] = [treated::<Encoded>(0.0), treated::<Linear>(0.0)];
+        assert!(linear != before && linear != encoded);
+    }
+
+    #[test]
+    fn restoring_takes_out_what_forming_put_in() {
+        let scene = Scene::new(4, Size { width: 64, height: 48 });
+        let water = waters()[1].water;
+        let found = Analysis {
+            depth: scene.depth.clone(),
+            depth_source: DepthSource::default(),
+            supplied: None,
+            estimate: Estimate::given(water),
+        };
+        let mut pixels = Pixels::from(scene.seen_through(&water));
+        let treated = Treatment::Restore(RestoreOptions::default()).apply(&mut pixels, &found).unwrap();
+        assert!(!treated.bounds.any(), "{:?}", treated.bounds);
+        let Pixels::Floats(restored) = pixels else { panic!("floats stay floats") };
+        let most = RestoreOptions::default().max_gain[0];
+        let places = restored.image.pixels().iter().zip(scene.clear.pixels()).zip(scene.depth.distances());
+        for ((found, clear), z) in places {
+            for c in (0..3).filter(|&c| water.illumination(z)[c] > 1.0 / most) {
+                assert!((found[c] - clear[c]).abs() < 1e-4, "{} is not {}", found[c], clear[c]);
+            }
+        }
+    }
+}

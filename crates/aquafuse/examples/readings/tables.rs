@@ -1,0 +1,197 @@
+//! The tables: in each, one choice is made each way and all others stay at our defaults.
+
+use aquafuse::depth::DepthModel;
+use aquafuse::fusion::{Gain, Model, Options};
+use aquafuse::image::{Encoded, Encoding, Linear, SizeError};
+use aquafuse::smooth::Smoothing;
+use aquafuse::waterbody::{BackscatterMethod, EstimateOptions, VeilingLightMethod};
+
+use crate::exchange::Exchange;
+use crate::reading::{Depth, Direct, Reading};
+use crate::scores::{Scores, mean, rms};
+
+/// Exchanges of each row; half of them with open water in view.
+const EXCHANGES: usize = 48;
+/// Number of the first; those of `truth_table` end before it.
+const FIRST: usize = 200;
+
+type Print = fn(&[Exchange<Encoded>]) -> Result<(), SizeError>;
+
+const TABLES: [(&str, Print); 9] = [
+    ("direct", direct),
+    ("direct-laws", direct_laws),
+    ("water", water),
+    ("depth", depth),
+    ("smoothing", smoothing),
+    ("gain", gain),
+    ("incidence", incidence),
+    ("light", light),
+    ("together", together),
+];
+
+/// Prints all tables, or the one of this name, each between the marks it stands between in the page.
+pub(crate) fn print(only: Option<&str>) -> Result<(), Box<dyn std::error::Error>> {
+    if let Some(only) = only.filter(|only| TABLES.iter().all(|(name, _)| name != only)) {
+        let names = TABLES.map(|(name, _)| name).join(", ");
+        return Err(format!("there is no table {only}; there are {names}").into());
+    }
+    let exchanges = exchanges::<Encoded>();
+    for (name, table) in TABLES.into_iter().filter(|(name, _)| only.is_none_or(|only| *name == only)) {
+        println!("<!-- {name} -->");
+        table(&exchanges)?;
+        println!("<!-- /{name} -->");
+    }
+    Ok(())
+}
+
+/// The two models that are a shift: the paper's, and the one that makes the whole change of truth A.
+const SHIFTS: [Model; 2] = [Model::Aquafuse, Model::Physical];
+const DIRECT: [(&str, Direct); 2] =
+    [("U1* of Eq. 10 (ours)", Direct::Modulated), ("U1 − B1", Direct::WithoutBackscatter)];
+const PAPERS: EstimateOptions = EstimateOptions {
+    top: aquafuse::image::TopEdge::First,
+    veiling_light: VeilingLightMethod::Published,
+    backscatter: BackscatterMethod::Published,
+};
+
+fn exchanges<E: Encoding>() -> Vec<Exchange<E>> {
+    (FIRST..FIRST + EXCHANGES).map(Exchange::new).collect()
+}
+
+fn header(first: &str) {
+    println!("| {first} | model | {}", Scores::HEADER);
+}
+
+fn row<E: Encoding, F: Encoding>(
+    name: &str,
+    exchanges: &[Exchange<E>],
+    reading: &Reading,
+) -> Result<(), SizeError> {
+    let scores =
+        exchanges.iter().map(|one| Scores::of::<E, F>(one, reading)).collect::<Result<Vec<_>, _>>()?;
+    println!("| {name} | `{}` | {}", reading.options.model.name(), Scores::cells(&scores));
+    Ok(())
+}
+
+fn direct(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("I1 e^(−τ)");
+    for (name, direct) in DIRECT {
+        row::<_, Encoded>(name, exchanges, &Reading { direct, ..Reading::ours(Model::Aquafuse) })?;
+    }
+    Ok(())
+}
+
+fn direct_laws(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    println!("| I1 e^(−τ) | own water, θ = 0° | another water, θ = 90° |");
+    println!("|---|---|---|");
+    for (name, direct) in DIRECT {
+        let reading = Reading { direct, ..Reading::ours(Model::Aquafuse) };
+        let changed = |degrees: f32, own: bool| -> Result<f64, SizeError> {
+            let of = |one: &Exchange<Encoded>| {
+                let reference = if own { &one.content } else { &one.reference };
+                let fused = reading.at(degrees).fuse::<_, Encoded>(&one.content, reference)?;
+                Ok(255.0 * rms(fused.as_raw(), one.content.image.to_unit().as_raw()))
+            };
+            Ok(mean(exchanges.iter().map(of).collect::<Result<Vec<f64>, _>>()?.into_iter()))
+        };
+        println!("| {name} | {:.1} | {:.1} |", changed(0.0, true)?, changed(90.0, false)?);
+    }
+    Ok(())
+}
+
+fn water(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("z; B∞; β_B");
+    let depths = [("`eq3`", Depth::Colour(DepthModel::default())), ("given", Depth::Given)];
+    let veils =
+        [("open water", VeilingLightMethod::OpenWater), ("farthest 5 %", VeilingLightMethod::Published)];
+    let growths = [("envelope", BackscatterMethod::Envelope), ("darkest 1 %", BackscatterMethod::Published)];
+    for model in SHIFTS {
+        for (z, depth) in depths {
+            for (veil, veiling_light) in veils {
+                for (growth, backscatter) in growths {
+                    let water = EstimateOptions { veiling_light, backscatter, ..Default::default() };
+                    let name = format!("{z}; {veil}; {growth}");
+                    row::<_, Encoded>(&name, exchanges, &Reading { depth, water, ..Reading::ours(model) })?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn depth(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("z");
+    let eq3 = DepthModel::default();
+    let mut ways: Vec<(String, Depth)> =
+        DepthModel::ALL.iter().map(|model| (format!("`{}`", model.name()), Depth::Colour(*model))).collect();
+    ways.insert(1, ("`eq3`, no median".to_owned(), Depth::Unfiltered(eq3)));
+    ways.push(("given".to_owned(), Depth::Given));
+    for model in SHIFTS {
+        for (name, depth) in &ways {
+            row::<_, Encoded>(name, exchanges, &Reading { depth: *depth, ..Reading::ours(model) })?;
+        }
+    }
+    Ok(())
+}
+
+fn smoothing(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("last step");
+    for model in SHIFTS {
+        for smoothing in Smoothing::ALL {
+            let name = smoothing.name();
+            row::<_, Encoded>(name, exchanges, &Reading { smoothing, ..Reading::ours(model) })?;
+        }
+    }
+    Ok(())
+}
+
+fn gain(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("α");
+    for model in SHIFTS {
+        for gain in [1.0, 1.5] {
+            let options = Options { gain: Gain::new(gain).expect("in range"), ..Options::for_model(model) };
+            row::<_, Encoded>(&gain.to_string(), exchanges, &Reading { options, ..Reading::ours(model) })?;
+        }
+    }
+    Ok(())
+}
+
+fn incidence(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("θ");
+    for model in SHIFTS {
+        for degrees in [0.0, 30.0, 45.0, 60.0, 90.0] {
+            row::<_, Encoded>(&format!("{degrees}°"), exchanges, &Reading::ours(model).at(degrees))?;
+        }
+    }
+    Ok(())
+}
+
+fn light(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("scene formed in; fused in");
+    let linear = self::exchanges::<Linear>();
+    for model in SHIFTS {
+        let ours = Reading::ours(model);
+        row::<_, Encoded>("encoded; encoded (ours)", exchanges, &ours)?;
+        row::<_, Linear>("encoded; linear", exchanges, &ours)?;
+        row::<_, Encoded>("linear; encoded (ours)", &linear, &ours)?;
+        row::<_, Linear>("linear; linear", &linear, &ours)?;
+    }
+    Ok(())
+}
+
+fn together(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+    header("settings");
+    for model in Model::ALL {
+        row::<_, Encoded>("our defaults", exchanges, &Reading::ours(model))?;
+    }
+    let published = Reading {
+        options: Options::as_published(),
+        smoothing: Smoothing::Bilateral,
+        ..Reading::ours(Model::Aquafuse)
+    };
+    row::<_, Encoded>("`--as-published`", exchanges, &published)?;
+    let papers = Reading { water: PAPERS, ..published };
+    row::<_, Encoded>("the same, B∞ and β_B the paper's way", exchanges, &papers)?;
+    let other = Reading { direct: Direct::WithoutBackscatter, ..papers };
+    row::<_, Encoded>("the same, U1 − B1 in Eq. 11", exchanges, &other)
+}

@@ -1,0 +1,209 @@
+//! What keeps a restoration from burning what its estimates do not know.
+
+use super::RestoreOptions;
+use crate::depth::DepthMap;
+use crate::image::{Encoding, Image, Sample, SizeError};
+use crate::waterbody::{Estimate, VeilingLight, Waterbody};
+
+/// Water and options of a restoration after the safety bounds, and which of these acted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundedRestoration<E: Encoding> {
+    /// The water to take out.
+    pub water: Waterbody<E>,
+    /// How far to go in each channel.
+    pub options: RestoreOptions,
+    /// Which bounds acted.
+    pub bounds: RestoreBounds,
+}
+
+/// Which safety bounds acted on a restoration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RestoreBounds {
+    /// Less backscatter is taken off than the estimate says: more of it than there is light.
+    pub backscatter: bool,
+    /// Some channel is strengthened less than the estimate says: it would have burnt.
+    pub gain: bool,
+    /// Red is strengthened less than the estimate says: it would have led.
+    pub red: bool,
+}
+
+/// Share of a channel that may leave the range at either end.
+const CLIPPED: f64 = 0.01;
+/// So far below 0 (encoded) is what noise and a good estimate leave; only what lies lower counts.
+const NOISE: f32 = 0.02;
+/// Values looked at: whole rows, so that the mirror image is bounded alike.
+const SAMPLES: usize = 1 << 15;
+/// Halvings of the range in which a bound is looked for: to less than a thousandth.
+const HALVINGS: usize = 12;
+
+impl<E: Encoding> BoundedRestoration<E> {
+    /// Bounds the restoration of a picture by what comes of it.
+    ///
+    /// - The backscatter of a channel is taken down until at most 1 % of its values would become darker than black;
+    /// - the gain of a channel until at most 1 % become brighter than white;
+    /// - with depth from colour the gain of red until its mean does not exceed those of green and blue: what
+    ///   colour says of distance says too much where red is all but gone.
+    ///
+    /// A right estimate of an ordinary scene meets none of them.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when picture and depth map differ in size.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions};
+    /// use aquafuse::truth::{Scene, Size, waters};
+    /// use aquafuse::waterbody::Estimate;
+    ///
+    /// let scene = Scene::new(1, Size { width: 96, height: 64 });
+    /// let water = waters()[0].water;
+    /// let seen = scene.seen_through(&water);
+    /// let options = RestoreOptions::default();
+    /// let right = BoundedRestoration::new(&seen, &scene.depth, &Estimate::given(water), &options)?;
+    /// assert_eq!(right.bounds, RestoreBounds::default());
+    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// ```
+    pub fn new<T: Sample>(
+        image: &Image<T, E>,
+        depth: &DepthMap,
+        estimate: &Estimate<E>,
+        options: &RestoreOptions,
+    ) -> Result<Self, SizeError> {
+        depth.check_fits(image.size())?;
+        let mut found = Self { water: estimate.water, options: *options, bounds: RestoreBounds::default() };
+        let mut channels = channels(image, depth, &estimate.water);
+        let mut veil = estimate.water.veiling_light.rgb();
+        for (c, channel) in channels.iter_mut().enumerate() {
+            let noise = E::from_encoded(NOISE);
+            let kept = largest(0.0, 1.0, |share| channel.share(|p| p.value - share * p.backscatter < -noise));
+            if kept < 1.0 {
+                veil[c] *= kept;
+                channel.0.iter_mut().for_each(|place| place.backscatter *= kept);
+                found.bounds.backscatter = true;
+            }
+            let most = options.max_gain[c].max(1.0);
+            let gain = largest(1.0, most, |gain| channel.share(|p| p.restored(gain) > 1.0));
+            if gain < most {
+                found.options.max_gain[c] = gain;
+                found.bounds.gain = true;
+            }
+        }
+        found.water.veiling_light = VeilingLight::new(veil);
+        if estimate.depth_model.is_some() {
+            found.hold_red(&channels);
+        }
+        Ok(found)
+    }
+
+    fn hold_red(&mut self, [red, green, blue]: &[Channel; 3]) {
+        let gain = self.options.max_gain;
+        let most = green.mean(gain[1]).max(blue.mean(gain[2]));
+        // A red thing close by leads already, and nothing is strengthened there.
+        let most = most.max(red.mean(1.0));
+        let held = largest(1.0, gain[0], |gain| if red.mean(gain) > most { 1.0 } else { 0.0 });
+        if held < gain[0] {
+            self.options.max_gain[0] = held;
+            self.bounds.red = true;
+        }
+    }
+}
+
+/// The largest number up to `most` at which not too much leaves the range; what does grows with the number.
+fn largest(least: f32, most: f32, leaves: impl Fn(f32) -> f64) -> f32 {
+    if leaves(most) <= CLIPPED {
+        return most;
+    }
+    let (mut below, mut above) = (least, most);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (below + above);
+        if leaves(middle) <= CLIPPED { below = middle } else { above = middle }
+    }
+    below
+}
+
+/// Some places of one channel.
+struct Channel(Vec<Place>);
+
+struct Place {
+    value: f32,
+    backscatter: f32,
+    /// e^τ.
+    gain: f32,
+}
+
+impl Place {
+    fn restored(&self, max_gain: f32) -> f32 {
+        (self.value - self.backscatter) * self.gain.min(max_gain)
+    }
+}
+
+impl Channel {
+    fn share(&self, holds: impl Fn(&Place) -> bool) -> f64 {
+        self.0.iter().filter(|place| holds(place)).count() as f64 / self.0.len().max(1) as f64
+    }
+
+    fn mean(&self, max_gain: f32) -> f64 {
+        let sum: f64 = self.0.iter().map(|place| f64::from(place.restored(max_gain).clamp(0.0, 1.0))).sum();
+        sum / self.0.len().max(1) as f64
+    }
+}
+
+fn channels<T: Sample, E: Encoding>(
+    image: &Image<T, E>,
+    depth: &DepthMap,
+    water: &Waterbody<E>,
+) -> [Channel; 3] {
+    let (width, height) = image.size();
+    let rows = (SAMPLES / width).clamp(1, height);
+    let mut channels = [const { Vec::new() }; 3];
+    for row in 0..rows {
+        // The middle of each of so many bands.
+        let y = (2 * row + 1) * height / (2 * rows);
+        for x in 0..width {
+            let z = depth.at(x, y);
+            let (left, backscatter) = (water.illumination(z), water.backscatter(z));
+            let pixel = image.pixels()[y * width + x];
+            for c in 0..3 {
+                let value = pixel[c].to_unit();
+                channels[c].push(Place { value, backscatter: backscatter[c], gain: left[c].recip() });
+            }
+        }
+    }
+    channels.map(Channel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formation::restore_mut;
+    use crate::truth::{Scene, Size, waters};
+    use crate::waterbody::Attenuation;
+
+    fn burnt(water: Waterbody) -> (RestoreBounds, f64) {
+        let scene = Scene::new(3, Size { width: 96, height: 64 });
+        let mut seen = scene.seen_through(&waters()[1].water).to_samples::<u8>();
+        let mut estimate = Estimate::given(water);
+        estimate.depth_model = Some(crate::depth::DepthModel::default());
+        let options = RestoreOptions::default();
+        let bounded = BoundedRestoration::new(&seen, &scene.depth, &estimate, &options).unwrap();
+        let clipping = restore_mut(&mut seen, &scene.depth, &bounded.water, &bounded.options).unwrap();
+        let white = seen.pixels().iter().flatten().filter(|&&value| value == 255).count();
+        assert!(clipping.share() < 1.0);
+        (bounded.bounds, white as f64 / (3 * seen.pixels().len()) as f64)
+    }
+
+    #[test]
+    fn a_wrong_attenuation_burns_nothing() {
+        let wrong = Waterbody { attenuation: [Attenuation::constant(2.0).unwrap(); 3], ..waters()[1].water };
+        let (bounds, white) = burnt(wrong);
+        assert!(bounds.gain && white < 0.03, "{bounds:?} {white}");
+    }
+
+    #[test]
+    fn too_bright_a_veil_is_not_taken_off() {
+        let wrong = Waterbody { veiling_light: VeilingLight::new([0.9; 3]), ..waters()[1].water };
+        assert!(burnt(wrong).0.backscatter);
+    }
+}

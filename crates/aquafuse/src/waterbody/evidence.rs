@@ -1,0 +1,81 @@
+//! What an estimate was fitted to, for whoever wants to see it.
+
+use super::{EstimateOptions, Look, Seen, VeilingLight, attenuation, backscatter, look};
+use crate::depth::DepthMap;
+use crate::image::{Encoding, Image, SizeError};
+
+/// What [`estimate`](super::estimate) read off a picture on its way to the water.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evidence {
+    /// Ranges of depth with about as many pixels each, near to far.
+    pub bins: Vec<DepthBin>,
+    /// z that 95 % of the pixels do not exceed, open water beyond all things left out: the far end of the fits.
+    pub z95: f32,
+    /// Whether the veiling light was read from this pixel, row by row from the top.
+    pub read_from: Vec<bool>,
+}
+
+/// The pixels of one range of depths, per channel red, green, blue, in the encoding of the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthBin {
+    /// Mean z.
+    pub z: f32,
+    /// How many there are.
+    pub pixels: u64,
+    /// The darkest things, to which B is fitted: a black one would lie on the curve, others lie above it.
+    pub dark: [f32; 3],
+    /// Mean direct signal U − B.
+    pub direct: [f32; 3],
+    /// E(z), to which β_D is fitted: the direct signal as a share of what it is at z = 0 by that fit. None
+    /// where nothing is left to measure.
+    pub illumination: [Option<f32>; 3],
+}
+
+/// What [`estimate`](super::estimate) reads with the same arguments, of all pixels: of large pictures that counts
+/// in a thumbnail, which differs by less than the eye sees.
+///
+/// # Errors
+///
+/// [`SizeError`] when picture and depth map differ in size.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{depth, image::{Encoded, Image}, waterbody};
+///
+/// let row: Vec<u8> = (0..200).flat_map(|x| [220 - x, 60 + x / 2, 70 + x / 2]).collect();
+/// let image = Image::<u8>::from_raw(200, 1, row)?;
+/// let z = depth::estimate(&image);
+/// let seen = waterbody::evidence::<Encoded>(&image, &z, &Default::default())?;
+/// assert!(seen.bins.iter().all(|bin| bin.dark.iter().all(|dark| (0.0..=1.0).contains(dark))));
+/// assert_eq!(seen.read_from.len(), 200);
+/// # Ok::<(), aquafuse::image::SizeError>(())
+/// ```
+pub fn evidence<E: Encoding>(
+    image: &Image<u8>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+) -> Result<Evidence, SizeError> {
+    depth.check_fits(image.size())?;
+    let quantised = depth.quantised();
+    let whole = Seen { image, levels: &quantised.levels };
+    let Look { statistics, light, growth, attenuation } = look::<E>(whole, image, &quantised, depth, options);
+    let envelopes = backscatter::envelopes(&statistics, &light);
+    let veil = VeilingLight::<E>::new(growth.veil).rgb();
+    let bins = statistics.bins.iter().enumerate().map(|(i, bin)| {
+        let direct: [f32; 3] =
+            std::array::from_fn(|c| attenuation::direct_signal(bin, c, veil[c], growth.coefficient[c]));
+        DepthBin {
+            z: bin.z,
+            pixels: bin.count,
+            dark: std::array::from_fn(|c| envelopes[c][i].dark),
+            direct,
+            illumination: std::array::from_fn(|c| attenuation[c].illumination(direct[c])),
+        }
+    });
+    Ok(Evidence {
+        bins: bins.collect(),
+        z95: statistics.z95,
+        read_from: light.places.mask(image, &quantised.levels),
+    })
+}

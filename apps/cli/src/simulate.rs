@@ -29,8 +29,8 @@ Example:
 pub(crate) struct Simulate {
     /// The picture, taken in air.
     image: PathBuf,
-    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the picture's size. Where it holds no valid value, things are
-    /// taken to be as far as the farthest.
+    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the picture's size. Where it holds no valid value, colour
+    /// tells, as in `fuse`: little more than a guess in air, and counted.
     depth: PathBuf,
     /// The water: preset:NAME from `water list`, NAME.water.json from `water extract`, or a picture.
     water: PathBuf,

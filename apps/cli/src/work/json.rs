@@ -36,7 +36,6 @@ struct Done<'a> {
     clipping: Clipping,
     quality: Quality,
     waterbody: Numbers,
-    #[serde(skip_serializing_if = "Option::is_none")]
     scores: Option<BeforeAfter>,
     held_back: HeldBack,
     supplied_depth: Option<Supplied>,

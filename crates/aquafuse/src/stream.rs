@@ -9,7 +9,7 @@ use crate::waterbody::{self, Estimate, EstimateOptions, Scratch};
 ///
 /// Depth is estimated of every frame, the content's water of every [`Options::every`]-th. Frames may differ in size.
 /// Once the memory for a frame is there, the next of that size takes nothing more that grows with the picture. The
-/// result is that of [`depth`](crate::depth), [`waterbody`](crate::waterbody) and [`fusion`](crate::fusion) called
+/// result is that of [`depth`](crate::depth), [`waterbody`] and [`fusion`] called
 /// one by one, to the bit, whatever the number of threads.
 ///
 /// # Examples

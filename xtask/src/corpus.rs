@@ -45,6 +45,34 @@ const WATER: &str = r#"{"schema":1,"from":["a.png"],"encoding":"encoded","depth"
 "quality":{"verdict":"doubtful","reasons":["few_dark_pixels"]}}
 "#;
 
+const COCO: &str = r#"{"info": {"year": 2024}, "images": [{"id": 7, "file_name": "a.jpg", "width": 64, "height": 48},
+{"file_name": "b.jpg", "id": 9}], "annotations": [{"id": 3, "image_id": 7, "bbox": [1.0, 2, 30, 40], "category_id": 1},
+{"id": 5, "image_id": 9, "caption": "two fish"}], "categories": [{"id": 1, "name": "fish"}]}
+"#;
+const VOC: &str = "<annotation><filename>a &amp; b.jpg</filename><path>/p/a.jpg</path><size><width>64</width><height>48</height></size>
+<object><name>fish</name><bndbox><xmin>1</xmin><ymin>2.5</ymin><xmax>64</xmax><ymax>48</ymax></bndbox></object></annotation>
+";
+const YOLO: &str = "0 0.5 0.5 0.25 0.5\n1 0.1 0.1 0.9 0.1 0.5 0.9\n2 0.5 0.5 0.2 0.2 0.5 0.5 2 0.1 0.1 0\n";
+const MANIFEST: &str = r#"{"line":"job","schema":1,"version":"0.1.0","dataset":"fish","layout":"yolo","encoding":"encoded","settings":{"seed":1,"per_image":1,"with_replacement":false,"theta_range":[0.0,60.0],"alpha_range":[1.0,1.0],"model":"aquafuse","most_gain":2.0,"smooth":"none","depth":{"model":"ratio"},"on_doubtful":"flag","on_bad_annotation":"refuse","keep_originals":true,"quality":95,"lenient":false},"waters":[{"name":"w.jpg","sha256":"00","water":{}}],"instead":null}
+{"line":"original","key":"a.jpg","output":"a.jpg","bytes":3,"sha256":"01","companions":[{"output":"a.txt","bytes":1,"sha256":"02"}]}
+{"line":"variant","key":"a.jpg","number":0,"water":0,"theta":12.5,"alpha":1.0,"source":{"bytes":3,"sha256":"01","depth_sha256":null},"verdict":"good","reasons":[],"clipped":0.25,"instead":false,"output":"a__w__0.jpg","bytes":3,"sha256":"03","companions":[]}
+{"line":"skipped","key":"b.jpg","why":"doubtful"}
+{"line":"failed","key":"c.jpg","error":"cannot read"}
+{"line":"index","output":"data.yaml","bytes":4,"sha256":"04"}
+{"line":"end","sha256":"05"}
+"#;
+
+/// What has no generator: text files, one each.
+const TEXTS: [(&str, &str, &str); 7] = [
+    ("dataset-coco", "instances.json", COCO),
+    ("dataset-voc", "a.xml", VOC),
+    ("dataset-yolo", "a.txt", YOLO),
+    ("job-record", "job.jsonl", RECORD),
+    ("manifest", "manifest.jsonl", MANIFEST),
+    ("model-file", "model.toml", MODEL),
+    ("water-file", "a.water.json", WATER),
+];
+
 pub(crate) fn run_all() -> Result<()> {
     say("Making the corpus of fuzz/ anew");
     let made = root().join("target/corpus");
@@ -70,9 +98,9 @@ pub(crate) fn run_all() -> Result<()> {
             }
         }
     }
-    add(&corpus, "job-record", "job.jsonl", RECORD.as_bytes())?;
-    add(&corpus, "model-file", "model.toml", MODEL.as_bytes())?;
-    add(&corpus, "water-file", "a.water.json", WATER.as_bytes())?;
+    for (target, name, text) in TEXTS {
+        add(&corpus, target, name, text.as_bytes())?;
+    }
     counts(&corpus)
 }
 

@@ -1,5 +1,6 @@
 //! The `aquafuse` command: moves the waterbody of one underwater picture into another.
 
+mod augment;
 mod common;
 mod crossover;
 mod demo;
@@ -15,9 +16,11 @@ mod manual;
 mod output;
 mod progress;
 mod reading;
+mod replay;
 mod restore;
 mod signals;
 mod simulate;
+mod verify;
 mod water;
 mod water_argument;
 mod work;
@@ -52,6 +55,9 @@ enum Command {
     Water(water::Water),
     Fit(fit::Fit),
     Simulate(simulate::Simulate),
+    Augment(augment::Augment),
+    Verify(verify::Verify),
+    Replay(replay::Replay),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -72,6 +78,8 @@ Examples:
   aquafuse water extract green.jpg -o green.water.json
                                                      a water to keep
   aquafuse depth reef.jpg -o depth.png
+  aquafuse augment fish/ waters/ -o more/ --per-image 5 --keep-originals
+                                                     a data set, six times as large
   aquafuse fit pairs/ -o mine.toml --depth-kind metres
                                                      a depth model from pictures with known depth
 
@@ -111,6 +119,9 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Water(water) => water.run(common),
         Command::Fit(fit) => fit.run(common.quiet),
         Command::Simulate(simulate) => simulate.run(common),
+        Command::Augment(augment) => augment.run(common),
+        Command::Verify(verify) => verify.run(common),
+        Command::Replay(replay) => replay.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }

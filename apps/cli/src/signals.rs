@@ -46,7 +46,7 @@ mod unix {
         let clear = if stderr.is_terminal() { "\r\x1b[2K" } else { "" };
         let _ = writeln!(
             stderr,
-            "{clear}aquafuse: stopped; every file it wrote is whole. The same `fuse` of a folder goes on from here"
+            "{clear}aquafuse: stopped; every file it wrote is whole. The same command on a folder goes on from here"
         );
         std::process::exit(128 + signal);
     }

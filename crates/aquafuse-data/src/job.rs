@@ -1,11 +1,10 @@
 //! A long run as a stream of messages: whoever started it decides what to show.
 
+mod crew;
 mod record;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::thread;
 
 use aquafuse::depth::SuppliedReport;
 use aquafuse::fusion::Clipping;
@@ -21,6 +20,7 @@ use crate::scores::Scores;
 use crate::treatment::{Held, Space, Treated, Treatment};
 use crate::water_file::Numbers;
 
+pub(crate) use crew::{Crew, Outcome};
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use record::try_parse;
 pub use record::{Plan, RECORD, Record};
@@ -162,46 +162,22 @@ impl<E: Space> Job<E> {
     /// order.
     pub fn run(&self, listener: &(dyn Fn(Message<'_>) + Sync)) -> Summary {
         listener(Message::Started { total: self.items.len() });
-        let cores = || thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let threads = self.conduct.threads.map_or_else(cores, NonZeroUsize::get);
-        let progress = Progress::default();
         let budget = self.recipe.reading.budget();
-        // Threads of its own: one that waits for memory in a pool could be given work that waits for it.
-        thread::scope(|scope| {
-            for _ in 0..threads.min(self.items.len()) {
-                scope.spawn(|| self.work(&progress, &budget, listener));
+        let Conduct { threads, most_failures, .. } = self.conduct;
+        Crew { threads, most_failures }.each(&self.items, &|item| match self.make(item, &budget) {
+            Ok(Some(report)) => {
+                listener(Message::Done { item, report: Box::new(report) });
+                Outcome::Done
             }
-        });
-        let Progress { done, kept, failed, .. } = progress;
-        let [done, kept, failed] = [done, kept, failed].map(AtomicUsize::into_inner);
-        let tried = done.saturating_add(kept).saturating_add(failed);
-        Summary { done, kept, failed, left: self.items.len().saturating_sub(tried) }
-    }
-
-    /// Takes item after item until there is none left or too many failed.
-    fn work(&self, progress: &Progress, budget: &Budget, listener: &(dyn Fn(Message<'_>) + Sync)) {
-        while let Some(item) = self.items.get(progress.next.fetch_add(1, Ordering::Relaxed)) {
-            if progress.stopped.load(Ordering::Relaxed) {
-                return;
+            Ok(None) => {
+                listener(Message::Kept { item });
+                Outcome::Kept
             }
-            match self.make(item, budget) {
-                Ok(Some(report)) => {
-                    progress.done.fetch_add(1, Ordering::Relaxed);
-                    listener(Message::Done { item, report: Box::new(report) });
-                }
-                Ok(None) => {
-                    progress.kept.fetch_add(1, Ordering::Relaxed);
-                    listener(Message::Kept { item });
-                }
-                Err(error) => {
-                    let failed_before = progress.failed.fetch_add(1, Ordering::Relaxed);
-                    if self.conduct.most_failures.is_some_and(|most| failed_before >= most) {
-                        progress.stopped.store(true, Ordering::Relaxed);
-                    }
-                    listener(Message::Failed { item, error });
-                }
+            Err(error) => {
+                listener(Message::Failed { item, error });
+                Outcome::Failed
             }
-        }
+        })
     }
 
     /// Makes one picture; none if it is there already.
@@ -279,15 +255,6 @@ impl<E: Space> Job<E> {
 }
 
 /// What a supplied depth map takes in bytes a pixel: as stored, as floats of its file and as distances.
-const SUPPLIED: u64 = 16;
+pub(crate) const SUPPLIED: u64 = 16;
 /// What scoring takes in bytes a pixel: colours in CIELab, chroma and lightness by themselves.
 const SCORED: u64 = 48;
-
-#[derive(Default)]
-struct Progress {
-    next: AtomicUsize,
-    done: AtomicUsize,
-    kept: AtomicUsize,
-    failed: AtomicUsize,
-    stopped: AtomicBool,
-}

@@ -49,6 +49,9 @@
 //! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, read as a declared kind |
 //! | [`analysis`] | what a picture tells about its depth and water: the one estimator of every command |
 //! | [`treatment`] | what is done to a picture: fused with a water, or restored; encoded or in linear light |
+//! | [`dataset`] | data sets: pictures, and the annotations about them |
+//! | [`augment`] | a data set multiplied in other waters, with a manifest; verified, and made again |
+//! | [`digest`] | SHA-256 |
 //! | [`folder`] | which pictures a folder holds |
 //! | [`job`] | a long run as a stream of messages; one that was stopped goes on where it was |
 //! | [`pairs`] | pictures with known depth, a folder `rgb` and a folder `depth`, to fit a depth model to |
@@ -79,8 +82,11 @@
 )]
 
 pub mod analysis;
+pub mod augment;
 mod barrier;
+pub mod dataset;
 pub mod depth_file;
+pub mod digest;
 pub mod folder;
 pub mod job;
 pub mod maps;

@@ -15,8 +15,8 @@ use std::path::Path;
 
 use aquafuse::image::{Image, TopEdge};
 
-pub(crate) use atomic::write_atomically;
 pub use atomic::{abandon_parts, remove_stale_parts, write_text};
+pub(crate) use atomic::{write_atomically, write_bytes};
 pub use error::FileError;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use exif::try_exif;
@@ -119,6 +119,15 @@ impl Picture {
     /// may not be replaced, or the system refuses; whatever stood at `path` is then still there.
     pub fn write(&self, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
         write::write(self, path, options)
+    }
+
+    /// The file that [`write`](Self::write) would write at `path`, in memory.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when the name has another extension, or the format cannot hold the picture.
+    pub fn encode(&self, path: &Path, quality: u8) -> Result<Vec<u8>, FileError> {
+        write::encode(self, path, quality)
     }
 
     /// The colours in bytes, whatever the file holds.

@@ -10,6 +10,8 @@ use aquafuse::fusion::Options;
 use aquafuse::image::{Encoded, Sample as _};
 
 use crate::analysis::{DepthSource, analyse};
+use crate::augment::try_manifest;
+use crate::dataset::{try_coco, try_voc, try_yolo};
 use crate::depth_file;
 use crate::job;
 use crate::model_file::ModelFile;
@@ -27,7 +29,7 @@ pub struct Target {
 }
 
 /// Every parser there is.
-pub const ALL: [Target; 15] = [
+pub const ALL: [Target; 19] = [
     Target { name: "bmp", run: |bytes| picture(Format::Bmp, bytes) },
     Target { name: "exif", run: try_exif },
     Target { name: "gif", run: |bytes| picture(Format::Gif, bytes) },
@@ -40,7 +42,11 @@ pub const ALL: [Target; 15] = [
     Target { name: "depth-pfm", run: |bytes| depth(b"Pf", bytes) },
     Target { name: "depth-png", run: |bytes| depth(b"\x89PNG", bytes) },
     Target { name: "depth-tiff", run: |bytes| depth(b"", bytes) },
+    Target { name: "dataset-coco", run: |bytes| text(bytes, try_coco) },
+    Target { name: "dataset-voc", run: |bytes| text(bytes, try_voc) },
+    Target { name: "dataset-yolo", run: |bytes| text(bytes, try_yolo) },
     Target { name: "job-record", run: job::try_parse },
+    Target { name: "manifest", run: try_manifest },
     Target { name: "model-file", run: model },
     Target { name: "water-file", run: water },
 ];
@@ -105,6 +111,12 @@ fn depth(magic: &[u8], bytes: &[u8]) {
         if let Err(error) = depth_file::from_bytes(Path::new(NAME), bytes, kind) {
             check_error(&error);
         }
+    }
+}
+
+fn text(bytes: &[u8], parse: fn(&str)) {
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        parse(text);
     }
 }
 

@@ -32,6 +32,11 @@ impl DepthFolder {
         Ok(Self { folder: folder.to_owned(), by_stem })
     }
 
+    /// Where they stand.
+    pub fn path(&self) -> &Path {
+        &self.folder
+    }
+
     /// The depth map of a picture.
     ///
     /// # Errors

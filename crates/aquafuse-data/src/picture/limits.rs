@@ -83,6 +83,11 @@ impl Size {
         (pixels * writing.max(kept + kept) + OVERHEAD).0
     }
 
+    /// Memory of the pixels as they are kept.
+    pub(crate) fn memory_of_pixels(&self) -> u64 {
+        (Saturating(self.pixels()) * self.kept()).0
+    }
+
     /// Bytes of a pixel as it is kept.
     fn kept(&self) -> Saturating<u64> {
         Saturating(self.channels) * Saturating(self.sample)

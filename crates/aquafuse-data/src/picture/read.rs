@@ -183,11 +183,21 @@ impl Opened {
     /// # Errors
     ///
     /// [`FileError`] when the file is damaged, was cut short, or changed since it was opened.
-    pub fn decode(mut self) -> Result<Picture, FileError> {
-        self.decoded().map_err(|fault| fault.named(&self.path))
+    pub fn decode(self) -> Result<Picture, FileError> {
+        self.decode_seeing(|_| {})
     }
 
-    fn decoded(&mut self) -> Result<Picture, Fault> {
+    /// Decodes the picture, and shows the bytes of its file.
+    pub(crate) fn decode_seeing(mut self, see: impl FnOnce(&[u8])) -> Result<Picture, FileError> {
+        self.decoded(see).map_err(|fault| fault.named(&self.path))
+    }
+
+    /// Memory that its pixels take once decoded, in bytes.
+    pub(crate) fn memory_of_pixels(&self) -> u64 {
+        self.size.memory_of_pixels()
+    }
+
+    fn decoded(&mut self, see: impl FnOnce(&[u8])) -> Result<Picture, Fault> {
         let mut bytes = Vec::new();
         self.file.rewind()?;
         Read::by_ref(&mut self.file).take(self.length).read_to_end(&mut bytes)?;
@@ -195,6 +205,7 @@ impl Opened {
         if bytes.len() as u64 != self.length || header(self.format, &mut Cursor::new(&bytes))? != self.size {
             return Err(Fault::Damaged("it changed while it was read".into()));
         }
+        see(&bytes);
         decode(self.format, &bytes, self.options.lenient)
     }
 }

@@ -3,7 +3,7 @@
 mod tiff;
 
 use std::borrow::Cow;
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 use ::image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
@@ -11,6 +11,7 @@ use ::image::codecs::webp::WebPEncoder;
 use ::image::{ExtendedColorType, ImageEncoder, ImageError};
 use ::png::{BitDepth, ColorType, Compression, Encoder, Info, PixelDimensions, Unit};
 
+use super::atomic::Output;
 use super::format::WRITTEN;
 use super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::pixels::{Layers, Pixels};
@@ -20,18 +21,43 @@ use super::{FileError, Format, Picture, WriteOptions, exif, write_atomically};
 const JPEG_EXIF: usize = 65535 - 2 - 6;
 
 pub(super) fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
+    let (format, metadata) = ready(picture, path)?;
+    let fill = |out: &mut dyn Output| encode_as(format, out, picture, &metadata, options.quality);
+    write_atomically(path, options.overwrite, fill)
+}
+
+pub(super) fn encode(picture: &Picture, path: &Path, quality: u8) -> Result<Vec<u8>, FileError> {
+    let (format, metadata) = ready(picture, path)?;
+    let mut out = Cursor::new(Vec::new());
+    let encoded = encode_as(format, &mut out, picture, &metadata, quality);
+    encoded.map_err(|error| FileError::Write { path: path.to_owned(), cause: error.to_string() })?;
+    Ok(out.into_inner())
+}
+
+/// The format that a name asks for, and what goes into the file beside the pixels.
+fn ready<'a>(picture: &'a Picture, path: &Path) -> Result<(Format, Cow<'a, Metadata>), FileError> {
     let Some(format) = Format::written(path) else {
         return Err(FileError::UnknownExtension { path: path.to_owned(), expected: WRITTEN });
     };
     let failed = |cause: String| FileError::Write { path: path.to_owned(), cause };
     let metadata = carried(picture).map_err(&failed)?;
     check(picture, &metadata, format).map_err(failed)?;
-    write_atomically(path, options.overwrite, |out| match format {
-        Format::Png => png(out, picture, &metadata),
-        Format::Jpeg => jpeg(out, picture, &metadata, options.quality),
-        Format::WebP => webp(out, picture, &metadata),
-        _ => tiff::encode(out, picture, &metadata),
-    })
+    Ok((format, metadata))
+}
+
+fn encode_as(
+    format: Format,
+    mut out: &mut dyn Output,
+    picture: &Picture,
+    metadata: &Metadata,
+    quality: u8,
+) -> io::Result<()> {
+    match format {
+        Format::Png => png(&mut out, picture, metadata),
+        Format::Jpeg => jpeg(&mut out, picture, metadata, quality),
+        Format::WebP => webp(&mut out, picture, metadata),
+        _ => tiff::encode(out, picture, metadata),
+    }
 }
 
 /// What goes into the output: no thumbnail, which shows another picture, and the mark of damage.

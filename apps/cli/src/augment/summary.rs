@@ -1,0 +1,81 @@
+//! What is said about a data set that was multiplied.
+
+use std::fmt::Write;
+
+use aquafuse::waterbody::Verdict;
+use aquafuse_data::augment::{Augmentation, Message};
+use aquafuse_data::job::Summary;
+use aquafuse_data::picture::shown;
+use aquafuse_data::treatment::Space;
+
+/// What is counted while a run goes on.
+#[derive(Default)]
+pub(super) struct Tally {
+    variants: usize,
+    doubtful: usize,
+    failed_estimates: usize,
+}
+
+impl Tally {
+    pub(super) fn add(&mut self, message: &Message<'_>) {
+        if let Message::Done { variants, verdict, .. } = message {
+            self.variants += variants;
+            match verdict {
+                Some(Verdict::Doubtful) => self.doubtful += 1,
+                Some(Verdict::Failed) => self.failed_estimates += 1,
+                _ => {}
+            }
+        }
+    }
+}
+
+/// What a run would make.
+pub(super) fn planned<E: Space>(
+    job: &Augmentation<E>,
+    pictures: usize,
+    variants: usize,
+    bad: usize,
+) -> String {
+    let mut text = heading(job);
+    let kept = if job.recipe.keep_originals { ", and carry them over" } else { "" };
+    let _ = writeln!(text, "would make {variants} variants of {pictures} pictures{kept}");
+    left_out(&mut text, bad);
+    text
+}
+
+/// What a run has made.
+pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary, bad: usize) -> String {
+    let mut text = heading(job);
+    if ended.kept > 0 {
+        let _ = writeln!(text, "{} pictures were done already, by a run before this one", ended.kept);
+    }
+    let _ = writeln!(
+        text,
+        "{} variants of {} pictures written to {}",
+        tally.variants,
+        ended.done,
+        shown(&job.output)
+    );
+    left_out(&mut text, bad);
+    for (count, verdict) in [(tally.failed_estimates, Verdict::Failed), (tally.doubtful, Verdict::Doubtful)] {
+        if count > 0 {
+            let _ = writeln!(
+                text,
+                "  pictures whose own water is {}: {count}; the manifest names them",
+                verdict.name()
+            );
+        }
+    }
+    text
+}
+
+fn heading<E: Space>(job: &Augmentation<E>) -> String {
+    let (layout, waters) = (job.dataset.layout.name(), job.recipe.waters.len());
+    format!("{}: layout {layout}, {waters} waters\n", shown(&job.dataset.root))
+}
+
+fn left_out(text: &mut String, bad: usize) {
+    if bad > 0 {
+        let _ = writeln!(text, "  pictures left out for bad annotations: {bad}");
+    }
+}

@@ -1,0 +1,72 @@
+//! `aquafuse verify`: whether what was made is still as it was made.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use aquafuse_data::augment::verify;
+use aquafuse_data::picture::shown;
+use clap::Args;
+use serde::Serialize;
+
+use crate::augment::failure;
+use crate::common::Common;
+use crate::failure::Failure;
+use crate::output;
+
+/// Check what `augment` made against its manifest, bit for bit.
+#[derive(Args)]
+#[command(after_help = "Example:\n  aquafuse verify more/\n  aquafuse verify more/ --dataset fish/")]
+pub(crate) struct Verify {
+    /// The folder that `augment` wrote.
+    folder: PathBuf,
+    /// Check the pictures that it was made from too, in this data set.
+    #[arg(long, value_name = "DIR")]
+    dataset: Option<PathBuf>,
+    /// Print one JSON object, for programs.
+    #[arg(long)]
+    json: bool,
+}
+
+/// `schema` changes when a field changes its meaning or goes.
+#[derive(Serialize)]
+struct Report {
+    schema: u32,
+    files: usize,
+    wrong: Vec<Wrong>,
+}
+
+#[derive(Serialize)]
+struct Wrong {
+    file: String,
+    cause: String,
+}
+
+impl Verify {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let check = verify(&self.folder, self.dataset.as_deref()).map_err(failure)?;
+        if self.json {
+            let wrong = |(path, cause): &(PathBuf, String)| Wrong {
+                file: shown(path).to_string(),
+                cause: cause.clone(),
+            };
+            let report =
+                Report { schema: 1, files: check.files, wrong: check.wrong.iter().map(wrong).collect() };
+            let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
+            output::print(&(text + "\n"))?;
+        } else {
+            for (path, cause) in &check.wrong {
+                output::complain(&format!("{}: {cause}", shown(path)));
+            }
+            if !common.quiet {
+                let right = check.files.saturating_sub(check.wrong.len());
+                output::print(&format!("{right} of {} files are as they were made\n", check.files))?;
+            }
+        }
+        match check.wrong.len() {
+            0 => Ok(()),
+            // Named above, one by one.
+            _ if !self.json => Err(Failure::Told),
+            wrong => Err(Failure::work(anyhow!("{wrong} files are not as they were made"))),
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! Data sets multiplied by the command, read back by the readers that people use, killed and gone on with.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
+mod run;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use run::{Run, scene};
+
+const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_datasets.py");
+
+/// A data set of YOLO with `pictures` pictures in two splits, and two waters beside it.
+fn fish(pictures: usize) -> Run {
+    let run = Run::new();
+    for folder in ["fish/images/train", "fish/images/val", "fish/labels/train", "fish/labels/val", "waters"] {
+        fs::create_dir_all(run.path(folder)).unwrap();
+    }
+    fs::write(
+        run.path("fish/data.yaml"),
+        "path: ../fish\ntrain: images/train\nval: images/val\nnames: [fish]\n",
+    )
+    .unwrap();
+    for number in 0..pictures {
+        let split = if number % 4 == 0 { "val" } else { "train" };
+        scene(&run.path(&format!("fish/images/{split}/{number}.png")), number as u64, "blue");
+        let label = format!("0 0.5 0.4 0.{}25 0.3\n0 0.25 0.25 0.125 0.0625\n", 1 + number % 5);
+        fs::write(run.path(&format!("fish/labels/{split}/{number}.txt")), label).unwrap();
+    }
+    scene(&run.path("waters/green.png"), 90, "green");
+    scene(&run.path("waters/turbid.png"), 91, "turbid");
+    run
+}
+
+const AUGMENT: [&str; 7] = ["augment", "fish", "waters", "-o", "more", "--per-image", "2"];
+
+fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&AUGMENT[..], more].concat()
+}
+
+/// Every file below a folder, hidden ones left out.
+fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
+    let (mut found, mut left) = (BTreeMap::new(), vec![root.to_owned()]);
+    while let Some(folder) = left.pop() {
+        for entry in fs::read_dir(folder).into_iter().flatten() {
+            let path = entry.unwrap().path();
+            let name = path.strip_prefix(root).unwrap().to_str().unwrap().to_owned();
+            if path.is_dir() {
+                left.push(path);
+            } else if !name.rsplit('/').next().unwrap().starts_with('.') {
+                found.insert(name, fs::read(path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn a_data_set_is_multiplied_checked_and_made_again() {
+    let run = fish(4);
+    let dry = run.ok(&with(&["--dry-run", "--keep-originals"]));
+    assert!(dry.stdout.contains("would make 8 variants of 4 pictures"), "{}", dry.stdout);
+    assert!(!run.path("more").exists());
+    let said = run.ok(&with(&["--keep-originals"]));
+    assert!(said.stdout.contains("layout yolo, 2 waters"), "{}", said.stdout);
+    assert!(said.stdout.contains("8 variants of 4 pictures written to more"), "{}", said.stdout);
+    let made = files(&run.path("more"));
+    assert_eq!(made.len(), 2 * 12 + 2);
+    assert_eq!(made["data.yaml"], b"train: images/train\nval: images/val\nnames: [fish]\n");
+    assert!(
+        made.contains_key("images/val/0__green__0.png") || made.contains_key("images/val/0__turbid__0.png")
+    );
+
+    let again = run.ok(&with(&["--keep-originals"]));
+    assert!(again.stdout.contains("4 pictures were done already"), "{}", again.stdout);
+    let checked = run.ok(&["verify", "more", "--dataset", "fish"]);
+    assert_eq!(checked.stdout, "30 of 30 files are as they were made\n");
+    fs::write(run.path("more/labels/val/0.txt"), "0 0.5 0.5 0.5 0.5\n").unwrap();
+    let wrong = run.fails(1, &["verify", "more"]);
+    assert!(wrong.stderr.contains("more/labels/val/0.txt: it has"), "{}", wrong.stderr);
+
+    let key = made.keys().find(|name| name.starts_with("images/val/0__")).unwrap();
+    run.ok(&["replay", "more/manifest.jsonl", "--only", key, "-o", "again"]);
+    assert_eq!(files(&run.path("again")), BTreeMap::from([(key.clone(), made[key].clone())]));
+}
+
+#[test]
+fn what_cannot_be_done_is_said_before_anything_is_made() {
+    let run = fish(2);
+    let equal = run.fails(2, &with(&["--per-image", "3"]));
+    assert!(equal.stderr.contains("cannot be used multiple times"), "{}", equal.stderr);
+    let equal = run.fails(2, &["augment", "fish", "waters", "-o", "more", "--per-image", "3"]);
+    assert!(equal.stderr.contains("some would be equal"), "{}", equal.stderr);
+    let nested = run.fails(2, &["augment", "fish", "waters", "-o", "fish/more"]);
+    assert!(nested.stderr.contains("lie in one another"), "{}", nested.stderr);
+    let none = run.fails(2, &["augment", "fish", "preset:milk", "-o", "more"]);
+    assert!(none.stderr.contains("no preset \"milk\""), "{}", none.stderr);
+    let other = run.fails(2, &with(&["--format", "masks"]));
+    assert!(other.stderr.contains("layout masks"), "{}", other.stderr);
+    fs::write(run.path("fish/labels/val/0.txt"), "0 0.9 0.5 0.4 0.1\n").unwrap();
+    fs::write(run.path("fish/labels/val/9.txt"), "0 0.5 0.5 0.5 0.5\n").unwrap();
+    let bad = run.fails(2, &AUGMENT);
+    assert!(
+        bad.stderr.contains("labels/val/0.txt:1: the box reaches from 0.7000 to 1.1000 across")
+            && bad.stderr.contains("labels/val/9.txt: there is no picture")
+            && bad.stderr.contains("--on-bad-annotation"),
+        "{}",
+        bad.stderr
+    );
+    assert!(!run.path("more").exists());
+    let skipped = run.ok(&with(&["--on-bad-annotation", "skip"]));
+    assert!(skipped.stdout.contains("left out for bad annotations: 1"), "{}", skipped.stdout);
+    assert_eq!(files(&run.path("more")).keys().filter(|name| name.ends_with(".png")).count(), 2);
+}
+
+#[test]
+fn a_picture_that_fails_is_named_and_listed() {
+    let run = fish(4);
+    fs::write(run.path("fish/images/val/0.png"), "no picture").unwrap();
+    let failed = run.fails(1, &AUGMENT);
+    assert!(failed.stderr.contains("fish/images/val/0.png"), "{}", failed.stderr);
+    assert!(failed.stderr.contains("1 of 4 pictures failed"), "{}", failed.stderr);
+    let manifest = String::from_utf8(run.bytes("more/manifest.jsonl")).unwrap();
+    assert!(manifest.contains(r#""line":"failed","key":"images/val/0.png""#), "{manifest}");
+    assert_eq!(files(&run.path("more")).keys().filter(|name| name.ends_with(".png")).count(), 6);
+}
+
+/// How many kills a run has to bear; `cargo xtask soak` asks for more.
+fn kills() -> usize {
+    std::env::var("AQUAFUSE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(20)
+}
+
+#[test]
+fn an_augmentation_killed_and_run_again_equals_one_clean_run() {
+    let run = fish(12);
+    let arguments = with(&["--keep-originals", "--theta-range", "0,60", "--quiet"]);
+    let began = Instant::now();
+    run.ok(&arguments);
+    let whole_run = began.elapsed();
+    let more = run.path("more");
+    let clean = files(&more);
+    fs::remove_dir_all(&more).unwrap();
+    let (mut killed, mut finished, mut chance) = (0, 0, 7_u64);
+    while killed < kills() {
+        chance = chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let mut child = run.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(whole_run.mul_f64((chance >> 40) as f64 / f64::from(1 << 24)));
+        if child.try_wait().unwrap().is_none() {
+            child.kill().unwrap();
+            killed += 1;
+        }
+        let ended = child.wait().unwrap();
+        assert!(ended.success() || ended.code().is_none(), "it ended by itself with {ended}");
+        let there = files(&more);
+        let whole = |(name, bytes): (&String, &Vec<u8>)| name == "manifest.jsonl" || bytes == &clean[name];
+        assert!(there.iter().all(whole), "a half file");
+        if ended.success() {
+            assert!(there == clean, "gone on with, it is another");
+            finished += 1;
+            fs::remove_dir_all(&more).unwrap();
+        }
+    }
+    run.ok(&arguments);
+    assert!(files(&more) == clean, "gone on with, it is another");
+    println!("augmentations killed: {killed}, finished: {}, half files: 0, differing bytes: 0", finished + 1);
+}
+
+/// Has a data set and what was made of it compared by the readers of others.
+fn compare(layout: &str, before: &Path, after: &Path) -> bool {
+    let Some(python) = std::env::var_os("AQUAFUSE_PYTHON") else {
+        println!(
+            "skipped: AQUAFUSE_PYTHON names no Python with pycocotools and supervision; `cargo xtask test` sets one up"
+        );
+        return false;
+    };
+    let ended = Command::new(python).args([READER, layout]).args([before, after]).output().unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    print!("{}", String::from_utf8_lossy(&ended.stdout));
+    true
+}
+
+#[test]
+fn the_readers_of_others_find_the_same_annotations() {
+    let run = fish(4);
+    run.ok(&with(&["--keep-originals"]));
+    if !compare("yolo", &run.path("fish"), &run.path("more")) {
+        return;
+    }
+    // The same pictures, described in the other two ways.
+    let pictures: Vec<PathBuf> = ["val/0.png", "train/1.png", "train/2.png"]
+        .map(|name| run.path(&format!("fish/images/{name}")))
+        .into();
+    let (mut images, mut annotations) = (Vec::new(), Vec::new());
+    fs::create_dir_all(run.path("coco/images")).unwrap();
+    for folder in ["voc/Annotations", "voc/JPEGImages", "voc/ImageSets/Main", "masks/images", "masks/masks"] {
+        fs::create_dir_all(run.path(folder)).unwrap();
+    }
+    for (picture, number) in pictures.iter().zip(1..) {
+        let name = picture.file_name().unwrap().to_str().unwrap();
+        for folder in ["coco/images", "voc/JPEGImages", "masks/images", "masks/masks"] {
+            fs::copy(picture, run.path(folder).join(name)).unwrap();
+        }
+        images.push(format!(r#"{{"id": {number}, "file_name": "{name}", "width": 96, "height": 64}}"#));
+        annotations.push(format!(
+            r#"{{"id": {number}, "image_id": {number}, "category_id": 1, "bbox": [{number}.5, 4, 20.25, 30], "area": 607.5, "iscrowd": 0, "segmentation": [[1, 1, 20, 1, 20, 30.5]], "mine": 1e-3}}"#
+        ));
+        let xml = format!(
+            "<annotation>\n  <filename>{name}</filename>\n  <size><width>96</width><height>64</height><depth>3</depth></size>\n  \
+             <object><name>fish</name><bndbox><xmin>{number}</xmin><ymin>2</ymin><xmax>60</xmax><ymax>40</ymax></bndbox></object>\n</annotation>\n"
+        );
+        fs::write(run.path("voc/Annotations").join(name).with_extension("xml"), xml).unwrap();
+    }
+    let json = format!(
+        r#"{{"images": [{}], "annotations": [{}], "categories": [{{"id": 1, "name": "fish"}}]}}"#,
+        images.join(", "),
+        annotations.join(", ")
+    );
+    fs::write(run.path("coco/instances.json"), json).unwrap();
+    fs::write(run.path("voc/ImageSets/Main/train.txt"), "0\n1\n2\n").unwrap();
+    for layout in ["coco", "voc", "masks"] {
+        let output = format!("{layout}-more");
+        run.ok(&["augment", layout, "waters", "-o", &output, "--per-image", "2", "--keep-originals"]);
+        assert!(compare(layout, &run.path(layout), &run.path(&output)));
+    }
+}
+
+#[test]
+fn real_fish_and_real_masks_six_times() {
+    let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA").map(PathBuf::from) else {
+        println!("skipped: AQUAFUSE_TEST_DATA names no folder of real pictures");
+        return;
+    };
+    let run = Run::new();
+    let scenes = data.join("scenes");
+    let waters: Vec<PathBuf> =
+        ["greenish_03.jpg", "blueish_04.jpg", "turbid_09.jpg", "clear_01.jpg", "greenish_06.jpg"]
+            .map(|name| scenes.join(name))
+            .into();
+    for (folder, layout) in [
+        ("annotated_yolo_deepfish", "yolo"),
+        ("annotated_yolo_deepfish", "coco"),
+        ("annotated_suim", "masks"),
+    ] {
+        let (before, after) = (data.join(folder), run.path(layout));
+        let mut command =
+            run.command(&["augment", "--format", layout, "--per-image", "5", "--keep-originals", "--quiet"]);
+        command.arg("-o").arg(&after).arg(&before).args(&waters);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let pictures = |root: &Path| {
+            let names = files(root).into_keys().filter(|name| name.starts_with("images/"));
+            names.filter(|name| !name.ends_with(".txt")).count()
+        };
+        assert_eq!(pictures(&after), 6 * pictures(&before), "{layout}");
+        run.ok(&["verify", layout]);
+        if !compare(layout, &before, &after) {
+            return;
+        }
+    }
+}

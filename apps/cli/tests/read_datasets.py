@@ -1,0 +1,116 @@
+"""Reads a data set and what `aquafuse augment` made of it with the readers that people use, and compares annotations.
+
+    read_datasets.py yolo|coco|voc|masks BEFORE AFTER
+
+Every picture of BEFORE must be in AFTER with its variants, STEM__WATER__NUMBER, of the same size, and each with the
+annotations of its picture.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+PICTURES = {".png", ".jpg", ".jpeg", ".tif", ".bmp", ".webp"}
+
+
+def source(name):
+    """The stem of the picture that a picture of this stem was made from."""
+    return name.rsplit("__", 2)[0]
+
+
+def size(path):
+    with Image.open(path) as image:
+        return image.size
+
+
+def pictures(folder):
+    return sorted(path for path in Path(folder).rglob("*") if path.suffix.lower() in PICTURES)
+
+
+def by_supervision(load):
+    """Boxes and classes of each picture, by its stem."""
+    data = load()
+    found = {}
+    for path, _, detections in data:
+        rows = zip(detections.xyxy.tolist(), detections.class_id.tolist())
+        found[Path(path).stem] = sorted((tuple(box), data.classes[kind]) for box, kind in rows)
+    return found
+
+
+def yolo(root):
+    import supervision as sv
+
+    found = {}
+    config = root / "data.yaml"
+    if not config.exists():
+        # The reader asks for one.
+        config = Path(tempfile.mkdtemp()) / "data.yaml"
+        config.write_text("names: [fish]\n")
+    for folder in sorted({path.parent for path in pictures(root / "images")}):
+        labels = root / "labels" / folder.relative_to(root / "images")
+        found |= by_supervision(lambda: sv.DetectionDataset.from_yolo(str(folder), str(labels), str(config)))
+    return found
+
+
+def voc(root):
+    import supervision as sv
+
+    names = {path.stem for path in (root / "Annotations").glob("*.xml")}
+    listed = (root / "ImageSets/Main/train.txt").read_text().split()
+    assert set(listed) == names and len(listed) == len(names), "the list does not name every picture once"
+    return by_supervision(
+        lambda: sv.DetectionDataset.from_pascal_voc(str(root / "JPEGImages"), str(root / "Annotations"))
+    )
+
+
+def coco(root):
+    from pycocotools.coco import COCO
+
+    (path,) = [path for path in root.rglob("*.json") if not path.name.startswith(".")]
+    data = COCO(str(path))
+    ids = [annotation["id"] for annotation in data.dataset["annotations"]]
+    assert len(ids) == len(set(ids)), "an id twice"
+    assert len(data.imgs) == len(data.dataset["images"]), "an id of a picture twice"
+    found = {}
+    for image in data.loadImgs(data.getImgIds()):
+        (file,) = list(root.rglob(Path(image["file_name"]).name))
+        assert size(file) == (image["width"], image["height"]), file
+        own = data.loadAnns(data.getAnnIds(imgIds=image["id"]))
+        for annotation in own:
+            data.annToMask(annotation) if annotation.get("segmentation") else None
+        rest = [{k: v for k, v in one.items() if k not in ("id", "image_id")} for one in own]
+        about = {k: v for k, v in image.items() if k not in ("id", "file_name")}
+        found[Path(image["file_name"]).stem] = (about, rest)
+    return found
+
+
+def masks(root):
+    found = {}
+    for path in pictures(root / "images"):
+        (mask,) = [m for m in pictures(root / "masks") if m.stem == path.stem]
+        with Image.open(mask) as image:
+            assert image.size == size(path), mask
+            found[path.stem] = np.asarray(image).tobytes()
+    return found
+
+
+def main():
+    layout, before, after = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
+    read = {"yolo": yolo, "coco": coco, "voc": voc, "masks": masks}[layout]
+    old, new = read(before), read(after)
+    sizes = {path.stem: size(path) for path in pictures(before)}
+    for path in pictures(after):
+        assert size(path) == sizes[source(path.stem)], f"{path} has another size"
+    counts = {}
+    for stem, annotations in new.items():
+        assert annotations == old[source(stem)], f"{stem}: {annotations} is not {old[source(stem)]}"
+        counts[source(stem)] = counts.get(source(stem), 0) + 1
+    assert counts.keys() == old.keys() and len(set(counts.values())) == 1, counts
+    assert len(new) > len(old), "nothing was made"
+    print(f"{layout}: {len(old)} pictures became {len(new)}, annotations equal")
+
+
+main()

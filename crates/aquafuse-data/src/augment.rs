@@ -1,0 +1,269 @@
+//! Data sets multiplied: each picture seen in other waters, its annotations carried over.
+//!
+//! The objects stay where they are, so that boxes, outlines, key points, masks and captions of a picture are those of
+//! its variants too.
+
+mod depth;
+mod draw;
+mod finish;
+mod journal;
+mod make;
+mod manifest;
+mod plan;
+mod replay;
+mod verify;
+mod water;
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use aquafuse::fusion::Options;
+use aquafuse::smooth::Smoothing;
+use aquafuse::waterbody::Verdict;
+
+pub use draw::{Draw, Draws};
+use journal::Journal;
+pub use replay::{Replayed, replay};
+pub use verify::{Check, verify};
+pub use water::{OnDoubtful, Water};
+
+use crate::dataset::Dataset;
+use crate::job::{Crew, Outcome, Summary};
+use crate::picture::{FileError, ReadOptions, one_line, remove_stale_parts, shown};
+use crate::treatment::Space;
+use crate::water_file::WaterFileError;
+pub use depth::DepthPlan;
+pub use plan::PlanError;
+
+/// A data set to multiply.
+#[derive(Debug)]
+pub struct Augmentation<E: Space> {
+    /// What is multiplied.
+    pub dataset: Dataset,
+    /// The folder for what is made: new, empty, or one of a run that was stopped.
+    pub output: PathBuf,
+    /// What to make.
+    pub recipe: Recipe<E>,
+    /// Which part of the data set to make.
+    pub shard: Shard,
+    /// How to run.
+    pub conduct: Conduct,
+}
+
+/// Everything but the pictures that decides what is made.
+#[derive(Clone, Debug)]
+pub struct Recipe<E: Space> {
+    /// The waters to draw from.
+    pub waters: Vec<Water<E>>,
+    /// Variants of each picture.
+    pub per_image: u32,
+    /// How water, θ and α are drawn.
+    pub draws: Draws,
+    /// The model, and what it leaves to its user but θ and α.
+    pub options: Options,
+    /// How to smooth what comes out.
+    pub smoothing: Smoothing,
+    /// How to come by depth.
+    pub depth: DepthPlan,
+    /// What to do about doubtful estimates.
+    pub on_doubtful: OnDoubtful<E>,
+    /// What was done about bad annotations, by its name; for the manifest.
+    pub on_bad_annotation: &'static str,
+    /// Carry the pictures themselves over too.
+    pub keep_originals: bool,
+    /// How to read.
+    pub reading: ReadOptions,
+    /// JPEG quality.
+    pub quality: u8,
+}
+
+/// How to run; nothing that is made depends on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conduct {
+    /// Pictures in work at once; none: one a core.
+    pub threads: Option<NonZeroUsize>,
+    /// Stop once more pictures than this have failed; none: never.
+    pub most_failures: Option<usize>,
+    /// Begin anew where the folder holds what other settings made.
+    pub overwrite: bool,
+}
+
+/// A part of a data set: this one of so many, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which.
+    pub number: u32,
+    /// Of how many.
+    pub of: u32,
+}
+
+impl Default for Shard {
+    /// All of it.
+    fn default() -> Self {
+        Self { number: 1, of: 1 }
+    }
+}
+
+impl Shard {
+    /// Whether a picture belongs to it.
+    pub fn holds(self, key: &str) -> bool {
+        Draws::shard(key, self.of) == self.number.saturating_sub(1)
+    }
+
+    /// What is put into the names of files about all pictures, so that shards do not write one file.
+    fn infix(self) -> String {
+        if self.of == 1 { String::new() } else { format!(".shard-{}-of-{}", self.number, self.of) }
+    }
+
+    fn manifest(self) -> String {
+        format!("manifest{}.jsonl", self.infix())
+    }
+}
+
+/// What a run says as it goes.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Message<'a> {
+    /// It begins, with this many pictures.
+    Started {
+        /// Pictures of the data set that take part.
+        total: usize,
+    },
+    /// A picture was multiplied by a run before this one.
+    Kept {
+        /// Its key.
+        key: &'a str,
+    },
+    /// A picture is multiplied, or skipped.
+    Done {
+        /// Its key.
+        key: &'a str,
+        /// Variants that were made.
+        variants: usize,
+        /// What its estimate is worth.
+        verdict: Option<Verdict>,
+        /// Its lines of the manifest.
+        lines: String,
+    },
+    /// A picture failed; the others go on.
+    Failed {
+        /// Its key.
+        key: &'a str,
+        /// Why.
+        error: FileError,
+    },
+}
+
+/// A data set cannot be multiplied, or its manifest not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AugmentError {
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// What is to be made cannot be.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A manifest is none of ours.
+    #[error(
+        "{}, line {line}, is no manifest of this version. Move it away, or give another output",
+        shown(path)
+    )]
+    Manifest {
+        /// The manifest.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+    },
+    /// There is no variant of this name.
+    #[error("{} lists no variant {key:?}, and none of a picture of that name", shown(path))]
+    NoSuchKey {
+        /// The manifest.
+        path: PathBuf,
+        /// What was asked for.
+        key: String,
+    },
+    /// A water in a manifest is none.
+    #[error(transparent)]
+    Water(#[from] WaterFileError),
+}
+
+impl<E: Space> Augmentation<E> {
+    /// What would be made: pictures, and variants of them.
+    ///
+    /// # Errors
+    ///
+    /// [`AugmentError`] as for [`run`](Self::run), as far as can be told without writing.
+    pub fn planned(&self) -> Result<(usize, usize), AugmentError> {
+        let plan = self.plan()?;
+        Ok((plan.len(), plan.iter().map(|sample| sample.variants.len()).fold(0, usize::saturating_add)))
+    }
+
+    /// Makes what is not made yet, telling `listener` as it goes, and writes the manifest.
+    ///
+    /// The files do not depend on threads, nor on how often the run was stopped.
+    ///
+    /// # Errors
+    ///
+    /// [`AugmentError`] when the work cannot begin, or the files about all pictures cannot be written. A picture that
+    /// fails is no error: it is counted, and listed in the manifest.
+    pub fn run(&self, listener: &(dyn Fn(Message<'_>) + Sync)) -> Result<Summary, AugmentError> {
+        let plan = self.plan()?;
+        let depths = depth::Maps::of(&self.recipe.depth, plan.iter().map(|sample| sample.key.as_str()))?;
+        let header = self.recipe.header(&self.dataset);
+        let (journal, known) = Journal::open(&self.output, self.shard, &header, self.conduct.overwrite)?;
+        for folder in plan::folders(&plan) {
+            let folder = self.output.join(folder);
+            std::fs::create_dir_all(&folder)
+                .map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
+            remove_stale_parts(&folder);
+        }
+        listener(Message::Started { total: plan.len() });
+        let entries = Mutex::new(BTreeMap::new());
+        let maker = make::Maker::new(self, depths);
+        let work = |sample: &plan::Planned| {
+            let known = known.get(&sample.key).cloned().unwrap_or_default();
+            let (entry, outcome) = match maker.make(sample, known, &journal) {
+                Ok(make::Made { entry, news: None }) => {
+                    listener(Message::Kept { key: &sample.key });
+                    (entry, Outcome::Kept)
+                }
+                Ok(make::Made { entry, news: Some(news) }) => {
+                    let make::News { variants, verdict, lines } = news;
+                    listener(Message::Done { key: &sample.key, variants, verdict, lines });
+                    (entry, Outcome::Done)
+                }
+                Err((mut entry, error)) => {
+                    entry.failed = Some(one_line(&error.to_string()));
+                    listener(Message::Failed { key: &sample.key, error });
+                    (entry, Outcome::Failed)
+                }
+            };
+            entries.lock().unwrap_or_else(PoisonError::into_inner).insert(sample.key.clone(), entry);
+            outcome
+        };
+        let Conduct { threads, most_failures, .. } = self.conduct;
+        let summary = Crew { threads, most_failures }.each(&plan, &work);
+        if summary.left == 0 {
+            let entries = entries.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let indices = self.write_indices(&entries)?;
+            journal.seal(&header, entries, indices)?;
+        }
+        Ok(summary)
+    }
+}
+
+/// Reads a manifest for nothing but that: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_manifest(bytes: &[u8]) {
+    if let Ok(found) = manifest::parse(bytes) {
+        let text = manifest::sealed_text(&found.header, found.entries.clone(), found.indices.clone());
+        let again = manifest::parse(text.as_bytes()).expect("what is written is read");
+        assert_eq!((again.header, again.entries, again.sealed), (found.header, found.entries, Some(true)));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,62 @@
+//! The depth of a data set's pictures.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use aquafuse::depth::{DepthModel, SuppliedKind};
+
+use crate::analysis::DepthSource;
+use crate::dataset::split;
+use crate::depth_file::DepthFolder;
+use crate::picture::FileError;
+
+/// How to come by the depth of a data set's pictures.
+#[derive(Clone, Debug)]
+pub enum DepthPlan {
+    /// From colour.
+    Estimated(DepthModel),
+    /// From a folder of maps, laid out as the data set or with all maps in it, each of its picture's stem.
+    Maps {
+        /// The folder.
+        folder: PathBuf,
+        /// What its values are.
+        kind: SuppliedKind,
+    },
+}
+
+/// The maps of a data set, found once.
+pub(super) enum Maps {
+    None(DepthModel),
+    Folders { root: PathBuf, kind: SuppliedKind, by_folder: BTreeMap<PathBuf, DepthFolder> },
+}
+
+impl Maps {
+    /// Lists the folders in which the maps of these pictures stand.
+    pub(super) fn of<'a>(plan: &DepthPlan, keys: impl Iterator<Item = &'a str>) -> Result<Self, FileError> {
+        let (root, kind) = match plan {
+            DepthPlan::Estimated(model) => return Ok(Self::None(*model)),
+            DepthPlan::Maps { folder, kind } => (folder.clone(), *kind),
+        };
+        let mut by_folder = BTreeMap::from([(root.clone(), DepthFolder::list(&root)?)]);
+        for key in keys {
+            let folder = root.join(split(key).0);
+            if folder.is_dir() && !by_folder.contains_key(&folder) {
+                by_folder.insert(folder.clone(), DepthFolder::list(&folder)?);
+            }
+        }
+        Ok(Self::Folders { root, kind, by_folder })
+    }
+
+    /// The depth of a picture.
+    pub(super) fn source(&self, key: &str) -> Result<DepthSource, FileError> {
+        let (root, kind, by_folder) = match self {
+            Self::None(model) => return Ok(DepthSource::Estimated(*model)),
+            Self::Folders { root, kind, by_folder } => (root, *kind, by_folder),
+        };
+        let (within, name) = split(key);
+        let folder = by_folder.get(&root.join(within)).or_else(|| by_folder.get(root));
+        let none = || FileError::NoDepthBeside { folder: root.clone(), picture: name.into(), found: 0 };
+        let path = folder.ok_or_else(none)?.map_of(Path::new(name))?.to_owned();
+        Ok(DepthSource::Supplied { path, kind })
+    }
+}

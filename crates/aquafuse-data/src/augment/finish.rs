@@ -1,0 +1,102 @@
+//! What belongs to all pictures: the manifest's first line, and the files about the whole data set.
+
+use std::collections::BTreeMap;
+
+use super::manifest::{Entry, Header, Settings, StoredDepth, Written};
+use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Water};
+use crate::dataset::{Dataset, Made, join, split};
+use crate::digest::sha256;
+use crate::picture::{FileError, write_bytes};
+use crate::treatment::Space;
+
+impl<E: Space> Recipe<E> {
+    /// The first line of the manifest.
+    pub(super) fn header(&self, dataset: &Dataset) -> Header {
+        let Draws { seed, with_replacement, theta, alpha } = self.draws;
+        let settings = Settings {
+            seed,
+            per_image: self.per_image,
+            with_replacement,
+            theta_range: theta,
+            alpha_range: alpha,
+            model: self.options.model.name().to_owned(),
+            most_gain: self.options.max_gain,
+            smooth: self.smoothing.name().to_owned(),
+            depth: StoredDepth::of(&self.depth),
+            on_doubtful: match &self.on_doubtful {
+                OnDoubtful::Flag => "flag".to_owned(),
+                OnDoubtful::Skip => "skip".to_owned(),
+                OnDoubtful::Instead(water) => water.name.clone(),
+            },
+            on_bad_annotation: self.on_bad_annotation.to_owned(),
+            keep_originals: self.keep_originals,
+            quality: self.quality,
+            lenient: self.reading.lenient,
+        };
+        let instead = match &self.on_doubtful {
+            OnDoubtful::Instead(water) => Some(water.stored()),
+            _ => None,
+        };
+        let waters = self.waters.iter().map(Water::stored).collect();
+        let root = dataset.root.to_string_lossy().into_owned();
+        Header::new(root, dataset.layout.name(), E::NAME, settings, waters, instead)
+    }
+}
+
+impl<E: Space> Augmentation<E> {
+    /// Writes the files about all pictures, for what was made of them.
+    pub(super) fn write_indices(&self, entries: &BTreeMap<String, Entry>) -> Result<Vec<Written>, FileError> {
+        let ranks = self.dataset.samples.iter().map(|sample| (sample.key.clone(), sample.rank));
+        let keep = self.recipe.keep_originals;
+        let is_made = |key: &String| {
+            entries.get(key).is_some_and(|entry| entry.original.is_some() || !entry.variants.is_empty())
+        };
+        let variants = |entry: &Entry| {
+            let of = |(number, variant): (&u32, &super::manifest::Variant)| {
+                (*number, variant.written.output.clone())
+            };
+            entry.variants.iter().map(of).collect()
+        };
+        let made = Made {
+            variants: entries.iter().map(|(key, entry)| (key.clone(), variants(entry))).collect(),
+            ranks: ranks.filter(|(key, _)| is_made(key)).collect(),
+            per_image: self.recipe.per_image,
+            originals: keep,
+        };
+        let write = |index: &crate::dataset::Index| {
+            let bytes = index.for_made(&self.dataset.root, &made)?;
+            let (folder, name) = split(index.path());
+            // Files that say where pictures are, or nothing of them, are the same for every shard.
+            let name = match (index.is_shared(), name.rsplit_once('.')) {
+                (false, Some((stem, extension))) => format!("{stem}{}.{extension}", self.shard.infix()),
+                _ => name.to_owned(),
+            };
+            let output = join(folder, &name);
+            let path = self.output.join(&output);
+            if let Some(above) = path.parent() {
+                let failed =
+                    |error: std::io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
+                std::fs::create_dir_all(above).map_err(failed)?;
+            }
+            write_bytes(&path, &bytes, true)?;
+            Ok(Written { output, bytes: bytes.len() as u64, sha256: sha256(&bytes) })
+        };
+        let mut written: Vec<Written> =
+            self.dataset.indices.iter().map(write).collect::<Result<_, FileError>>()?;
+        written.sort_by(|a, b| a.output.cmp(&b.output));
+        Ok(written)
+    }
+}
+
+impl StoredDepth {
+    fn of(plan: &DepthPlan) -> Self {
+        use aquafuse::depth::DepthModel;
+        match plan {
+            DepthPlan::Estimated(DepthModel::Eq3(fitted)) => Self::Eq3(fitted.mu),
+            DepthPlan::Estimated(model) => Self::Model(model.name().to_owned()),
+            DepthPlan::Maps { folder, kind } => {
+                Self::Maps { folder: folder.to_string_lossy().into_owned(), kind: kind.name().to_owned() }
+            }
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! One picture of a data set, multiplied.
+
+use std::fs::Metadata;
+use std::path::{Path, PathBuf};
+
+use aquafuse::fusion::{Gain, Incidence, Options};
+use aquafuse::waterbody::{Reason, Verdict};
+
+use super::depth::Maps;
+use super::journal::Journal;
+use super::manifest::{Entry, Line, Original, Source, Variant, Written};
+use super::plan::{Planned, PlannedVariant};
+use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
+use crate::analysis::{Analysis, DepthSource, analyse};
+use crate::dataset::Companion;
+use crate::digest::sha256;
+use crate::memory::{Budget, Reservation};
+use crate::picture::{FileError, Format, Picture, write_bytes};
+use crate::treatment::{Space, Treated, Treatment};
+
+/// What became of one picture.
+pub(super) struct Made {
+    /// All that is known of it.
+    pub(super) entry: Entry,
+    /// What is new; none where all was there.
+    pub(super) news: Option<News>,
+}
+
+pub(super) struct News {
+    pub(super) variants: usize,
+    pub(super) verdict: Option<Verdict>,
+    pub(super) lines: String,
+}
+
+/// What multiplies pictures.
+pub(super) struct Maker<'a, E: Space> {
+    job: &'a Augmentation<E>,
+    maps: Maps,
+    budget: Budget,
+}
+
+/// A picture that was read, with all that its variants need.
+pub(super) struct Read<'a, E: Space> {
+    pub(super) picture: Picture,
+    pub(super) found: Analysis<E>,
+    pub(super) source: Source,
+    /// Whether its own water was exchanged.
+    pub(super) instead: bool,
+    /// Memory for it and for one variant at a time.
+    _room: Reservation<'a>,
+}
+
+impl<E: Space> Recipe<E> {
+    /// Reads a picture, and tells its depth and water.
+    pub(super) fn read<'a>(
+        &self,
+        path: &Path,
+        depth: &DepthSource,
+        budget: &'a Budget,
+    ) -> Result<Read<'a, E>, FileError> {
+        let opened = Picture::open(path, &self.reading)?;
+        // A variant beside its picture, and as it is encoded.
+        let beside = opened.memory_of_pixels().saturating_mul(2);
+        let supplied = match depth {
+            DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::job::SUPPLIED),
+            DepthSource::Estimated(_) => 0,
+        };
+        let light = opened.pixels().saturating_mul(E::BYTES_A_PIXEL);
+        let beside = beside.saturating_add(supplied).saturating_add(light);
+        let room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
+        let mut source = Source { bytes: 0, sha256: String::new(), depth_sha256: None };
+        let picture = opened.decode_seeing(|bytes| {
+            source.bytes = bytes.len() as u64;
+            source.sha256 = sha256(bytes);
+        })?;
+        if let DepthSource::Supplied { path, .. } = depth {
+            let failed = |error| FileError::Read { path: path.clone(), error };
+            source.depth_sha256 = Some(sha256(&std::fs::read(path).map_err(failed)?));
+        }
+        let mut found = analyse::<E>(&picture, depth)?;
+        let doubtful = found.estimate.quality.verdict != Verdict::Good;
+        let instead = match &self.on_doubtful {
+            OnDoubtful::Instead(water) if doubtful => {
+                let quality = found.estimate.quality;
+                found.estimate = water.file.estimate;
+                found.estimate.quality = quality;
+                true
+            }
+            _ => false,
+        };
+        Ok(Read { picture, found, source, instead, _room: room })
+    }
+
+    /// One variant as a file holds it, and what was done.
+    pub(super) fn variant(
+        &self,
+        read: &Read<'_, E>,
+        water: &Water<E>,
+        draw: Draw,
+        output: &Path,
+    ) -> Result<(Vec<u8>, Treated), FileError> {
+        let options = Options {
+            incidence: Incidence::from_degrees(draw.theta).unwrap_or(self.options.incidence),
+            gain: Gain::new(draw.alpha).unwrap_or(self.options.gain),
+            ..self.options
+        };
+        let mut picture = read.picture.clone();
+        let treatment = Treatment::Fuse { reference: water.file.estimate, options };
+        let treated =
+            treatment.apply(&mut picture.pixels, &read.found).expect("the depth map is this picture's");
+        picture.pixels = picture.pixels.smoothed(self.smoothing);
+        Ok((picture.encode(output, self.quality)?, treated))
+    }
+}
+
+impl<'a, E: Space> Maker<'a, E> {
+    pub(super) fn new(job: &'a Augmentation<E>, maps: Maps) -> Self {
+        Self { job, maps, budget: job.recipe.reading.budget() }
+    }
+
+    /// Makes what is not there yet. An error comes with what is known of the picture nevertheless.
+    pub(super) fn make(
+        &self,
+        sample: &Planned,
+        known: Entry,
+        journal: &Journal,
+    ) -> Result<Made, (Entry, FileError)> {
+        let mut entry = Entry::default();
+        let made = self.make_into(&mut entry, sample, known, journal);
+        match made {
+            Ok(news) => Ok(Made { entry, news }),
+            Err(error) => {
+                // Without a place in the manifest it is listed when the run ends.
+                let failed = Line::Failed { key: sample.key.clone(), error: error.to_string() };
+                let _ = journal.add(&[failed]);
+                Err((entry, error))
+            }
+        }
+    }
+
+    fn make_into(
+        &self,
+        entry: &mut Entry,
+        sample: &Planned,
+        mut known: Entry,
+        journal: &Journal,
+    ) -> Result<Option<News>, FileError> {
+        let recipe = &self.job.recipe;
+        let input = self.job.dataset.root.join(&sample.key);
+        let input_about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
+        let mut lines = Vec::new();
+        let mut missing: Vec<&PlannedVariant> = Vec::new();
+        for planned in &sample.variants {
+            match known
+                .variants
+                .remove(&planned.number)
+                .filter(|old| self.is_current(old, planned, sample, &input_about))
+            {
+                Some(old) => {
+                    entry.variants.insert(planned.number, old);
+                }
+                None => missing.push(planned),
+            }
+        }
+        let verdict = if missing.is_empty() {
+            None
+        } else {
+            let read = recipe.read(&input, &self.maps.source(&sample.key)?, &self.budget)?;
+            let quality = read.found.estimate.quality;
+            if quality.verdict != Verdict::Good && matches!(recipe.on_doubtful, OnDoubtful::Skip) {
+                let reasons: Vec<&str> = quality.reasons.iter().map(Reason::describe).collect();
+                let why = format!("{}: {}", quality.verdict.name(), reasons.join("; "));
+                lines.push(Line::Skipped { key: sample.key.clone(), why: why.clone() });
+                entry.skipped = Some(why);
+                missing.clear();
+            }
+            for planned in &missing {
+                let variant = self.write_variant(&read, sample, planned)?;
+                // Each by itself: what is on the disk is known, whenever the process ends.
+                journal.add(&[Line::Variant(variant.clone())])?;
+                lines.push(Line::Variant(variant.clone()));
+                entry.variants.insert(planned.number, variant);
+            }
+            Some(quality.verdict)
+        };
+        if recipe.keep_originals {
+            match known.original.take().filter(|old| self.is_original(old, sample, &input_about)) {
+                Some(old) => entry.original = Some(old),
+                None => {
+                    let original = self.write_original(sample)?;
+                    journal.add(&[Line::Original(original.clone())])?;
+                    lines.push(Line::Original(original.clone()));
+                    entry.original = Some(original);
+                }
+            }
+        }
+        if let Some(why) = &entry.skipped {
+            journal.add(&[Line::Skipped { key: sample.key.clone(), why: why.clone() }])?;
+        }
+        let news = News { variants: missing.len(), verdict, lines: lines.iter().map(Line::text).collect() };
+        Ok((!lines.is_empty()).then_some(news))
+    }
+
+    fn write_variant(
+        &self,
+        read: &Read<'_, E>,
+        sample: &Planned,
+        planned: &PlannedVariant,
+    ) -> Result<Variant, FileError> {
+        let recipe = &self.job.recipe;
+        let path = self.job.output.join(&planned.output);
+        let water = recipe.waters.get(planned.draw.water).expect("a draw is one of the waters");
+        let (bytes, treated) = recipe.variant(read, water, planned.draw, &path)?;
+        let name = crate::dataset::split(&planned.output).1;
+        let carry = |(companion, output): (&Companion, &String)| {
+            self.write(output, &companion.for_variant(&self.job.dataset.root, name)?)
+        };
+        // The picture comes last: where it is, all that belongs to it is.
+        let companions =
+            sample.companions.iter().zip(&planned.companions).map(carry).collect::<Result<_, _>>()?;
+        let quality = read.found.estimate.quality;
+        Ok(Variant {
+            key: sample.key.clone(),
+            number: planned.number,
+            water: planned.draw.water,
+            theta: planned.draw.theta,
+            alpha: planned.draw.alpha,
+            source: read.source.clone(),
+            verdict: quality.verdict.name().to_owned(),
+            reasons: quality.reasons.iter().collect(),
+            clipped: treated.clipping.share(),
+            instead: read.instead,
+            written: self.write(&planned.output, &bytes)?,
+            companions,
+        })
+    }
+
+    /// Carries the picture and what is about it over as they are.
+    fn write_original(&self, sample: &Planned) -> Result<Original, FileError> {
+        let carry = |path: &str| {
+            let input = self.job.dataset.root.join(path);
+            let bytes = std::fs::read(&input).map_err(|error| FileError::Read { path: input, error })?;
+            self.write(path, &bytes)
+        };
+        let companions =
+            sample.companions.iter().map(|companion| carry(&companion.path)).collect::<Result<_, _>>()?;
+        Ok(Original { key: sample.key.clone(), written: carry(&sample.key)?, companions })
+    }
+
+    fn write(&self, output: &str, bytes: &[u8]) -> Result<Written, FileError> {
+        write_bytes(&self.job.output.join(output), bytes, true)?;
+        Ok(Written { output: output.to_owned(), bytes: bytes.len() as u64, sha256: sha256(bytes) })
+    }
+
+    /// Whether a variant is there as it would be made now: all its files, no older than what they are made from.
+    fn is_current(
+        &self,
+        old: &Variant,
+        planned: &PlannedVariant,
+        sample: &Planned,
+        input: &Metadata,
+    ) -> bool {
+        let Draw { water, theta, alpha } = planned.draw;
+        let companions = sample.companions.iter().zip(&planned.companions).zip(&old.companions);
+        let about = |companion: &Companion| self.job.dataset.root.join(&companion.path).metadata();
+        (old.water, old.theta, old.alpha) == (water, theta, alpha)
+            && old.written.output == planned.output
+            && old.source.bytes == input.len()
+            && self.stands(&old.written, input)
+            && old.companions.len() == sample.companions.len()
+            && companions.into_iter().all(|((companion, output), old)| {
+                old.output == *output && about(companion).is_ok_and(|about| self.stands(old, &about))
+            })
+    }
+
+    fn is_original(&self, old: &Original, sample: &Planned, input: &Metadata) -> bool {
+        let about = |companion: &Companion| self.job.dataset.root.join(&companion.path).metadata();
+        let companions = sample.companions.iter().zip(&old.companions);
+        old.written.output == sample.key
+            && old.written.bytes == input.len()
+            && self.stands(&old.written, input)
+            && old.companions.len() == sample.companions.len()
+            && companions.into_iter().all(|(companion, old)| {
+                old.output == companion.path && about(companion).is_ok_and(|about| self.stands(old, &about))
+            })
+    }
+
+    /// Whether a file that was written stands there, no older than what it was made from.
+    fn stands(&self, written: &Written, from: &Metadata) -> bool {
+        let path: PathBuf = self.job.output.join(&written.output);
+        let newer = |about: &Metadata| match (about.modified(), from.modified()) {
+            (Ok(made), Ok(from)) => made >= from,
+            _ => true,
+        };
+        path.metadata().is_ok_and(|about| about.len() == written.bytes && newer(&about))
+    }
+}

@@ -1,0 +1,129 @@
+//! A variant made again from what its manifest says of it.
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::depth::{DepthModel, Eq3, SuppliedKind};
+use aquafuse::fusion::{Model, Options};
+use aquafuse::smooth::Smoothing;
+
+use super::manifest::{Header, Manifest, StoredDepth, Variant};
+use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
+use crate::dataset::inside;
+use crate::digest::sha256;
+use crate::picture::{FileError, ReadOptions, write_bytes};
+use crate::treatment::Space;
+use crate::water_file::WaterFileError;
+
+/// What came of making variants again.
+#[derive(Debug, Default)]
+pub struct Replayed {
+    /// The files that were made, equal to what the manifest says of them.
+    pub equal: Vec<PathBuf>,
+    /// Those that were made and are others.
+    pub different: Vec<PathBuf>,
+    /// Those that could not be made, and why.
+    pub failed: Vec<(String, FileError)>,
+}
+
+/// Makes variants again, into `output`: those whose own path, or whose picture's, is `only`; all where it is none.
+///
+/// The waters come from the manifest, the pictures from `dataset`, or from where they were.
+///
+/// # Errors
+///
+/// [`AugmentError`] when the manifest cannot be read, was written in another encoding than `E`, or no variant is of
+/// that name.
+pub fn replay<E: Space>(
+    manifest: &Path,
+    only: Option<&str>,
+    dataset: Option<&Path>,
+    output: &Path,
+    reading: ReadOptions,
+) -> Result<Replayed, AugmentError> {
+    let found = Manifest::read(manifest)?;
+    let recipe: Recipe<E> = found.header.recipe(manifest, reading)?;
+    let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
+    let wanted =
+        |variant: &&Variant| only.is_none_or(|only| only == variant.key || only == variant.written.output);
+    let variants: Vec<&Variant> =
+        found.entries.values().flat_map(|entry| entry.variants.values()).filter(wanted).collect();
+    if let (true, Some(only)) = (variants.is_empty(), only) {
+        return Err(AugmentError::NoSuchKey { path: manifest.to_owned(), key: only.to_owned() });
+    }
+    let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|variant| variant.key.as_str()))?;
+    let budget = recipe.reading.budget();
+    let mut replayed = Replayed::default();
+    for variant in variants {
+        let make = || {
+            let named =
+                |cause: &str| FileError::Damaged { path: manifest.to_owned(), cause: cause.to_owned() };
+            let key = inside(&variant.key).map_err(named)?;
+            let path = output.join(inside(&variant.written.output).map_err(named)?);
+            let water = recipe
+                .waters
+                .get(variant.water)
+                .ok_or_else(|| named("it names a water that it does not hold"))?;
+            let read = recipe.read(&root.join(&key), &maps.source(&key)?, &budget)?;
+            let Variant { water: number, theta, alpha, .. } = *variant;
+            let (bytes, _) = recipe.variant(&read, water, Draw { water: number, theta, alpha }, &path)?;
+            if let Some(above) = path.parent() {
+                std::fs::create_dir_all(above)
+                    .map_err(|error| FileError::Write { path: path.clone(), cause: error.to_string() })?;
+            }
+            write_bytes(&path, &bytes, false)?;
+            Ok((path, sha256(&bytes) == variant.written.sha256))
+        };
+        match make() {
+            Ok((path, true)) => replayed.equal.push(path),
+            Ok((path, false)) => replayed.different.push(path),
+            Err(error) => replayed.failed.push((variant.written.output.clone(), error)),
+        }
+    }
+    Ok(replayed)
+}
+
+impl Header {
+    /// The recipe that it tells of.
+    fn recipe<E: Space>(&self, manifest: &Path, reading: ReadOptions) -> Result<Recipe<E>, AugmentError> {
+        if self.encoding != E::NAME {
+            let found = if self.encoding == "linear" { "linear" } else { "encoded" };
+            return Err(WaterFileError::Encoding { path: manifest.to_owned(), found, wanted: E::NAME }.into());
+        }
+        let settings = &self.settings;
+        let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
+        let model = Model::from_name(&settings.model).ok_or_else(unknown)?;
+        let waters: Vec<Water<E>> =
+            self.waters.iter().map(|water| water.restored(manifest)).collect::<Result<_, _>>()?;
+        let instead = self.instead.as_ref().map(|water| water.restored(manifest)).transpose()?;
+        Ok(Recipe {
+            waters,
+            per_image: settings.per_image,
+            draws: Draws {
+                seed: settings.seed,
+                with_replacement: settings.with_replacement,
+                theta: settings.theta_range,
+                alpha: settings.alpha_range,
+            },
+            options: Options { max_gain: settings.most_gain, ..Options::for_model(model) },
+            smoothing: Smoothing::from_name(&settings.smooth).ok_or_else(unknown)?,
+            depth: settings.depth.plan().ok_or_else(unknown)?,
+            on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
+            on_bad_annotation: "",
+            keep_originals: settings.keep_originals,
+            reading: ReadOptions { lenient: settings.lenient, ..reading },
+            quality: settings.quality,
+        })
+    }
+}
+
+impl StoredDepth {
+    fn plan(&self) -> Option<DepthPlan> {
+        Some(match self {
+            Self::Eq3(mu) => DepthPlan::Estimated(DepthModel::Eq3(Eq3::new(*mu).ok()?)),
+            Self::Model(name) => DepthPlan::Estimated(DepthModel::from_name(name)?),
+            Self::Maps { folder, kind } => {
+                DepthPlan::Maps { folder: folder.into(), kind: SuppliedKind::from_name(kind)? }
+            }
+        })
+    }
+}

@@ -1,0 +1,248 @@
+use std::fs;
+use std::path::Path;
+
+use aquafuse::depth::{DepthKind, DepthModel};
+use aquafuse::image::Encoded;
+use aquafuse::truth::{Scene, Size, waters};
+use aquafuse::waterbody::Estimate;
+
+use super::*;
+use crate::picture::{Picture, WriteOptions};
+use crate::water_file::WaterFile;
+
+/// A data set of four small pictures with labels.
+fn dataset(root: &Path) {
+    for folder in ["images/train", "labels/train"] {
+        fs::create_dir_all(root.join(folder)).unwrap();
+    }
+    for (seed, name) in ["a.png", "b.jpg", "c.png", "d.tif"].into_iter().enumerate() {
+        let scene = Scene::new(seed as u64, Size { width: 48, height: 32 });
+        let image = scene.seen_through(&waters()[seed % 3].water).to_samples::<u8>();
+        Picture::new(image)
+            .write(
+                &root.join("images/train").join(name),
+                &WriteOptions { overwrite: true, ..WriteOptions::default() },
+            )
+            .unwrap();
+        let label = format!("labels/train/{}.txt", &name[..1]);
+        fs::write(root.join(label), format!("0 0.5 0.5 0.{seed}1 0.25\r\n")).unwrap();
+    }
+}
+
+fn water(name: &str, which: usize) -> Water<Encoded> {
+    let estimate = Estimate::given(waters()[which].water);
+    let file = WaterFile { from: vec![name.into()], depth_kind: DepthKind::Relative, estimate };
+    Water { name: name.into(), sha256: None, file }
+}
+
+fn job(root: &Path, output: &Path) -> Augmentation<Encoded> {
+    Augmentation {
+        dataset: Dataset::open(root, None).unwrap(),
+        output: output.to_owned(),
+        recipe: Recipe {
+            waters: vec![water("w/green.jpg", 1), water("preset:jerlov-3C", 2)],
+            per_image: 3,
+            draws: Draws { seed: 1, with_replacement: false, theta: (0.0, 60.0), alpha: (0.5, 1.5) },
+            options: Options::default(),
+            smoothing: Smoothing::default(),
+            depth: DepthPlan::Estimated(DepthModel::default()),
+            on_doubtful: OnDoubtful::Flag,
+            on_bad_annotation: "refuse",
+            keep_originals: true,
+            reading: ReadOptions::default(),
+            quality: 95,
+        },
+        shard: Shard::default(),
+        conduct: Conduct::default(),
+    }
+}
+
+fn run(job: &Augmentation<Encoded>) -> Summary {
+    fs::create_dir_all(&job.output).unwrap();
+    job.run(&|_| {}).unwrap()
+}
+
+/// Every file below a folder with what is in it.
+fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut left = vec![root.to_owned()];
+    while let Some(folder) = left.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                left.push(path);
+            } else {
+                let name = path.strip_prefix(root).unwrap().to_str().unwrap().to_owned();
+                found.insert(name, fs::read(path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_picture_has_its_variants_with_its_own_labels() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("fish"), place.path().join("out"));
+    dataset(&root);
+    let ended = run(&job(&root, &out));
+    assert_eq!((ended.done, ended.failed, ended.left), (4, 0, 0));
+    let (before, after) = (files(&root), files(&out));
+    assert_eq!(after.len(), 2 * (4 + 4 * 3) + 1);
+    for (name, bytes) in &before {
+        assert_eq!(after.get(name), Some(bytes), "{name}");
+    }
+    let labels = after.iter().filter(|(name, _)| name.contains("__"));
+    for (name, bytes) in labels.filter(|(name, _)| name.starts_with("labels/")) {
+        let (stem, _) = name.split_once("__").unwrap();
+        assert_eq!(bytes, &before[&format!("{stem}.txt")], "{name}");
+        let pictures = name.replace("labels/", "images/").replace(".txt", ".");
+        assert!(after.keys().any(|other| other.starts_with(&pictures)), "{name}");
+    }
+    let checked = verify(&out, Some(&root)).unwrap();
+    assert_eq!((checked.files, checked.wrong), (after.len() + 4, Vec::new()));
+}
+
+#[test]
+fn threads_stops_and_shards_change_no_byte() {
+    let place = tempfile::tempdir().unwrap();
+    let root = place.path().join("fish");
+    dataset(&root);
+    let clean = job(&root, &place.path().join("clean"));
+    run(&clean);
+    let clean = files(&place.path().join("clean"));
+
+    let mut one = job(&root, &place.path().join("one"));
+    one.conduct.threads = NonZeroUsize::new(1);
+    run(&one);
+    assert!(files(&one.output) == clean, "one thread");
+
+    // As if it had been killed within a line, with one file too many and one too few.
+    let again = job(&root, &place.path().join("again"));
+    run(&again);
+    let manifest = again.output.join("manifest.jsonl");
+    let text = fs::read(&manifest).unwrap();
+    fs::write(&manifest, &text[..text.len() * 3 / 4]).unwrap();
+    fs::remove_file(again.output.join("labels/train/a.txt")).unwrap();
+    let ended = run(&again);
+    assert!(ended.kept > 0 && ended.done > 0, "{ended:?}");
+    assert!(files(&again.output) == clean, "gone on with");
+    assert_eq!(run(&again).kept, 4);
+    assert!(files(&again.output) == clean, "nothing to do");
+
+    let mut parts = job(&root, &place.path().join("parts"));
+    let mut done = 0;
+    for number in 1..=2 {
+        parts.shard = Shard { number, of: 2 };
+        done += run(&parts).done;
+    }
+    assert_eq!(done, 4);
+    parts.shard = Shard::default();
+    assert_eq!(run(&parts).kept, 4);
+    let mut joined = files(&parts.output);
+    joined.retain(|name, _| !name.contains(".shard-"));
+    assert!(joined == clean, "joined");
+}
+
+#[test]
+fn what_changed_is_made_again_and_other_settings_are_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("fish"), place.path().join("out"));
+    dataset(&root);
+    let mut job = job(&root, &out);
+    run(&job);
+    let before = files(&out);
+    fs::write(root.join("labels/train/a.txt"), "0 0.5 0.5 0.9 0.9\n").unwrap();
+    assert_eq!((run(&job).done, verify(&out, None).unwrap().wrong), (1, Vec::new()));
+    assert_eq!(files(&out)["labels/train/a.txt"], b"0 0.5 0.5 0.9 0.9\n");
+
+    job.recipe.draws.seed = 2;
+    let refused = job.run(&|_| {}).unwrap_err().to_string();
+    assert!(refused.contains("other settings") && refused.contains("--overwrite"), "{refused}");
+    job.conduct.overwrite = true;
+    run(&job);
+    let after = files(&out);
+    assert_eq!(after.len(), before.len());
+    assert!(verify(&out, None).unwrap().wrong.is_empty());
+}
+
+#[test]
+fn one_bad_picture_is_listed_and_spoils_nothing() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("fish"), place.path().join("out"));
+    dataset(&root);
+    let whole = fs::read(root.join("images/train/b.jpg")).unwrap();
+    fs::write(root.join("images/train/b.jpg"), "no picture").unwrap();
+    let job = job(&root, &out);
+    let ended = run(&job);
+    assert_eq!((ended.done, ended.failed), (3, 1));
+    let text = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
+    assert!(text.contains(r#"{"line":"failed","key":"images/train/b.jpg","error":"cannot read"#), "{text}");
+    assert!(!files(&out).keys().any(|name| name.contains("train/b")));
+    fs::write(root.join("images/train/b.jpg"), whole).unwrap();
+    assert_eq!((run(&job).done, run(&job).kept), (1, 4));
+}
+
+#[test]
+fn every_flipped_bit_is_found() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("fish"), place.path().join("out"));
+    dataset(&root);
+    run(&job(&root, &out));
+    let all = files(&out);
+    let mut number = 0_usize;
+    for (name, bytes) in all.iter().cycle().take(100) {
+        number += 1;
+        let mut flipped = bytes.clone();
+        let at = (number * 7919) % bytes.len();
+        flipped[at] ^= 1 << (number % 8);
+        fs::write(out.join(name), &flipped).unwrap();
+        let found = verify(&out, None);
+        assert!(found.is_err() || !found.unwrap().wrong.is_empty(), "bit {number} of byte {at} of {name}");
+        fs::write(out.join(name), bytes).unwrap();
+    }
+    assert!(verify(&out, None).unwrap().wrong.is_empty());
+}
+
+#[test]
+fn a_variant_is_made_again_from_its_manifest() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("fish"), place.path().join("out"));
+    dataset(&root);
+    run(&job(&root, &out));
+    let moved = place.path().join("moved");
+    fs::rename(&root, &moved).unwrap();
+    let again = place.path().join("again");
+    let manifest = out.join("manifest.jsonl");
+    let only = Some("images/train/b.jpg");
+    let made = replay::<Encoded>(&manifest, only, Some(&moved), &again, ReadOptions::default()).unwrap();
+    assert_eq!((made.equal.len(), made.different.len(), made.failed.len()), (3, 0, 0));
+    for (name, bytes) in files(&again) {
+        assert_eq!(files(&out)[&name], bytes, "{name}");
+    }
+    let none = replay::<Encoded>(&manifest, Some("x"), Some(&moved), &again, ReadOptions::default());
+    assert!(none.unwrap_err().to_string().contains("no variant \"x\""));
+}
+
+#[test]
+fn outputs_that_are_not_ours_to_fill_are_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let root = place.path().join("fish");
+    dataset(&root);
+    let foreign = place.path().join("mine");
+    fs::create_dir(&foreign).unwrap();
+    fs::write(foreign.join("thesis.txt"), "").unwrap();
+    for (output, said) in [
+        (foreign, "no manifest of ours"),
+        (root.join("out"), "lie in one another"),
+        (place.path().to_owned(), "lie in one another"),
+    ] {
+        let refused = job(&root, &output).planned().unwrap_err().to_string();
+        assert!(refused.contains(said), "{refused}");
+    }
+    let mut equal = job(&root, &place.path().join("out"));
+    equal.recipe.draws = Draws { theta: (45.0, 45.0), alpha: (1.0, 1.0), ..equal.recipe.draws };
+    assert!(equal.planned().unwrap_err().to_string().contains("some would be equal"));
+    equal.recipe.draws.with_replacement = true;
+    assert_eq!(equal.planned().unwrap(), (4, 12));
+}

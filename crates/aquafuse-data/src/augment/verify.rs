@@ -1,0 +1,92 @@
+//! Whether what a manifest says is there is there, bit for bit.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::AugmentError;
+use super::journal::manifests;
+use super::manifest::{Manifest, Written};
+use crate::dataset::inside;
+use crate::digest::sha256;
+use crate::picture::FileError;
+
+/// What was found to be wrong.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Check {
+    /// Files that were looked at.
+    pub files: usize,
+    /// Each that is not as it was written, with what is wrong in words.
+    pub wrong: Vec<(PathBuf, String)>,
+}
+
+/// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the pictures that
+/// it was made from too, in the data set that now stands there.
+///
+/// # Errors
+///
+/// [`AugmentError`] when there is no manifest, or one cannot be read.
+pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentError> {
+    let mut check = Check::default();
+    let paths = manifests(folder)?;
+    if paths.is_empty() {
+        let error = std::io::ErrorKind::NotFound.into();
+        return Err(FileError::Read { path: folder.join("manifest.jsonl"), error }.into());
+    }
+    for path in paths {
+        let found = Manifest::read(&path)?;
+        check.files = check.files.saturating_add(1);
+        match found.sealed {
+            Some(true) => {}
+            Some(false) => {
+                check.wrong.push((path.clone(), "its own digest is another: it was changed".into()))
+            }
+            None => {
+                check.wrong.push((path.clone(), "its run has not ended; the same command goes on".into()))
+            }
+        }
+        let mut files: Vec<(PathBuf, Result<&Written, String>)> = found
+            .written()
+            .map(|written| match inside(&written.output) {
+                Ok(within) => (folder.join(within), Ok(written)),
+                Err(cause) => (path.clone(), Err(format!("{:?} is {cause}", written.output))),
+            })
+            .collect();
+        let sources: Vec<(PathBuf, Written)> = dataset.map(|root| sources(&found, root)).unwrap_or_default();
+        files.extend(sources.iter().map(|(path, written)| (path.clone(), Ok(written))));
+        check.files = check.files.saturating_add(files.len());
+        let wrong = files.into_par_iter().filter_map(|(path, written)| {
+            let cause = written.and_then(|written| hold(&path, written)).err()?;
+            Some((path, cause))
+        });
+        check.wrong.par_extend(wrong);
+    }
+    check.wrong.sort();
+    check.wrong.dedup();
+    Ok(check)
+}
+
+/// What the variants were made from.
+fn sources(found: &Manifest, root: &Path) -> Vec<(PathBuf, Written)> {
+    let of = |(key, entry): (&String, &super::manifest::Entry)| {
+        let (_, variant) = entry.variants.first_key_value()?;
+        let source = &variant.source;
+        let within = inside(key).ok()?;
+        let written = Written { output: key.clone(), bytes: source.bytes, sha256: source.sha256.clone() };
+        Some((root.join(within), written))
+    };
+    found.entries.iter().filter_map(of).collect()
+}
+
+/// Holds a file against what is said of it.
+fn hold(path: &Path, written: &Written) -> Result<(), String> {
+    let about = path.metadata().map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => "it is not there".to_owned(),
+        _ => format!("it cannot be read: {error}"),
+    })?;
+    if about.len() != written.bytes {
+        return Err(format!("it has {} bytes, and had {}", about.len(), written.bytes));
+    }
+    let bytes = std::fs::read(path).map_err(|error| format!("it cannot be read: {error}"))?;
+    if sha256(&bytes) == written.sha256 { Ok(()) } else { Err("its bytes are others".to_owned()) }
+}

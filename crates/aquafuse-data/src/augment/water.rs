@@ -1,0 +1,112 @@
+//! The waters that pictures are put into.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::treatment::Space;
+use crate::water_file::{SUFFIX, WaterFile, WaterFileError};
+
+/// A water to draw.
+#[derive(Clone, Debug)]
+pub struct Water<E: Space> {
+    /// What it is called: the path of a picture or of a water file as it was given, or `preset:NAME`.
+    pub name: String,
+    /// The digest of its file; none for presets.
+    pub sha256: Option<String>,
+    /// The water, per unit of the pictures' depth.
+    pub file: WaterFile<E>,
+}
+
+/// What is done where an estimate is doubtful or failed, be it a picture's own water or one to draw.
+#[derive(Clone, Debug)]
+pub enum OnDoubtful<E: Space> {
+    /// It is used; the manifest says so.
+    Flag,
+    /// The picture has no variants, the water is not drawn.
+    Skip,
+    /// This water is taken instead of the doubtful one.
+    Instead(Box<Water<E>>),
+}
+
+impl<E: Space> Water<E> {
+    /// The name as part of a file's name: the last part without extension, letters that file systems dislike exchanged.
+    pub fn slug(&self) -> String {
+        let name = self.name.strip_prefix("preset:").unwrap_or(&self.name);
+        let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        let stem = match last.strip_suffix(SUFFIX) {
+            Some(stem) => stem,
+            None if name.len() < self.name.len() => last,
+            None => last.rsplit_once('.').map_or(last, |(stem, _)| stem),
+        };
+        let plain =
+            |letter: char| if letter.is_alphanumeric() || "-_.".contains(letter) { letter } else { '-' };
+        stem.chars().map(plain).collect()
+    }
+
+    pub(super) fn stored(&self) -> StoredWater {
+        let text = self.file.to_text();
+        StoredWater {
+            name: self.name.clone(),
+            sha256: self.sha256.clone(),
+            water: serde_json::from_str(&text).expect("a water is written as JSON"),
+        }
+    }
+}
+
+/// A water as it stands in a manifest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct StoredWater {
+    pub(super) name: String,
+    pub(super) sha256: Option<String>,
+    water: Value,
+}
+
+impl StoredWater {
+    /// The water; errors call it by the manifest.
+    pub(super) fn restored<E: Space>(&self, manifest: &Path) -> Result<Water<E>, WaterFileError> {
+        let file = WaterFile::from_text(manifest, &self.water.to_string())?;
+        Ok(Water { name: self.name.clone(), sha256: self.sha256.clone(), file })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use aquafuse::depth::DepthKind;
+    use aquafuse::image::Encoded;
+    use aquafuse::truth::waters;
+    use aquafuse::waterbody::Estimate;
+
+    #[test]
+    fn names_become_parts_of_names_of_files() {
+        let estimate = Estimate::given(waters()[0].water);
+        let file = WaterFile { from: Vec::new(), depth_kind: DepthKind::Relative, estimate };
+        let water = |name: &str| Water { name: name.into(), sha256: None, file: file.clone() };
+        for (name, slug) in [
+            ("preset:jerlov-3C", "jerlov-3C"),
+            ("waters/deep green.jpg", "deep-green"),
+            ("a/b.c.water.json", "b.c"),
+            ("x.tar.png", "x.tar"),
+        ] {
+            assert_eq!(water(name).slug(), slug);
+        }
+    }
+
+    #[test]
+    fn a_manifest_gives_back_the_water_to_the_bit() {
+        for known in waters() {
+            let file: WaterFile<Encoded> = WaterFile {
+                from: vec!["a".into()],
+                depth_kind: DepthKind::Relative,
+                estimate: Estimate::given(known.water),
+            };
+            let water = Water { name: "a.png".into(), sha256: None, file };
+            let text = serde_json::to_string(&water.stored()).unwrap();
+            let stored: StoredWater = serde_json::from_str(&text).unwrap();
+            let again = stored.restored::<Encoded>("m.jsonl".as_ref()).unwrap();
+            assert_eq!(again.file, water.file);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Data sets: pictures, and what other files say of them.
+//!
+//! A data set is read into [`Sample`]s, each a picture with the files that are about it alone, and [`Index`] files,
+//! which are about all of them. Both are known by paths within the data set, with `/` between their parts.
+
+mod coco;
+mod fault;
+mod folder;
+mod index;
+mod inside;
+mod masks;
+mod tree;
+mod voc;
+mod yolo;
+
+use std::path::{Path, PathBuf};
+
+pub use fault::Fault;
+pub use index::{Index, Made};
+pub(crate) use inside::inside;
+use tree::Tree;
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use {coco::try_parse as try_coco, voc::try_parse as try_voc, yolo::try_parse as try_yolo};
+
+use crate::picture::{FileError, shown};
+
+/// How a data set is laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// Pictures in folders, and nothing about them.
+    Folder,
+    /// Files of JSON with `images` and `annotations`: instances, keypoints, captions.
+    Coco,
+    /// A text file a picture, in `labels/` where the picture stands in `images/`: detection, segmentation, pose.
+    Yolo,
+    /// An XML file a picture, in `Annotations/` where the picture stands in `JPEGImages/`.
+    Voc,
+    /// A picture a picture, in `masks/` where the picture stands in `images/`.
+    Masks,
+}
+
+impl Layout {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Folder, Self::Coco, Self::Yolo, Self::Voc, Self::Masks];
+
+    /// Its name on the command line and in manifests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Folder => "folder",
+            Self::Coco => "coco",
+            Self::Yolo => "yolo",
+            Self::Voc => "voc",
+            Self::Masks => "masks",
+        }
+    }
+
+    /// The layout of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layout| layout.name() == name)
+    }
+
+    /// What in the data set speaks for this layout, in words; nothing speaks for [`Layout::Folder`] but pictures.
+    fn evidence(self, tree: &Tree) -> Option<String> {
+        match self {
+            Self::Folder => None,
+            Self::Coco => coco::evidence(tree),
+            Self::Yolo => yolo::evidence(tree),
+            Self::Voc => voc::evidence(tree),
+            Self::Masks => masks::evidence(tree),
+        }
+    }
+}
+
+/// A data set as it was found.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    /// Its folder.
+    pub root: PathBuf,
+    /// How it is laid out.
+    pub layout: Layout,
+    /// Its pictures, sorted by key.
+    pub samples: Vec<Sample>,
+    /// The files about all of its pictures.
+    pub indices: Vec<Index>,
+    /// What is wrong with its annotations.
+    pub faults: Vec<Fault>,
+}
+
+/// A picture of a data set, with the files that are about it alone.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sample {
+    /// The path of the picture, which names the sample.
+    pub key: String,
+    /// Its place in the data set.
+    pub rank: u64,
+    /// The files about it.
+    pub companions: Vec<Companion>,
+}
+
+/// A file about one picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Companion {
+    /// Its path.
+    pub path: String,
+    /// Whether it is XML that names the picture, and must name the variant.
+    pub names_picture: bool,
+}
+
+impl Sample {
+    fn new(key: impl Into<String>, companions: Vec<Companion>) -> Self {
+        Self { key: key.into(), rank: 0, companions }
+    }
+}
+
+impl Companion {
+    /// A file that is the same for every variant.
+    fn carried(path: String) -> Self {
+        Self { path, names_picture: false }
+    }
+
+    /// What stands in the file for a variant of this file name.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when it cannot be read.
+    pub fn for_variant(&self, root: &Path, picture: &str) -> Result<Vec<u8>, FileError> {
+        let path = root.join(&self.path);
+        let bytes = std::fs::read(&path).map_err(|error| FileError::Read { path, error })?;
+        Ok(if self.names_picture { voc::renamed(&bytes, picture) } else { bytes })
+    }
+}
+
+/// A data set cannot be used. The message names it, the cause and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DatasetError {
+    /// A file cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Two layouts fit.
+    #[error("{} may be {one} or {other}; say which by --format", shown(root))]
+    Ambiguous {
+        /// The data set.
+        root: PathBuf,
+        /// A layout, and what speaks for it.
+        one: String,
+        /// The other one.
+        other: String,
+    },
+    /// There is no picture in it.
+    #[error(
+        "{} holds no pictures of a data set of layout {layout}; name the folder above them, or the right --format",
+        shown(root)
+    )]
+    Empty {
+        /// The data set.
+        root: PathBuf,
+        /// The layout it was read as.
+        layout: &'static str,
+    },
+}
+
+impl Dataset {
+    /// Reads a data set: which pictures it holds, and what is about them. No picture is opened.
+    ///
+    /// The layout is told by looking where none is given.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] when its folder cannot be read, more than one layout fits, or it holds no picture. What is
+    /// wrong with annotations is no error but among the [`Dataset::faults`].
+    pub fn open(root: &Path, layout: Option<Layout>) -> Result<Self, DatasetError> {
+        let tree = Tree::of(root)?;
+        let layout = match layout {
+            Some(layout) => layout,
+            None => recognise(root, &tree)?,
+        };
+        let mut dataset = Self {
+            root: root.to_owned(),
+            layout,
+            samples: Vec::new(),
+            indices: Vec::new(),
+            faults: tree.faults.clone(),
+        };
+        match layout {
+            Layout::Folder => folder::read(&tree, &mut dataset),
+            Layout::Coco => coco::read(&tree, &mut dataset)?,
+            Layout::Yolo => yolo::read(&tree, &mut dataset)?,
+            Layout::Voc => voc::read(&tree, &mut dataset)?,
+            Layout::Masks => masks::read(&tree, &mut dataset),
+        }
+        dataset.samples.sort_by(|a, b| a.key.cmp(&b.key));
+        for (sample, rank) in dataset.samples.iter_mut().zip(0..) {
+            sample.rank = rank;
+        }
+        if dataset.samples.is_empty() && dataset.faults.is_empty() {
+            return Err(DatasetError::Empty { root: root.to_owned(), layout: layout.name() });
+        }
+        Ok(dataset)
+    }
+}
+
+/// The layout of a data set, told by what stands in it.
+fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
+    let mut fits = Layout::ALL.into_iter().filter_map(|layout| Some((layout, layout.evidence(tree)?)));
+    let said = |(layout, evidence): (Layout, String)| format!("{} ({evidence})", layout.name());
+    match (fits.next(), fits.next()) {
+        (None, _) => Ok(Layout::Folder),
+        (Some((layout, _)), None) => Ok(layout),
+        (Some(one), Some(other)) => {
+            Err(DatasetError::Ambiguous { root: root.to_owned(), one: said(one), other: said(other) })
+        }
+    }
+}
+
+/// The folder of a path, as a prefix of what stands in it, and the name.
+pub(crate) fn split(path: &str) -> (&str, &str) {
+    match path.rsplit_once('/') {
+        Some((folder, name)) => (folder, name),
+        None => ("", path),
+    }
+}
+
+/// A path of a folder and a name in it.
+pub(crate) fn join(folder: &str, name: &str) -> String {
+    if folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") }
+}
+
+/// A name without its extension.
+pub(crate) fn stem(name: &str) -> &str {
+    match name.rsplit_once('.') {
+        Some((stem, _)) if !stem.is_empty() => stem,
+        _ => name,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,198 @@
+use std::fs;
+
+use super::*;
+
+/// A folder with these files; `jpg` and `png` need not be pictures, for none is opened.
+fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+const COCO: &str = r#"{"info": {"year": 2024},
+"images": [{"id": 7, "file_name": "a.jpg", "width": 64, "height": 48, "licence": 1.50},
+           {"file_name": "b.jpg", "id": 9, "width": 64, "height": 48}],
+"annotations": [{"id": 3, "image_id": 7, "bbox": [1.0, 2, 30.25, 40], "score": 1e-3, "category_id": 1},
+                {"id": 5, "image_id": 9, "caption": "two fish"}],
+"categories": [{"id": 1, "name": "fish"}]}"#;
+
+fn coco(text: &str) -> tempfile::TempDir {
+    folder(&[("annotations/instances.json", text), ("images/a.jpg", "a"), ("images/b.jpg", "b")])
+}
+
+fn opened(folder: &tempfile::TempDir) -> Dataset {
+    Dataset::open(folder.path(), None).unwrap()
+}
+
+fn faults(dataset: &Dataset) -> Vec<String> {
+    dataset.faults.iter().map(ToString::to_string).collect()
+}
+
+fn keys(dataset: &Dataset) -> Vec<&str> {
+    dataset.samples.iter().map(|sample| sample.key.as_str()).collect()
+}
+
+fn companions(dataset: &Dataset) -> Vec<Vec<&str>> {
+    let of = |sample: &'_ Sample| sample.companions.iter().map(|companion| companion.path.clone()).collect();
+    let all: Vec<Vec<String>> = dataset.samples.iter().map(of).collect();
+    all.into_iter().map(|paths| paths.into_iter().map(|path| &*path.leak()).collect()).collect()
+}
+
+#[test]
+fn each_layout_is_told_by_looking() {
+    let yolo = [("images/train/a.jpg", ""), ("labels/train/a.txt", "0 0.5 0.5 0.1 0.1\n")];
+    let voc = [
+        ("Annotations/a.xml", "<annotation><filename>a.jpg</filename></annotation>"),
+        ("JPEGImages/a.jpg", ""),
+    ];
+    let masks = [("images/a.jpg", ""), ("masks/a.png", "")];
+    let plain = [("reef/a.jpg", ""), ("wreck/b.jpg", ""), ("notes.txt", "")];
+    for (files, layout) in
+        [(&yolo[..], Layout::Yolo), (&voc, Layout::Voc), (&masks, Layout::Masks), (&plain, Layout::Folder)]
+    {
+        let found = opened(&folder(files));
+        assert_eq!((found.layout, faults(&found)), (layout, Vec::new()));
+    }
+    assert_eq!(opened(&coco(COCO)).layout, Layout::Coco);
+}
+
+#[test]
+fn two_layouts_are_refused_by_name_and_none_too() {
+    let both =
+        folder(&[("images/a.jpg", ""), ("labels/a.txt", "0 0.5 0.5 0.1 0.1"), ("instances.json", COCO)]);
+    let said = Dataset::open(both.path(), None).unwrap_err().to_string();
+    assert!(said.contains("coco (instances.json") && said.contains("yolo (labels/a.txt"), "{said}");
+    assert_eq!(keys(&Dataset::open(both.path(), Some(Layout::Yolo)).unwrap()), ["images/a.jpg"]);
+    let none = folder(&[("notes.txt", "")]);
+    assert!(matches!(Dataset::open(none.path(), None), Err(DatasetError::Empty { .. })));
+}
+
+#[test]
+fn pictures_come_with_what_is_about_them() {
+    let yolo = folder(&[
+        ("data.yaml", "names: [fish]\n"),
+        ("train/images/a.jpg", ""),
+        ("train/images/empty.jpg", ""),
+        ("train/labels/a.txt", "0 0.5 0.5 0.1 0.1\n"),
+        ("classes.txt", "fish"),
+    ]);
+    let found = opened(&yolo);
+    assert_eq!(companions(&found), [vec!["train/labels/a.txt"], vec![]]);
+    assert_eq!(found.indices.iter().map(Index::path).collect::<Vec<_>>(), ["data.yaml", "classes.txt"]);
+
+    let voc = folder(&[
+        ("VOC/Annotations/x.xml", "<annotation><filename>a.jpg</filename></annotation>"),
+        ("VOC/JPEGImages/a.jpg", ""),
+        ("VOC/JPEGImages/b.jpg", ""),
+        ("VOC/SegmentationClass/x.png", ""),
+        ("VOC/ImageSets/Main/train.txt", "a\n"),
+    ]);
+    let found = opened(&voc);
+    assert_eq!(keys(&found), ["VOC/JPEGImages/a.jpg", "VOC/JPEGImages/b.jpg"]);
+    assert_eq!(companions(&found)[0], ["VOC/Annotations/x.xml", "VOC/SegmentationClass/x.png"]);
+    assert_eq!(found.indices.len(), 1);
+
+    let masks =
+        folder(&[("images/a.jpg", ""), ("images/b.jpg", ""), ("masks/a.png", ""), ("masks/b_mask.png", "")]);
+    assert_eq!(companions(&opened(&masks)), [["masks/a.png"], ["masks/b_mask.png"]]);
+}
+
+#[test]
+fn bad_annotations_are_named_with_their_place() {
+    for (from, to, said) in [
+        ("[1.0, 2, 30.25, 40]", "[1.0, 2, 90, 40]", "annotations[0]: the box 1, 2, 90, 40 is not inside"),
+        ("\"b.jpg\"", "\"c.jpg\"", "images[1]: there is no picture \"c.jpg\""),
+        ("\"b.jpg\"", "\"../b.jpg\"", "with `..`"),
+        ("\"b.jpg\"", "\"/b.jpg\"", "an absolute name"),
+        ("\"b.jpg\"", "\"a.jpg\"", "has an entry already"),
+        ("\"id\": 9", "\"id\": 7", "another picture has its id 7"),
+        ("\"id\": 5", "\"id\": 3", "another annotation has its id 3"),
+        ("\"image_id\": 9", "\"image_id\": 8", "no picture has the id 8"),
+        ("\"id\": 5", "\"id\": 5.5", "but is a whole number"),
+        ("[1.0, 2, 30.25, 40]", "[1.0, 2]", "a box has 4"),
+    ] {
+        assert!(COCO.contains(from));
+        let found = opened(&coco(&COCO.replace(from, to)));
+        assert!(faults(&found).iter().any(|fault| fault.contains(said)), "{to}: {:?}", faults(&found));
+    }
+    let masks =
+        folder(&[("images/a.jpg", ""), ("images/b.jpg", ""), ("masks/a.png", ""), ("masks/c.png", "")]);
+    let found = opened(&masks);
+    assert_eq!(
+        faults(&found),
+        ["images/b.jpg: it has no mask", "masks/c.png: there is no picture of this mask"]
+    );
+    assert_eq!(found.faults[0].sample.as_deref(), Some("images/b.jpg"));
+    let yolo = folder(&[
+        ("images/a.jpg", ""),
+        ("labels/a.txt", "0 0.5 0.5 0.1 0.1\n0 0.9 0.5 0.4 0.1\n"),
+        ("labels/b.txt", ""),
+    ]);
+    let said = faults(&opened(&yolo));
+    assert!(said[0].starts_with("labels/a.txt:2: the box reaches from 0.7000 to 1.1000"), "{said:?}");
+    assert!(said[1].starts_with("labels/b.txt: there is no picture"), "{said:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_lead_out_of_the_data_set_are_not_followed() {
+    let elsewhere = folder(&[("secret.jpg", "")]);
+    let own = folder(&[("a.jpg", "")]);
+    std::os::unix::fs::symlink(elsewhere.path().join("secret.jpg"), own.path().join("b.jpg")).unwrap();
+    std::os::unix::fs::symlink(elsewhere.path(), own.path().join("c")).unwrap();
+    std::os::unix::fs::symlink(own.path(), own.path().join("loop")).unwrap();
+    std::os::unix::fs::symlink(own.path().join("a.jpg"), own.path().join("d.jpg")).unwrap();
+    let found = opened(&own);
+    assert_eq!((keys(&found), found.faults.len()), (vec!["a.jpg", "d.jpg"], 3));
+}
+
+#[test]
+fn of_coco_nothing_changes_but_ids_and_names() {
+    let source = coco(COCO);
+    let dataset = opened(&source);
+    let variants = |key: &str| {
+        (key.to_owned(), vec![(0, key.replace(".jpg", "__w__0.jpg")), (1, key.replace(".jpg", "__w__1.jpg"))])
+    };
+    let made = Made {
+        variants: ["images/a.jpg", "images/b.jpg"].map(variants).into(),
+        ranks: [("images/a.jpg".to_owned(), 0), ("images/b.jpg".to_owned(), 1)].into(),
+        per_image: 2,
+        originals: true,
+    };
+    let written = dataset.indices[0].for_made(&dataset.root, &made).unwrap();
+    let written = String::from_utf8(written).unwrap();
+    // Digits stay digits, fields their order.
+    assert!(
+        written.contains(
+            r#"{"id": 10, "file_name": "a__w__0.jpg", "width": 64, "height": 48, "licence": 1.50}"#
+        ),
+        "{written}"
+    );
+    assert!(
+        written.contains(
+            r#"{"id": 7, "image_id": 11, "bbox": [1.0, 2, 30.25, 40], "score": 1e-3, "category_id": 1}"#
+        ),
+        "{written}"
+    );
+    let json: serde_json::Value = serde_json::from_str(&written).unwrap();
+    let before: serde_json::Value = serde_json::from_str(COCO).unwrap();
+    assert_eq!((&json["info"], &json["categories"]), (&before["info"], &before["categories"]));
+    for list in ["images", "annotations"] {
+        let ids: std::collections::BTreeSet<i64> =
+            json[list].as_array().unwrap().iter().map(|entry| entry["id"].as_i64().unwrap()).collect();
+        assert_eq!(ids.len(), 6, "{list}");
+    }
+    // The same ids for the part that holds one picture only.
+    let part = Made { ranks: [("images/b.jpg".to_owned(), 1)].into(), originals: false, ..made };
+    let part = String::from_utf8(dataset.indices[0].for_made(&dataset.root, &part).unwrap()).unwrap();
+    let part: serde_json::Value = serde_json::from_str(&part).unwrap();
+    for (list, count) in [("images", 2), ("annotations", 2)] {
+        let entries = part[list].as_array().unwrap();
+        assert_eq!(entries.len(), count);
+        assert!(entries.iter().all(|entry| json[list].as_array().unwrap().contains(entry)), "{list}");
+    }
+}

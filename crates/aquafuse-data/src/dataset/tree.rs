@@ -1,0 +1,91 @@
+//! What stands in the folder of a data set.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::{Fault, split};
+use crate::picture::{FileError, Format, shown};
+
+/// Folders within folders; deeper ones are no data set, but a mistake.
+const DEEPEST: usize = 32;
+
+/// The files in a folder and in those inside it, by their paths within it.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    pub(super) root: PathBuf,
+    pub(super) files: BTreeSet<String>,
+    /// Files that are passed over, and why.
+    pub(super) faults: Vec<Fault>,
+}
+
+impl Tree {
+    /// Lists the files; hidden ones are passed over. Links are followed to files that stand in the folder too.
+    pub(super) fn of(root: &Path) -> Result<Self, FileError> {
+        let mut tree = Self { root: root.to_owned(), files: BTreeSet::new(), faults: Vec::new() };
+        let home = root.canonicalize().map_err(|error| FileError::Read { path: root.to_owned(), error })?;
+        tree.enter(&home, "", 0)?;
+        Ok(tree)
+    }
+
+    fn enter(&mut self, home: &Path, within: &str, depth: usize) -> Result<(), FileError> {
+        let folder = self.root.join(within);
+        let failed = |error| FileError::Read { path: folder.clone(), error };
+        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
+                self.faults.push(Fault::new(shown(&entry.path()).to_string(), "a name that is no text"));
+                continue;
+            };
+            if name.starts_with('.') {
+                continue;
+            }
+            let path = super::join(within, &name);
+            let kind = entry.file_type().map_err(failed)?;
+            if kind.is_dir() && depth < DEEPEST {
+                self.enter(home, &path, depth.saturating_add(1))?;
+            } else if kind.is_file() {
+                self.files.insert(path);
+            } else if kind.is_symlink() {
+                match entry.path().canonicalize() {
+                    Ok(target) if target.starts_with(home) && target.is_file() => {
+                        self.files.insert(path);
+                    }
+                    _ => {
+                        self.faults.push(Fault::new(path, "a link that leads nowhere or out of the data set"))
+                    }
+                }
+            } else {
+                self.faults.push(Fault::new(path, "no file, or a folder too deep inside others"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The pictures among the files.
+    pub(super) fn pictures(&self) -> impl Iterator<Item = &String> {
+        self.files.iter().filter(|path| Format::listed(Path::new(path)))
+    }
+
+    /// The files whose names end so, whatever the case.
+    pub(super) fn ending<'a>(&'a self, end: &'a str) -> impl Iterator<Item = &'a String> {
+        self.files.iter().filter(move |path| path.to_ascii_lowercase().ends_with(end))
+    }
+
+    /// The pictures that stand in a folder.
+    pub(super) fn pictures_in<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a String> {
+        // Names with the folder before them stand together.
+        let from = super::join(folder, "");
+        let all = self.files.range(from.clone()..).take_while(move |path| path.starts_with(&from));
+        all.filter(move |path| split(path).0 == folder && Format::listed(Path::new(path)))
+    }
+
+    pub(super) fn holds(&self, path: &str) -> bool {
+        self.files.contains(path)
+    }
+
+    /// Reads a text of the data set.
+    pub(super) fn read(&self, path: &str) -> Result<String, FileError> {
+        let path = self.root.join(path);
+        std::fs::read_to_string(&path).map_err(|error| FileError::Read { path, error })
+    }
+}

@@ -1,0 +1,287 @@
+//! An XML file a picture, `Annotations/NAME.xml`, which names the picture in `JPEGImages/` and holds boxes in pixels.
+//!
+//! Only two things in the XML are ours: the text of `filename`, and that of `path` beside it. They are found by place,
+//! so that everything else stays byte for byte.
+
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use quick_xml::Reader;
+use quick_xml::events::Event;
+
+use super::tree::Tree;
+use super::{Companion, Dataset, Fault, Index, Sample, inside, join, split, stem};
+use crate::picture::FileError;
+
+const ANNOTATIONS: &str = "Annotations";
+const PICTURES: &str = "JPEGImages";
+/// Masks that may stand beside.
+const MASKS: [&str; 2] = ["SegmentationClass", "SegmentationObject"];
+/// Lists of names, one folder deeper.
+const LISTS: &str = "ImageSets";
+/// Boxes count from 1 or from 0, in whole pixels or not: as far as this beyond the edge nothing is wrong.
+const SLACK: f64 = 1.0;
+
+/// The folder above the annotations of a file, if it is one.
+fn above(path: &str) -> Option<&str> {
+    let (folder, name) = split(path);
+    let (above, last) = split(folder);
+    (last == ANNOTATIONS && name.ends_with(".xml")).then_some(above)
+}
+
+pub(super) fn evidence(tree: &Tree) -> Option<String> {
+    let folder = tree.files.iter().find_map(|path| above(path))?;
+    let pictures = join(folder, PICTURES);
+    tree.pictures_in(&pictures).next()?;
+    Some(format!("{}/ beside {pictures}/", join(folder, ANNOTATIONS)))
+}
+
+pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
+    let folders: BTreeSet<&str> = tree.files.iter().filter_map(|path| above(path)).collect();
+    for folder in folders {
+        let pictures = join(folder, PICTURES);
+        let mut left: BTreeSet<&String> = tree.pictures_in(&pictures).collect();
+        let annotations = join(folder, ANNOTATIONS);
+        for path in tree.files.iter().filter(|path| split(path).0 == annotations && path.ends_with(".xml")) {
+            let about = parse(&tree.read(path)?);
+            let name = stem(split(path).1);
+            let named = about.as_ref().ok().and_then(|about| about.filename.clone());
+            let named = named.map(|named| (inside(&named), named));
+            let by_name = named.as_ref().and_then(|(named, _)| Some(join(&pictures, named.as_ref().ok()?)));
+            let by_stem = || left.iter().copied().find(|key| stem(split(key).1) == name).cloned();
+            let Some(key) = by_name.filter(|key| tree.holds(key)).or_else(by_stem) else {
+                let cause = format!("its picture is not in {pictures}/");
+                dataset.faults.push(Fault::new(path, cause));
+                continue;
+            };
+            left.remove(&key);
+            match (&about, &named) {
+                (Err(cause), _) => dataset.faults.push(Fault::new(path, cause.clone()).of(&key)),
+                (_, Some((Err(cause), said))) => {
+                    dataset.faults.push(Fault::new(path, format!("{said:?} is {cause}")).of(&key));
+                }
+                _ => {}
+            }
+            let wrong = about.iter().flat_map(Annotation::faults);
+            dataset.faults.extend(wrong.map(|cause| Fault::new(path, cause).of(&key)));
+            let mut companions = vec![Companion { path: path.clone(), names_picture: true }];
+            let masks = MASKS.map(|masks| join(&join(folder, masks), &format!("{name}.png")));
+            companions.extend(masks.into_iter().filter(|mask| tree.holds(mask)).map(Companion::carried));
+            dataset.samples.push(Sample::new(key, companions));
+        }
+        let unsaid = left.into_iter().map(|key| Sample::new(key, Vec::new()));
+        dataset.samples.extend(unsaid);
+        let lists = join(folder, LISTS);
+        let listed = tree.ending(".txt").filter(|path| split(split(path).0).0 == lists);
+        dataset
+            .indices
+            .extend(listed.map(|path| Index::Stems { path: path.clone(), folder: pictures.clone() }));
+    }
+    Ok(())
+}
+
+/// What an annotation says, as far as it can be wrong.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Annotation {
+    filename: Option<String>,
+    size: [Option<f64>; 2],
+    /// Left, top, right, bottom.
+    boxes: Vec<[Option<f64>; 4]>,
+}
+
+impl Annotation {
+    /// What is wrong with its boxes, in words.
+    fn faults(&self) -> Vec<String> {
+        let wrong = |side: &[Option<f64>; 4]| match side {
+            [Some(left), Some(top), Some(right), Some(bottom)] => {
+                let within = |low: f64, high: f64, size: Option<f64>| {
+                    low >= -SLACK
+                        && low <= high
+                        && size.is_none_or(|size| size <= 0.0 || high <= size + SLACK)
+                };
+                let [width, height] = self.size;
+                (!(within(*left, *right, width) && within(*top, *bottom, height)))
+                    .then(|| format!("the box {left}, {top}, {right}, {bottom} is not inside the picture"))
+            }
+            _ => Some("a box lacks a side, or has one that is no number".to_owned()),
+        };
+        self.boxes.iter().filter_map(wrong).collect()
+    }
+}
+
+/// An XML text, element by element.
+struct Texts<'a> {
+    reader: Reader<&'a [u8]>,
+    stack: Vec<String>,
+    /// Where the text of the last element begins, while no other one is in it.
+    text: Option<usize>,
+    /// The last piece was the text of the element on the stack, which has ended.
+    ended: bool,
+}
+
+impl<'a> Texts<'a> {
+    fn of(text: &'a str) -> Self {
+        let mut reader = Reader::from_str(text);
+        reader.config_mut().expand_empty_elements = true;
+        Self { reader, stack: Vec::new(), text: None, ended: false }
+    }
+
+    /// The next begin of an element, or the text of one that holds nothing else; the stack names the elements it is in.
+    fn next(&mut self) -> Result<Option<(Piece, Range<usize>)>, String> {
+        if std::mem::take(&mut self.ended) {
+            self.stack.pop();
+        }
+        loop {
+            let from = self.place();
+            let event = self.reader.read_event().map_err(|error| format!("it is no XML: {error}"))?;
+            match event {
+                Event::Eof if self.stack.is_empty() => return Ok(None),
+                Event::Eof => return Err("it ends within an element".into()),
+                Event::Start(start) => {
+                    // Elements deeper than this are none of ours.
+                    if self.stack.len() >= 64 {
+                        return Err("its elements are nested too deep".into());
+                    }
+                    self.stack.push(start.local_name().as_ref().to_owned());
+                    self.text = Some(self.place());
+                    return Ok(Some((Piece::Start, from..from)));
+                }
+                Event::End(_) => match self.text.take() {
+                    Some(begin) => {
+                        self.ended = true;
+                        return Ok(Some((Piece::Text, begin..from)));
+                    }
+                    None => {
+                        self.stack.pop();
+                    }
+                },
+                _ => {}
+            }
+        }
+    }
+
+    fn place(&self) -> usize {
+        usize::try_from(self.reader.buffer_position()).unwrap_or(usize::MAX)
+    }
+
+    fn is_in(&self, path: &[&str]) -> bool {
+        self.stack.iter().map(String::as_str).eq(path.iter().copied())
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Piece {
+    Start,
+    Text,
+}
+
+/// Reads an annotation; what is wrong with it otherwise.
+fn parse(text: &str) -> Result<Annotation, String> {
+    let (mut found, mut texts) = (Annotation::default(), Texts::of(text));
+    let mut is_first = true;
+    while let Some((piece, range)) = texts.next()? {
+        let root = texts.stack.first().map(String::as_str);
+        if is_first && piece == Piece::Start {
+            if root != Some("annotation") {
+                return Err("its first element is not `annotation`".into());
+            }
+            is_first = false;
+        }
+        if piece == Piece::Start {
+            if texts.is_in(&["annotation", "object", "bndbox"]) {
+                found.boxes.push([None; 4]);
+            }
+            continue;
+        }
+        let said = text.get(range).unwrap_or_default().trim();
+        let number = || said.parse::<f64>().ok();
+        if texts.is_in(&["annotation", "filename"]) {
+            let plain = quick_xml::escape::unescape(said);
+            found.filename = Some(plain.map_or_else(|_| said.to_owned(), Cow::into_owned));
+        }
+        for (name, side) in ["width", "height"].into_iter().zip(&mut found.size) {
+            if texts.is_in(&["annotation", "size", name]) {
+                *side = number();
+            }
+        }
+        if let Some(last) = found.boxes.last_mut() {
+            for (name, side) in ["xmin", "ymin", "xmax", "ymax"].into_iter().zip(last) {
+                if texts.is_in(&["annotation", "object", "bndbox", name]) {
+                    *side = number();
+                }
+            }
+        }
+    }
+    if is_first { Err("there is no element in it".into()) } else { Ok(found) }
+}
+
+/// The annotation with another picture's name in `filename`, and as the last part of `path`.
+pub(super) fn renamed(bytes: &[u8], picture: &str) -> Vec<u8> {
+    let Ok(text) = std::str::from_utf8(bytes) else { return bytes.to_vec() };
+    let (mut out, mut done, mut texts) = (String::with_capacity(text.len()), 0, Texts::of(text));
+    let name = quick_xml::escape::escape(picture);
+    while let Ok(Some((piece, range))) = texts.next() {
+        let is_path = texts.is_in(&["annotation", "path"]);
+        if piece != Piece::Text || !(is_path || texts.is_in(&["annotation", "filename"])) {
+            continue;
+        }
+        let said = text.get(range.clone()).unwrap_or_default();
+        if said.trim().is_empty() {
+            continue;
+        }
+        let kept = if is_path { said.rfind(['/', '\\']).map_or(0, |at| at.saturating_add(1)) } else { 0 };
+        out.push_str(text.get(done..range.start).unwrap_or_default());
+        out.push_str(said.get(..kept).unwrap_or_default());
+        out.push_str(&name);
+        done = range.end;
+    }
+    out.push_str(text.get(done..).unwrap_or_default());
+    out.into_bytes()
+}
+
+/// Reads an annotation for nothing but that: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_parse(text: &str) {
+    if let Ok(found) = parse(text) {
+        let _ = found.faults();
+        let renamed = renamed(text.as_bytes(), "a__b__0.jpg");
+        let again = std::str::from_utf8(&renamed).expect("text stays text");
+        assert_eq!(parse(again).expect("what is renamed is read").boxes, found.boxes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "<annotation verified=\"yes\">\n\t<filename>a &amp; b.jpg</filename><path>C:\\pics\\a.jpg</path>\n\
+        <size><width>64</width><height>48</height><depth>3</depth></size><object><name>fish</name>\
+        <part><name>filename</name></part>\
+        <bndbox><xmin>1</xmin><ymin>2.5</ymin><xmax>64</xmax><ymax>48</ymax></bndbox></object></annotation>\n";
+
+    #[test]
+    fn an_annotation_is_read_and_nothing_but_the_names_changes() {
+        let found = parse(GOOD).unwrap();
+        assert_eq!(found.filename.as_deref(), Some("a & b.jpg"));
+        assert_eq!(found.size, [Some(64.0), Some(48.0)]);
+        assert_eq!(found.boxes, [[Some(1.0), Some(2.5), Some(64.0), Some(48.0)]]);
+        assert!(found.faults().is_empty());
+        let renamed = String::from_utf8(renamed(GOOD.as_bytes(), "a__<w>__0.jpg")).unwrap();
+        let expected = GOOD
+            .replace("a &amp; b.jpg", "a__&lt;w&gt;__0.jpg")
+            .replace("pics\\a.jpg", "pics\\a__&lt;w&gt;__0.jpg");
+        assert_eq!(renamed, expected);
+    }
+
+    #[test]
+    fn boxes_outside_the_picture_are_named() {
+        for (from, to) in [("<xmax>64", "<xmax>90"), ("<ymin>2.5", "<ymin>49.5"), ("<ymin>2.5", "<ymin>a")] {
+            let found = parse(&GOOD.replace(from, to)).unwrap();
+            assert_eq!(found.faults().len(), 1, "{to}");
+        }
+        for wrong in ["", "<a></a>", "<annotation><object>", "plain text", "<annotation></b>"] {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
+    }
+}

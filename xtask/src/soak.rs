@@ -1,11 +1,12 @@
 //! `cargo xtask soak`: every parser fuzzed for its share of the time, and a folder's job killed again and again.
 //!
-//! Executions add up over runs in the table of `docs/results.md`. The fuzzer is LLVM's, which counts on the compiler
+//! Executions add up over runs in the table of `docs/results.md`; time goes to the parsers that lack most. The fuzzer is LLVM's, which counts on the compiler
 //! to mark every branch; the flags for that are those cargo-fuzz uses, and a stable toolchain knows them.
 
 mod resume;
 mod table;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -22,6 +23,8 @@ const SLOWEST: &str = "2";
 /// More than this, in MiB, is a fault: the limits of the targets are lower.
 const MOST_MEMORY: &str = "512";
 const KILLS: &str = "1000";
+/// Executions of each parser.
+const PROMISED: u64 = 10_000_000;
 
 /// What makes the compiler mark branches and comparisons for the fuzzer.
 const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
@@ -30,7 +33,6 @@ const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
 
 pub(crate) fn run_for(minutes: u64) -> Result<()> {
     let targets = targets()?;
-    let seconds = (60 * minutes / targets.len() as u64).max(1);
     say(&format!("Building {} fuzz targets", targets.len()));
     let triple = host()?;
     let mut build = cargo(&["build", "--release", "--manifest-path", "fuzz/Cargo.toml", "--target", &triple]);
@@ -40,11 +42,11 @@ pub(crate) fn run_for(minutes: u64) -> Result<()> {
     let programs = root().join("fuzz/target").join(&triple).join("release");
     let mut table = read()?;
     let mut failed = Vec::new();
-    for target in &targets {
+    for (target, seconds) in shares(&targets, &table, 60 * minutes) {
         say(&format!("Fuzzing {target} for {seconds} s"));
-        let row = fuzz(target, &programs, seconds)?;
+        let row = fuzz(&target, &programs, seconds)?;
         if row.crashes > 0 {
-            failed.push(target.as_str());
+            failed.push(target.clone());
         }
         table.entry(target.clone()).or_default().add(&row);
         write_section(RESULTS, "soak", &rows(&table))?;
@@ -54,6 +56,26 @@ pub(crate) fn run_for(minutes: u64) -> Result<()> {
         return Ok(());
     }
     bail!("{} failed; the inputs lie in fuzz/artifacts", failed.join(", "))
+}
+
+/// The seconds of each target that still lacks executions, in proportion to the time that those will take; alike
+/// for all once none lacks any.
+fn shares(targets: &[String], table: &BTreeMap<String, Row>, seconds: u64) -> Vec<(String, u64)> {
+    let rate = |row: &Row| row.executions as f64 / row.seconds.max(1) as f64;
+    let slowest = table.values().map(rate).fold(f64::INFINITY, f64::min).min(PROMISED as f64);
+    let lacks = |target: &String| {
+        let row = table.get(target).copied().unwrap_or_default();
+        // What was never run may be as slow as the slowest.
+        let rate = if row.executions == 0 { slowest } else { rate(&row) };
+        PROMISED.saturating_sub(row.executions) as f64 / rate.max(1.0)
+    };
+    let all: f64 = targets.iter().map(lacks).sum();
+    let share = |target: &String| match all {
+        0.0 => seconds / targets.len() as u64,
+        _ => (seconds as f64 * (lacks(target) / all).min(1.0)).ceil() as u64,
+    };
+    let shares = targets.iter().map(|target| (target.clone(), share(target)));
+    shares.filter(|(_, seconds)| *seconds > 0).collect()
 }
 
 /// The targets, by their folders of examples.
@@ -123,4 +145,29 @@ fn kills() -> Result<()> {
         line.map(|line| format!("- {line}\n")).with_context(|| format!("the test said no {name}"))
     };
     write_section(RESULTS, "kills", &(figures("kills: ")? + &figures("signals: ")? + &resume::figure()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(executions: u64, seconds: u64) -> Row {
+        Row { executions, seconds, ..Row::default() }
+    }
+
+    #[test]
+    fn time_goes_to_what_lacks_executions_and_the_slow_get_more() {
+        let names = ["done", "fast", "slow"].map(str::to_owned);
+        let rows = [row(PROMISED, 10), row(PROMISED / 2, 100), row(PROMISED / 2, 300)];
+        let table = names.iter().cloned().zip(rows).collect();
+        let shares = shares(&names, &table, 400);
+        assert_eq!(shares, [("fast".to_owned(), 100), ("slow".to_owned(), 300)]);
+    }
+
+    #[test]
+    fn once_nothing_lacks_all_have_the_same() {
+        let names = ["a", "b"].map(str::to_owned);
+        let table = names.iter().cloned().map(|name| (name, row(PROMISED, 1))).collect();
+        assert_eq!(shares(&names, &table, 60).iter().map(|(_, share)| *share).collect::<Vec<_>>(), [30, 30]);
+    }
 }

@@ -65,9 +65,11 @@ fn picture(format: Format, bytes: &[u8]) {
     }
     for lenient in [false, true] {
         let options = ReadOptions { lenient, ..LIMITS };
-        // Fusing takes a hundred times as long as reading: one in so many tells as much.
+        // Fusing takes a hundred times as long as reading: one in so many tells as much. Chosen by what is in the file,
+        // for fuzzers like some lengths better than others.
+        let chosen = bytes.iter().copied().fold(0, u8::wrapping_add) < 4;
         match Picture::from_bytes(Path::new(NAME), bytes, &options) {
-            Ok(read) if bytes.len().is_multiple_of(16) => check(&read, lenient),
+            Ok(read) if chosen => check(&read, lenient),
             Ok(_) => {}
             Err(error) => check_error(&error),
         }

@@ -101,7 +101,26 @@ pub(crate) fn run_all() -> Result<()> {
     for (target, name, text) in TEXTS {
         add(&corpus, target, name, text.as_bytes())?;
     }
+    let shard = [member("a.jpg", b"no picture"), member("a.txt", b"0"), vec![0; 1024]].concat();
+    add(&corpus, "dataset-shards", "a.tar", &shard)?;
     counts(&corpus)
+}
+
+/// A member of a tar file (POSIX.1-1988).
+fn member(name: &str, bytes: &[u8]) -> Vec<u8> {
+    let mut block = vec![0_u8; 512];
+    let mut put = |at: usize, text: &str| block[at..at + text.len()].copy_from_slice(text.as_bytes());
+    put(0, name);
+    put(100, "0000644");
+    put(124, &format!("{:011o}", bytes.len()));
+    put(136, "00000000000");
+    put(148, "        0");
+    put(257, "ustar\u{0}00");
+    let sum: u32 = block.iter().map(|byte| u32::from(*byte)).sum();
+    block[148..156].copy_from_slice(format!("{sum:06o}\u{0} ").as_bytes());
+    block.extend(bytes);
+    block.resize(block.len().next_multiple_of(512), 0);
+    block
 }
 
 fn add(corpus: &Path, target: &str, name: &str, bytes: &[u8]) -> Result<()> {

@@ -37,6 +37,7 @@ Layouts, told by looking:
   yolo     labels/NAME.txt for images/NAME.jpg, with data.yaml or without
   voc      Annotations/NAME.xml for JPEGImages/NAME.jpg, masks and lists of names
   masks    masks/NAME.png for images/NAME.jpg
+  shards   WebDataset: tar files; KEY.jpg and all else of that key
 
 Pixels stay where they are, so annotations stay true: labels and masks are copied byte for byte, of JSON and XML
 all but ids and names of files. Variants are named STEM__WATER__NUMBER and stand where their picture stands, and

@@ -221,7 +221,21 @@ fn the_readers_of_others_find_the_same_annotations() {
     );
     fs::write(run.path("coco/instances.json"), json).unwrap();
     fs::write(run.path("voc/ImageSets/Main/train.txt"), "0\n1\n2\n").unwrap();
-    for layout in ["coco", "voc", "masks"] {
+    fs::create_dir(run.path("shards")).unwrap();
+    let mut shard = tar::Builder::new(fs::File::create(run.path("shards/train-000.tar")).unwrap());
+    for picture in &pictures {
+        let key = picture.file_stem().unwrap().to_str().unwrap();
+        for (end, bytes) in
+            [("png", fs::read(picture).unwrap()), ("cls", key.into()), ("seg.mask.png", vec![7; 600])]
+        {
+            let mut header = tar::Header::new_gnu();
+            header.set_size(bytes.len() as u64);
+            header.set_mode(0o644);
+            shard.append_data(&mut header, format!("{key}.{end}"), bytes.as_slice()).unwrap();
+        }
+    }
+    shard.finish().unwrap();
+    for layout in ["coco", "voc", "masks", "shards"] {
         let output = format!("{layout}-more");
         run.ok(&["augment", layout, "waters", "-o", &output, "--per-image", "2", "--keep-originals"]);
         assert!(compare(layout, &run.path(layout), &run.path(&output)));

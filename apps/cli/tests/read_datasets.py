@@ -1,11 +1,12 @@
 """Reads a data set and what `aquafuse augment` made of it with the readers that people use, and compares annotations.
 
-    read_datasets.py yolo|coco|voc|masks BEFORE AFTER
+    read_datasets.py yolo|coco|voc|masks|shards BEFORE AFTER
 
 Every picture of BEFORE must be in AFTER with its variants, STEM__WATER__NUMBER, of the same size, and each with the
 annotations of its picture.
 """
 
+import io
 import sys
 import tempfile
 from pathlib import Path
@@ -97,9 +98,21 @@ def masks(root):
     return found
 
 
+def shards(root):
+    import webdataset
+
+    found = {}
+    for path in sorted(root.glob("*.tar")):
+        for sample in webdataset.WebDataset(str(path), shardshuffle=False):
+            with Image.open(io.BytesIO(sample.pop("png"))) as image:
+                about = {kind: bytes for kind, bytes in sample.items() if not kind.startswith("__")}
+                found[sample["__key__"]] = (image.size, about)
+    return found
+
+
 def main():
     layout, before, after = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
-    read = {"yolo": yolo, "coco": coco, "voc": voc, "masks": masks}[layout]
+    read = {"yolo": yolo, "coco": coco, "voc": voc, "masks": masks, "shards": shards}[layout]
     old, new = read(before), read(after)
     sizes = {path.stem: size(path) for path in pictures(before)}
     for path in pictures(after):

@@ -11,6 +11,7 @@ mod make;
 mod manifest;
 mod plan;
 mod replay;
+mod shards;
 mod verify;
 mod water;
 
@@ -226,14 +227,18 @@ impl<E: Space> Augmentation<E> {
         let work = |sample: &plan::Planned| {
             let known = known.get(&sample.key).cloned().unwrap_or_default();
             let (entry, outcome) = match maker.make(sample, known, &journal) {
-                Ok(make::Made { entry, news: None }) => {
+                Ok(make::Made { entry, news: None, .. }) => {
                     listener(Message::Kept { key: &sample.key });
                     (entry, Outcome::Kept)
                 }
-                Ok(make::Made { entry, news: Some(news) }) => {
+                Ok(make::Made { entry, news: Some(news), failures }) => {
                     let make::News { variants, verdict, lines } = news;
+                    let outcome = if failures.is_empty() { Outcome::Done } else { Outcome::Failed };
+                    for error in failures {
+                        listener(Message::Failed { key: &sample.key, error });
+                    }
                     listener(Message::Done { key: &sample.key, variants, verdict, lines });
-                    (entry, Outcome::Done)
+                    (entry, outcome)
                 }
                 Err((mut entry, error)) => {
                     entry.failed = Some(one_line(&error.to_string()));

@@ -9,6 +9,7 @@ mod folder;
 mod index;
 mod inside;
 mod masks;
+pub(crate) mod shards;
 mod tree;
 mod voc;
 mod yolo;
@@ -20,7 +21,10 @@ pub use index::{Index, Made};
 pub(crate) use inside::inside;
 use tree::Tree;
 #[cfg(feature = "fuzz-targets")]
-pub(crate) use {coco::try_parse as try_coco, voc::try_parse as try_voc, yolo::try_parse as try_yolo};
+pub(crate) use {
+    coco::try_parse as try_coco, shards::try_parse as try_shards, voc::try_parse as try_voc,
+    yolo::try_parse as try_yolo,
+};
 
 use crate::picture::{FileError, shown};
 
@@ -35,13 +39,15 @@ pub enum Layout {
     Yolo,
     /// An XML file a picture, in `Annotations/` where the picture stands in `JPEGImages/`.
     Voc,
+    /// WebDataset: tar files, in which all about one picture has its name.
+    Shards,
     /// A picture a picture, in `masks/` where the picture stands in `images/`.
     Masks,
 }
 
 impl Layout {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Folder, Self::Coco, Self::Yolo, Self::Voc, Self::Masks];
+    pub const ALL: [Self; 6] = [Self::Folder, Self::Coco, Self::Yolo, Self::Voc, Self::Masks, Self::Shards];
 
     /// Its name on the command line and in manifests.
     pub fn name(self) -> &'static str {
@@ -51,6 +57,7 @@ impl Layout {
             Self::Yolo => "yolo",
             Self::Voc => "voc",
             Self::Masks => "masks",
+            Self::Shards => "shards",
         }
     }
 
@@ -67,6 +74,7 @@ impl Layout {
             Self::Yolo => yolo::evidence(tree),
             Self::Voc => voc::evidence(tree),
             Self::Masks => masks::evidence(tree),
+            Self::Shards => shards::evidence(tree),
         }
     }
 }
@@ -86,7 +94,7 @@ pub struct Dataset {
     pub faults: Vec<Fault>,
 }
 
-/// A picture of a data set, with the files that are about it alone.
+/// A picture of a data set, with the files that are about it alone; of [`Layout::Shards`] a tar file with all in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sample {
     /// The path of the picture, which names the sample.
@@ -188,6 +196,7 @@ impl Dataset {
             Layout::Yolo => yolo::read(&tree, &mut dataset)?,
             Layout::Voc => voc::read(&tree, &mut dataset)?,
             Layout::Masks => masks::read(&tree, &mut dataset),
+            Layout::Shards => shards::read(&tree, &mut dataset),
         }
         dataset.samples.sort_by(|a, b| a.key.cmp(&b.key));
         for (sample, rank) in dataset.samples.iter_mut().zip(0..) {

@@ -6,8 +6,13 @@ use sha2::{Digest, Sha256};
 
 /// The digest of bytes, in 64 hexadecimal digits, as `sha256sum` prints it.
 pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// The digits of a digest.
+pub(crate) fn hexadecimal(digest: &[u8]) -> String {
     let mut digits = String::new();
-    for byte in Sha256::digest(bytes) {
+    for byte in digest {
         let _ = write!(digits, "{byte:02x}");
     }
     digits

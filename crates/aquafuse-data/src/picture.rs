@@ -88,6 +88,15 @@ impl Picture {
         read::open(path, options)
     }
 
+    /// As [`open`](Self::open), of a file that is in memory already.
+    pub(crate) fn open_bytes(
+        name: &Path,
+        bytes: Vec<u8>,
+        options: &ReadOptions,
+    ) -> Result<Opened, FileError> {
+        read::open_bytes(name, bytes, options)
+    }
+
     /// Reads a picture whose file is in memory already; errors call it `name`.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ use aquafuse::image::{Encoded, Sample as _};
 
 use crate::analysis::{DepthSource, analyse};
 use crate::augment::try_manifest;
-use crate::dataset::{try_coco, try_voc, try_yolo};
+use crate::dataset::{try_coco, try_shards, try_voc, try_yolo};
 use crate::depth_file;
 use crate::job;
 use crate::model_file::ModelFile;
@@ -29,7 +29,7 @@ pub struct Target {
 }
 
 /// Every parser there is.
-pub const ALL: [Target; 19] = [
+pub const ALL: [Target; 20] = [
     Target { name: "bmp", run: |bytes| picture(Format::Bmp, bytes) },
     Target { name: "exif", run: try_exif },
     Target { name: "gif", run: |bytes| picture(Format::Gif, bytes) },
@@ -43,6 +43,7 @@ pub const ALL: [Target; 19] = [
     Target { name: "depth-png", run: |bytes| depth(b"\x89PNG", bytes) },
     Target { name: "depth-tiff", run: |bytes| depth(b"", bytes) },
     Target { name: "dataset-coco", run: |bytes| text(bytes, try_coco) },
+    Target { name: "dataset-shards", run: shards },
     Target { name: "dataset-voc", run: |bytes| text(bytes, try_voc) },
     Target { name: "dataset-yolo", run: |bytes| text(bytes, try_yolo) },
     Target { name: "job-record", run: job::try_parse },
@@ -113,6 +114,12 @@ fn depth(magic: &[u8], bytes: &[u8]) {
         if let Err(error) = depth_file::from_bytes(Path::new(NAME), bytes, kind) {
             check_error(&error);
         }
+    }
+}
+
+fn shards(bytes: &[u8]) {
+    if let Err(error) = try_shards(Path::new(NAME), bytes) {
+        check_error(&error);
     }
 }
 

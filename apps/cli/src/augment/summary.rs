@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{Augmentation, Message};
+use aquafuse_data::dataset::Layout;
 use aquafuse_data::job::Summary;
 use aquafuse_data::picture::shown;
 use aquafuse_data::treatment::Space;
@@ -38,7 +39,14 @@ pub(super) fn planned<E: Space>(
 ) -> String {
     let mut text = heading(job);
     let kept = if job.recipe.keep_originals { ", and carry them over" } else { "" };
-    let _ = writeln!(text, "would make {variants} variants of {pictures} pictures{kept}");
+    let _ = match job.dataset.layout {
+        Layout::Shards => writeln!(
+            text,
+            "would make {} variants of each picture in {pictures} shards{kept}",
+            job.recipe.per_image
+        ),
+        _ => writeln!(text, "would make {variants} variants of {pictures} pictures{kept}"),
+    };
     left_out(&mut text, bad);
     text
 }
@@ -46,12 +54,13 @@ pub(super) fn planned<E: Space>(
 /// What a run has made.
 pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary, bad: usize) -> String {
     let mut text = heading(job);
+    let things = if job.dataset.layout == Layout::Shards { "shards" } else { "pictures" };
     if ended.kept > 0 {
-        let _ = writeln!(text, "{} pictures were done already, by a run before this one", ended.kept);
+        let _ = writeln!(text, "{} {things} were done already, by a run before this one", ended.kept);
     }
     let _ = writeln!(
         text,
-        "{} variants of {} pictures written to {}",
+        "{} variants of {} {things} written to {}",
         tally.variants,
         ended.done,
         shown(&job.output)

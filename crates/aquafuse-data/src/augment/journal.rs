@@ -118,8 +118,9 @@ impl Journal {
 fn learn(known: &mut BTreeMap<String, Entry>, found: Manifest) {
     for (key, entry) in found.entries {
         // What was skipped or failed is tried again.
-        let Entry { original, variants, .. } = entry;
+        let Entry { original, container, variants, .. } = entry;
         let known = known.entry(key).or_default();
+        known.container = container.or(known.container.take());
         known.original = original.or(known.original.take());
         known.variants.extend(variants);
     }

@@ -4,7 +4,7 @@ use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
 use aquafuse::fusion::{Gain, Incidence, Options};
-use aquafuse::waterbody::{Reason, Verdict};
+use aquafuse::waterbody::{Quality, Reason, Verdict};
 
 use super::depth::Maps;
 use super::journal::Journal;
@@ -12,10 +12,10 @@ use super::manifest::{Entry, Line, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
 use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
 use crate::analysis::{Analysis, DepthSource, analyse};
-use crate::dataset::Companion;
+use crate::dataset::{Companion, Layout};
 use crate::digest::sha256;
 use crate::memory::{Budget, Reservation};
-use crate::picture::{FileError, Format, Picture, write_bytes};
+use crate::picture::{FileError, Format, Opened, Picture, write_bytes};
 use crate::treatment::{Space, Treated, Treatment};
 
 /// What became of one picture.
@@ -24,6 +24,8 @@ pub(super) struct Made {
     pub(super) entry: Entry,
     /// What is new; none where all was there.
     pub(super) news: Option<News>,
+    /// What failed of a file that holds several pictures; the others are made.
+    pub(super) failures: Vec<FileError>,
 }
 
 pub(super) struct News {
@@ -34,9 +36,9 @@ pub(super) struct News {
 
 /// What multiplies pictures.
 pub(super) struct Maker<'a, E: Space> {
-    job: &'a Augmentation<E>,
-    maps: Maps,
-    budget: Budget,
+    pub(super) job: &'a Augmentation<E>,
+    pub(super) maps: Maps,
+    pub(super) budget: Budget,
 }
 
 /// A picture that was read, with all that its variants need.
@@ -54,11 +56,10 @@ impl<E: Space> Recipe<E> {
     /// Reads a picture, and tells its depth and water.
     pub(super) fn read<'a>(
         &self,
-        path: &Path,
+        opened: Opened,
         depth: &DepthSource,
         budget: &'a Budget,
     ) -> Result<Read<'a, E>, FileError> {
-        let opened = Picture::open(path, &self.reading)?;
         // A variant beside its picture, and as it is encoded.
         let beside = opened.memory_of_pixels().saturating_mul(2);
         let supplied = match depth {
@@ -91,6 +92,13 @@ impl<E: Space> Recipe<E> {
         Ok(Read { picture, found, source, instead, _room: room })
     }
 
+    /// Why a picture of this quality has no variants, if it has none.
+    pub(super) fn skipped(&self, quality: Quality) -> Option<String> {
+        let skip = quality.verdict != Verdict::Good && matches!(self.on_doubtful, OnDoubtful::Skip);
+        let reasons = || quality.reasons.iter().map(Reason::describe).collect::<Vec<_>>().join("; ");
+        skip.then(|| format!("{}: {}", quality.verdict.name(), reasons()))
+    }
+
     /// One variant as a file holds it, and what was done.
     pub(super) fn variant(
         &self,
@@ -113,6 +121,35 @@ impl<E: Space> Recipe<E> {
     }
 }
 
+impl<E: Space> Read<'_, E> {
+    /// A variant of the picture as the manifest has it.
+    pub(super) fn described(
+        &self,
+        key: &str,
+        number: u32,
+        draw: Draw,
+        treated: Treated,
+        written: Written,
+        companions: Vec<Written>,
+    ) -> Variant {
+        let quality = self.found.estimate.quality;
+        Variant {
+            key: key.to_owned(),
+            number,
+            water: draw.water,
+            theta: draw.theta,
+            alpha: draw.alpha,
+            source: self.source.clone(),
+            verdict: quality.verdict.name().to_owned(),
+            reasons: quality.reasons.iter().collect(),
+            clipped: treated.clipping.share(),
+            instead: self.instead,
+            written,
+            companions,
+        }
+    }
+}
+
 impl<'a, E: Space> Maker<'a, E> {
     pub(super) fn new(job: &'a Augmentation<E>, maps: Maps) -> Self {
         Self { job, maps, budget: job.recipe.reading.budget() }
@@ -125,10 +162,13 @@ impl<'a, E: Space> Maker<'a, E> {
         known: Entry,
         journal: &Journal,
     ) -> Result<Made, (Entry, FileError)> {
+        if self.job.dataset.layout == Layout::Shards {
+            return self.make_shard(sample, known, journal);
+        }
         let mut entry = Entry::default();
         let made = self.make_into(&mut entry, sample, known, journal);
         match made {
-            Ok(news) => Ok(Made { entry, news }),
+            Ok(news) => Ok(Made { entry, news, failures: Vec::new() }),
             Err(error) => {
                 // Without a place in the manifest it is listed when the run ends.
                 let failed = Line::Failed { key: sample.key.clone(), error: error.to_string() };
@@ -165,11 +205,10 @@ impl<'a, E: Space> Maker<'a, E> {
         let verdict = if missing.is_empty() {
             None
         } else {
-            let read = recipe.read(&input, &self.maps.source(&sample.key)?, &self.budget)?;
+            let opened = Picture::open(&input, &recipe.reading)?;
+            let read = recipe.read(opened, &self.maps.source(&sample.key)?, &self.budget)?;
             let quality = read.found.estimate.quality;
-            if quality.verdict != Verdict::Good && matches!(recipe.on_doubtful, OnDoubtful::Skip) {
-                let reasons: Vec<&str> = quality.reasons.iter().map(Reason::describe).collect();
-                let why = format!("{}: {}", quality.verdict.name(), reasons.join("; "));
+            if let Some(why) = recipe.skipped(quality) {
                 lines.push(Line::Skipped { key: sample.key.clone(), why: why.clone() });
                 entry.skipped = Some(why);
                 missing.clear();
@@ -218,21 +257,8 @@ impl<'a, E: Space> Maker<'a, E> {
         // The picture comes last: where it is, all that belongs to it is.
         let companions =
             sample.companions.iter().zip(&planned.companions).map(carry).collect::<Result<_, _>>()?;
-        let quality = read.found.estimate.quality;
-        Ok(Variant {
-            key: sample.key.clone(),
-            number: planned.number,
-            water: planned.draw.water,
-            theta: planned.draw.theta,
-            alpha: planned.draw.alpha,
-            source: read.source.clone(),
-            verdict: quality.verdict.name().to_owned(),
-            reasons: quality.reasons.iter().collect(),
-            clipped: treated.clipping.share(),
-            instead: read.instead,
-            written: self.write(&planned.output, &bytes)?,
-            companions,
-        })
+        let written = self.write(&planned.output, &bytes)?;
+        Ok(read.described(&sample.key, planned.number, planned.draw, treated, written, companions))
     }
 
     /// Carries the picture and what is about it over as they are.
@@ -286,7 +312,7 @@ impl<'a, E: Space> Maker<'a, E> {
     }
 
     /// Whether a file that was written stands there, no older than what it was made from.
-    fn stands(&self, written: &Written, from: &Metadata) -> bool {
+    pub(super) fn stands(&self, written: &Written, from: &Metadata) -> bool {
         let path: PathBuf = self.job.output.join(&written.output);
         let newer = |about: &Metadata| match (about.modified(), from.modified()) {
             (Ok(made), Ok(from)) => made >= from,

@@ -134,6 +134,21 @@ pub(super) struct Original {
     pub(super) companions: Vec<Written>,
 }
 
+/// A file that holds several pictures with their variants.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Container {
+    pub(super) key: String,
+    pub(super) source: Source,
+    #[serde(flatten)]
+    pub(super) written: Written,
+    /// Its variants; `output` is a path in it.
+    pub(super) variants: Vec<Variant>,
+    /// Its pictures that have no variants, and why.
+    pub(super) skipped: Vec<(String, String)>,
+    /// Those that failed, and why.
+    pub(super) failed: Vec<(String, String)>,
+}
+
 /// Every line but the first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "line", rename_all = "lowercase")]
@@ -141,6 +156,7 @@ pub(super) enum Line {
     Job(Box<Header>),
     Variant(Variant),
     Original(Original),
+    Container(Box<Container>),
     /// No variants: its estimate is doubtful, or its annotations are bad.
     Skipped {
         key: String,
@@ -168,6 +184,7 @@ impl Line {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Entry {
     pub(super) original: Option<Original>,
+    pub(super) container: Option<Box<Container>>,
     pub(super) variants: BTreeMap<u32, Variant>,
     pub(super) skipped: Option<String>,
     pub(super) failed: Option<String>,
@@ -192,13 +209,15 @@ impl Entry {
             self.original.iter().flat_map(|made| iter::once(&made.written).chain(&made.companions));
         let variants =
             self.variants.values().flat_map(|made| iter::once(&made.written).chain(&made.companions));
-        original.chain(variants)
+        let container = self.container.iter().map(|made| &made.written);
+        original.chain(variants).chain(container)
     }
 
     /// What it says, as lines in their order.
     pub(super) fn lines(self, key: &str) -> Vec<Line> {
-        let Self { original, variants, skipped, failed } = self;
+        let Self { original, container, variants, skipped, failed } = self;
         let mut lines: Vec<Line> = original.map(Line::Original).into_iter().collect();
+        lines.extend(container.map(Line::Container));
         lines.extend(variants.into_values().map(Line::Variant));
         lines.extend(skipped.map(|why| Line::Skipped { key: key.to_owned(), why }));
         lines.extend(failed.map(|error| Line::Failed { key: key.to_owned(), error }));
@@ -228,6 +247,17 @@ impl Manifest {
         parse(&bytes).map_err(|line| AugmentError::Manifest { path: path.to_owned(), line })
     }
 
+    /// Every variant, with the key of the file that holds it where it is none itself.
+    pub(super) fn variants(&self) -> impl Iterator<Item = (&Variant, Option<&str>)> {
+        self.entries.values().flat_map(|entry| {
+            let own = entry.variants.values().map(|variant| (variant, None));
+            let held = entry.container.iter().flat_map(|container| {
+                container.variants.iter().map(|variant| (variant, Some(container.key.as_str())))
+            });
+            own.chain(held)
+        })
+    }
+
     /// Every file that it lists.
     pub(super) fn written(&self) -> impl Iterator<Item = &Written> {
         self.entries.values().flat_map(Entry::written).chain(&self.indices)
@@ -253,6 +283,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Manifest, usize> {
             Line::Original(original) => {
                 let entry: &mut Entry = entries.entry(original.key.clone()).or_default();
                 entry.original = Some(original);
+            }
+            Line::Container(container) => {
+                let entry = entries.entry(container.key.clone()).or_default();
+                entry.container = Some(container);
             }
             Line::Variant(variant) => {
                 let entry = entries.entry(variant.key.clone()).or_default();

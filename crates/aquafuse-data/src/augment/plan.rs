@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use super::{Augmentation, Draw};
-use crate::dataset::{Companion, join, split, stem};
+use super::{Augmentation, DepthPlan, Draw};
+use crate::dataset::{Companion, Layout, join, split, stem};
 use crate::picture::{Format, shown};
 use crate::treatment::Space;
 
@@ -61,6 +61,9 @@ pub enum PlanError {
         /// Waters.
         waters: usize,
     },
+    /// Depth maps of pictures that stand in shards.
+    #[error("depth maps cannot be told apart for pictures in shards; unpack them, or leave --depth out")]
+    MapsOfShards,
     /// There is no water to draw.
     #[error("every water is doubtful, and doubtful ones are skipped; give others, or --on-doubtful flag")]
     NoWater,
@@ -94,6 +97,9 @@ impl<E: Space> Augmentation<E> {
             let (per_image, waters) = (recipe.per_image, recipe.waters.len());
             return Err(PlanError::Equal { per_image, waters }.into());
         }
+        if self.dataset.layout == Layout::Shards && matches!(recipe.depth, DepthPlan::Maps { .. }) {
+            return Err(PlanError::MapsOfShards.into());
+        }
         self.check_place()?;
         let slugs: Vec<String> = recipe.waters.iter().map(super::Water::slug).collect();
         let mut owners: BTreeMap<String, &str> = BTreeMap::new();
@@ -115,7 +121,9 @@ impl<E: Space> Augmentation<E> {
                 let companions = sample.companions.iter().map(companion).collect();
                 PlannedVariant { number, draw, output, companions }
             };
-            let variants: Vec<PlannedVariant> = (0..recipe.per_image).map(variant).collect();
+            // What is in a shard is not known before it is read.
+            let many = if self.dataset.layout == Layout::Shards { 0 } else { recipe.per_image };
+            let variants: Vec<PlannedVariant> = (0..many).map(variant).collect();
             let own = recipe.keep_originals.then_some(&sample.key).into_iter();
             for output in own.chain(variants.iter().map(|variant| &variant.output)) {
                 if let Some(other) = owners.insert(output.clone(), &sample.key) {

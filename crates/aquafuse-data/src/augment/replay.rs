@@ -10,7 +10,7 @@ use super::manifest::{Header, Manifest, StoredDepth, Variant};
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::inside;
 use crate::digest::sha256;
-use crate::picture::{FileError, ReadOptions, write_bytes};
+use crate::picture::{FileError, Picture, ReadOptions, write_bytes};
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
 
@@ -44,16 +44,16 @@ pub fn replay<E: Space>(
     let recipe: Recipe<E> = found.header.recipe(manifest, reading)?;
     let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
     let wanted =
-        |variant: &&Variant| only.is_none_or(|only| only == variant.key || only == variant.written.output);
-    let variants: Vec<&Variant> =
-        found.entries.values().flat_map(|entry| entry.variants.values()).filter(wanted).collect();
+        |variant: &Variant| only.is_none_or(|only| only == variant.key || only == variant.written.output);
+    let variants: Vec<(&Variant, Option<&str>)> =
+        found.variants().filter(|(variant, _)| wanted(variant)).collect();
     if let (true, Some(only)) = (variants.is_empty(), only) {
         return Err(AugmentError::NoSuchKey { path: manifest.to_owned(), key: only.to_owned() });
     }
-    let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|variant| variant.key.as_str()))?;
+    let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|(variant, _)| variant.key.as_str()))?;
     let budget = recipe.reading.budget();
     let mut replayed = Replayed::default();
-    for variant in variants {
+    for (variant, container) in variants {
         let make = || {
             let named =
                 |cause: &str| FileError::Damaged { path: manifest.to_owned(), cause: cause.to_owned() };
@@ -63,7 +63,14 @@ pub fn replay<E: Space>(
                 .waters
                 .get(variant.water)
                 .ok_or_else(|| named("it names a water that it does not hold"))?;
-            let read = recipe.read(&root.join(&key), &maps.source(&key)?, &budget)?;
+            let opened = match container {
+                None => Picture::open(&root.join(&key), &recipe.reading)?,
+                Some(shard) => {
+                    let shard = root.join(inside(shard).map_err(named)?);
+                    super::shards::picture_of(&shard, &key, &recipe.reading)?
+                }
+            };
+            let read = recipe.read(opened, &maps.source(&key)?, &budget)?;
             let Variant { water: number, theta, alpha, .. } = *variant;
             let (bytes, _) = recipe.variant(&read, water, Draw { water: number, theta, alpha }, &path)?;
             if let Some(above) = path.parent() {

@@ -246,3 +246,104 @@ fn outputs_that_are_not_ours_to_fill_are_refused() {
     equal.recipe.draws.with_replacement = true;
     assert_eq!(equal.planned().unwrap(), (4, 12));
 }
+
+/// A shard of three pictures with a label and a mask each.
+fn shard(root: &Path) {
+    fs::create_dir_all(root).unwrap();
+    let mut builder = tar::Builder::new(fs::File::create(root.join("train-000.tar")).unwrap());
+    for seed in 0..3 {
+        let scene = Scene::new(seed, Size { width: 48, height: 32 });
+        let image = scene.seen_through(&waters()[1].water).to_samples::<u8>();
+        let picture = Picture::new(image).encode("a.jpg".as_ref(), 95).unwrap();
+        for (end, bytes) in [("jpg", picture), ("json", vec![b'0'; 700]), ("mask.png", vec![seed as u8; 5])] {
+            let mut header = tar::Header::new_gnu();
+            header.set_size(bytes.len() as u64);
+            header.set_mtime(1000);
+            builder.append_data(&mut header, format!("reef/{seed}.{end}"), bytes.as_slice()).unwrap();
+        }
+    }
+    builder.finish().unwrap();
+}
+
+/// The members of a tar file, in their order.
+fn members(path: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    let options = ReadOptions::default();
+    let bytes = fs::read(path).unwrap();
+    crate::dataset::shards::groups(path, bytes.as_slice(), &options, &mut |_| {}, &mut |group| {
+        found.extend(group.members.into_iter().map(|member| (member.path, member.bytes)));
+        Ok(())
+    })
+    .unwrap();
+    found
+}
+
+#[test]
+fn shards_are_multiplied_as_a_whole() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("shards"), place.path().join("out"));
+    shard(&root);
+    let job = job(&root, &out);
+    assert_eq!(run(&job).done, 1);
+    let (before, after) = (members(&root.join("train-000.tar")), members(&out.join("train-000.tar")));
+    assert_eq!(after.len(), 4 * before.len());
+    // The sample itself, then its variants, each with what is about it.
+    assert_eq!(after[..3], before[..3]);
+    assert!(after[3].0.starts_with("reef/0__") && after[3].0.ends_with("__0.jpg"), "{}", after[3].0);
+    assert_eq!((&after[4].1, &after[5].1), (&before[1].1, &before[2].1));
+    assert!(after[5].0.ends_with("__0.mask.png"));
+    assert_eq!(run(&job).kept, 1);
+    let clean = files(&out);
+    fs::remove_file(out.join("manifest.jsonl")).unwrap();
+    fs::remove_file(out.join("train-000.tar")).unwrap();
+    run(&job);
+    assert!(files(&out) == clean);
+    assert!(verify(&out, Some(&root)).unwrap().wrong.is_empty());
+
+    let again = place.path().join("again");
+    let manifest = out.join("manifest.jsonl");
+    let only = Some("train-000.tar/reef/1.jpg");
+    let made = replay::<Encoded>(&manifest, only, None, &again, ReadOptions::default()).unwrap();
+    assert_eq!((made.equal.len(), made.failed.len()), (3, 0));
+    for (name, bytes) in files(&again) {
+        assert!(after.contains(&(name.clone(), bytes)), "{name}");
+    }
+}
+
+#[test]
+fn shards_that_are_cut_short_or_lead_out_are_refused_and_a_bad_picture_spoils_nothing() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("shards"), place.path().join("out"));
+    shard(&root);
+    let path = root.join("train-000.tar");
+    let whole = fs::read(&path).unwrap();
+    let job = job(&root, &out);
+    // Within a member, between two of them, and without its end.
+    for cut in [whole.len() / 2, 512, whole.len() - 1024] {
+        fs::write(&path, &whole[..cut]).unwrap();
+        let ended = run(&job);
+        assert_eq!((ended.failed, files(&out).len()), (1, 1), "cut at {cut}");
+    }
+    let mut outside = tar::Builder::new(Vec::new());
+    let mut header = tar::Header::new_gnu();
+    header.set_size(1);
+    let name = b"../a.jpg";
+    header.as_old_mut().name[..name.len()].copy_from_slice(name);
+    header.set_cksum();
+    outside.append(&header, &b"x"[..]).unwrap();
+    fs::write(&path, outside.into_inner().unwrap()).unwrap();
+    run(&job);
+    let manifest = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
+    assert!(manifest.contains("with `..`"), "{manifest}");
+
+    let picture = whole.windows(2).position(|two| two == [0xff, 0xd8]).unwrap();
+    let mut bad = whole.clone();
+    bad[picture] = 0;
+    fs::write(&path, bad).unwrap();
+    let ended = run(&job);
+    assert_eq!((ended.failed, ended.left), (1, 0));
+    assert_eq!(members(&out.join("train-000.tar")).len(), 9 + 2 * 9);
+    fs::write(&path, whole).unwrap();
+    assert_eq!((run(&job).done, run(&job).kept), (1, 1));
+    assert_eq!(members(&out.join("train-000.tar")).len(), 36);
+}

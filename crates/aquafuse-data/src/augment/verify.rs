@@ -69,8 +69,8 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
 /// What the variants were made from.
 fn sources(found: &Manifest, root: &Path) -> Vec<(PathBuf, Written)> {
     let of = |(key, entry): (&String, &super::manifest::Entry)| {
-        let (_, variant) = entry.variants.first_key_value()?;
-        let source = &variant.source;
+        let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
+        let source = entry.container.as_ref().map(|container| &container.source).or(variant)?;
         let within = inside(key).ok()?;
         let written = Written { output: key.clone(), bytes: source.bytes, sha256: source.sha256.clone() };
         Some((root.join(within), written))

@@ -22,11 +22,18 @@ use crate::barrier;
 #[derive(Debug)]
 pub struct Opened {
     path: PathBuf,
-    file: File,
+    file: Held,
     length: u64,
     format: Format,
     size: Size,
     options: ReadOptions,
+}
+
+/// Where a file is.
+#[derive(Debug)]
+enum Held {
+    Disk(File),
+    Memory(Vec<u8>),
 }
 
 /// A picture as a decoder gives it.
@@ -112,7 +119,21 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileErr
     let size = header(format, &mut reader)
         .and_then(|size| check(size, length, options))
         .map_err(|fault| fault.named(path))?;
-    Ok(Opened { path: path.to_owned(), file: reader.into_inner(), length, format, size, options: *options })
+    let file = Held::Disk(reader.into_inner());
+    Ok(Opened { path: path.to_owned(), file, length, format, size, options: *options })
+}
+
+/// As [`open`], of a file that is in memory already.
+pub(super) fn open_bytes(name: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Result<Opened, FileError> {
+    let Some(format) = Format::of_content(&bytes) else {
+        return Err(FileError::UnknownFormat { path: name.to_owned() });
+    };
+    let length = bytes.len() as u64;
+    let size = header(format, &mut Cursor::new(&bytes))
+        .and_then(|size| check(size, length, options))
+        .map_err(|fault| fault.named(name))?;
+    let file = Held::Memory(bytes);
+    Ok(Opened { path: name.to_owned(), file, length, format, size, options: *options })
 }
 
 /// Reads a header behind the barrier.
@@ -198,9 +219,15 @@ impl Opened {
     }
 
     fn decoded(&mut self, see: impl FnOnce(&[u8])) -> Result<Picture, Fault> {
-        let mut bytes = Vec::new();
-        self.file.rewind()?;
-        Read::by_ref(&mut self.file).take(self.length).read_to_end(&mut bytes)?;
+        let bytes = match &mut self.file {
+            Held::Memory(bytes) => std::mem::take(bytes),
+            Held::Disk(file) => {
+                let mut bytes = Vec::new();
+                file.rewind()?;
+                Read::by_ref(file).take(self.length).read_to_end(&mut bytes)?;
+                bytes
+            }
+        };
         // What is decoded is what was measured.
         if bytes.len() as u64 != self.length || header(self.format, &mut Cursor::new(&bytes))? != self.size {
             return Err(Fault::Damaged("it changed while it was read".into()));
@@ -211,14 +238,7 @@ impl Opened {
 }
 
 pub(super) fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Picture, FileError> {
-    let Some(format) = Format::of_content(bytes) else {
-        return Err(FileError::UnknownFormat { path: name.to_owned() });
-    };
-    let size = header(format, &mut Cursor::new(bytes));
-    let picture = size
-        .and_then(|size| check(size, bytes.len() as u64, options))
-        .and_then(|_| decode(format, bytes, options.lenient));
-    picture.map_err(|fault| fault.named(name))
+    open_bytes(name, bytes.to_owned(), options)?.decode()
 }
 
 /// Decodes behind the barrier.

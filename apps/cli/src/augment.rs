@@ -39,10 +39,11 @@ Layouts, told by looking:
   masks    masks/NAME.png for images/NAME.jpg
   shards   WebDataset: tar files; KEY.jpg and all else of that key
 
-Pixels stay where they are, so annotations stay true: labels and masks are copied byte for byte, of JSON and XML
-all but ids and names of files. Variants are named STEM__WATER__NUMBER and stand where their picture stands, and
-so in its split. manifest.jsonl says of each what it was made from; `verify` checks it, `replay` makes one again.
-A run that was stopped goes on: the same command makes what is missing.
+Pixels stay where they are, so annotations stay true: labels and masks are copied byte for byte,
+of JSON and XML all but ids and names of files. Variants are named STEM__WATER__NUMBER and stand
+where their picture stands, and so in its split. manifest.jsonl says of each what it was made
+from; `verify` checks it, `replay` makes one again. A run that was stopped goes on: the same
+command makes what is missing.
 
 Examples:
   aquafuse augment fish/ green.jpg blue.jpg -o more/ --per-image 2 --keep-originals

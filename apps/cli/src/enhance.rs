@@ -19,9 +19,9 @@ use crate::water_argument::{WaterArguments, WaterSource};
 use crate::work::{Work, WorkArguments};
 
 const HELP: &str = "\
-The scores: UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that are
-parts of the first, the sharpness that is part of the second. Higher is held to be better; all are
-fooled by oversaturation and noise, so look at the picture.
+The scores: UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that
+are parts of the first, the sharpness that is part of the second. Higher is held to be better;
+all are fooled by oversaturation and noise, so look at the picture.
 
 Example:
   aquafuse enhance reef.jpg -o reef_enhanced.jpg

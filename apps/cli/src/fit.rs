@@ -177,7 +177,9 @@ fn report(output: &Path, gathered: &Gathered, fit: &fit::Fit) -> String {
         let _ = writeln!(text, "{line}");
     };
     line(format!("{}: written, fitted to {} pairs", shown(output), gathered.names.len()));
-    line(format!("  d = {mu0:.6} + {mu1:.6} e^({mu2:.3} R) + {mu3:.6} e^({mu4:.3} M)"));
+    line(format!(
+        "  d = {mu0:.6} {mu1:+.6} e^({mu2:.3} R) {mu3:+.6} e^({mu4:.3} M), M the larger of G and B"
+    ));
     line(format!(
         "  order of depth (rank correlation, 1 is right)  fitted {:.3}, eq3 {:.3}",
         fit.rank_score,

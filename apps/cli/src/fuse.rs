@@ -59,6 +59,7 @@ impl Fuse {
         let file = self.waters.read::<E>(&water, depth_model, &common.reading)?;
         let reference = self.waters.per(self.work.depth.kind_of_map(), &file)?;
         if let Some(sweep) = &self.sweep {
+            self.settings.refuse_beside(sweep.name()).map_err(Failure::usage)?;
             let settings = Settings { depth_model, options, smoothing };
             return sweep.run(&items, &reference, &settings, &self.work, common);
         }

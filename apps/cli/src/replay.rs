@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use aquafuse::image::{Encoded, Linear};
-use aquafuse_data::augment::{Replayed, replay};
+use aquafuse_data::augment::{Again, Replayed, replay};
 use aquafuse_data::picture::shown;
 use clap::Args;
 
@@ -19,7 +19,7 @@ use crate::output;
     after_help = "Example:\n  aquafuse replay more/manifest.jsonl --only images/reef__green__0.jpg -o again/"
 )]
 pub(crate) struct Replay {
-    /// The manifest that `augment` wrote.
+    /// The manifest that `augment` wrote, or its folder.
     manifest: PathBuf,
     /// Of the variants only this one, by its path in the manifest, or those of this picture [default: all].
     #[arg(long, value_name = "KEY")]
@@ -30,6 +30,9 @@ pub(crate) struct Replay {
     /// Where the data set is now [default: where it was].
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    overwrite: bool,
     /// The manifest is of a run with --linear.
     #[arg(long)]
     linear: bool,
@@ -39,9 +42,14 @@ impl Replay {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let reading = common.reading.options();
         let (only, dataset) = (self.only.as_deref(), self.dataset.as_deref());
+        let manifest = match self.manifest.is_dir() {
+            true => self.manifest.join("manifest.jsonl"),
+            false => self.manifest.clone(),
+        };
+        let again = Again { only, dataset, output: &self.output, overwrite: self.overwrite, reading };
         let made = match self.linear {
-            true => replay::<Linear>(&self.manifest, only, dataset, &self.output, reading),
-            false => replay::<Encoded>(&self.manifest, only, dataset, &self.output, reading),
+            true => replay::<Linear>(&manifest, &again),
+            false => replay::<Encoded>(&manifest, &again),
         };
         let Replayed { equal, different, failed } = made.map_err(failure)?;
         for (_, error) in &failed {
@@ -56,9 +64,11 @@ impl Replay {
         if !common.quiet {
             output::print(&format!("{} variants made again, equal to the manifest\n", equal.len()))?;
         }
-        match different.len() + failed.len() {
-            0 => Ok(()),
-            wrong => Err(Failure::work(anyhow!("{wrong} variants are not as in the manifest"))),
+        match (different.len(), failed.len()) {
+            (0, 0) => Ok(()),
+            (different, failed) => {
+                Err(Failure::work(anyhow!("not made: {failed}, made but not equal: {different}; see above")))
+            }
         }
     }
 }

@@ -17,8 +17,9 @@ use crate::output;
 use crate::water_argument::{WaterArguments, WaterSource};
 
 const HELP: &str = "\
-Eq. 1 of the paper, U = I e^(-beta_D z) + B_inf (1 - e^(-beta_B z)), at every pixel. With a preset the
-scene is lit by the light that reaches it (--below-surface) as well, unless --keep-light.
+Eq. 1 of the paper, U = I e^(-beta_D z) + B_inf (1 - e^(-beta_B z)), at every pixel. With a
+preset the scene is lit by the light that reaches it (--below-surface) as well, unless
+--keep-light.
 
 Example:
   aquafuse simulate room.jpg room_depth.png preset:jerlov-3C -o dived.png --depth-kind millimetres --linear";

@@ -17,7 +17,7 @@ use crate::output;
 #[derive(Args)]
 #[command(after_help = "Example:\n  aquafuse verify more/\n  aquafuse verify more/ --dataset fish/")]
 pub(crate) struct Verify {
-    /// The folder that `augment` wrote.
+    /// The folder that `augment` wrote, or the manifest in it.
     folder: PathBuf,
     /// Check the pictures that it was made from too, in this data set.
     #[arg(long, value_name = "DIR")]
@@ -33,6 +33,7 @@ struct Report {
     schema: u32,
     files: usize,
     wrong: Vec<Wrong>,
+    unlisted: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -43,14 +44,23 @@ struct Wrong {
 
 impl Verify {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        let check = verify(&self.folder, self.dataset.as_deref()).map_err(failure)?;
+        let folder = match self.folder.parent() {
+            Some(parent) if self.folder.is_file() && parent.as_os_str().is_empty() => ".".as_ref(),
+            Some(parent) if self.folder.is_file() => parent,
+            _ => &self.folder,
+        };
+        let check = verify(folder, self.dataset.as_deref()).map_err(failure)?;
         if self.json {
             let wrong = |(path, cause): &(PathBuf, String)| Wrong {
                 file: shown(path).to_string(),
                 cause: cause.clone(),
             };
-            let report =
-                Report { schema: 1, files: check.files, wrong: check.wrong.iter().map(wrong).collect() };
+            let report = Report {
+                schema: 1,
+                files: check.files,
+                wrong: check.wrong.iter().map(wrong).collect(),
+                unlisted: check.unlisted.iter().map(|path| shown(path).to_string()).collect(),
+            };
             let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
             output::print(&(text + "\n"))?;
         } else {
@@ -60,6 +70,10 @@ impl Verify {
             if !common.quiet {
                 let right = check.files.saturating_sub(check.wrong.len());
                 output::print(&format!("{right} of {} files are as they were made\n", check.files))?;
+                if let Some(first) = check.unlisted.first() {
+                    let (count, first) = (check.unlisted.len(), shown(first));
+                    output::print(&format!("  in no manifest: {count}, the first of them {first}\n"))?;
+                }
             }
         }
         match check.wrong.len() {

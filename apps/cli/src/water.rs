@@ -125,7 +125,7 @@ impl List {
             return output::print(&format!("{:#}\n", serde_json::json!({ "schema": 1, "presets": all })));
         }
         let mut text = format!(
-            "{:<17}{:<10}{:<20}{:<20}\n",
+            "{:<20}{:<10}{:<20}{:<20}\n",
             "name", "colour", "veiling light B_inf", "beta_B per metre"
         );
         for preset in Preset::ALL {
@@ -134,14 +134,19 @@ impl List {
             let name = format!("preset:{}", preset.name());
             let _ = writeln!(
                 text,
-                "{name:<17}{:<10}{:<20}{:<20}",
+                "{name:<20}{:<10}{:<20}{:<20}",
                 hex([r, g, b]),
                 format!("{r:.2} {g:.2} {b:.2}"),
                 format!("{x:.2} {y:.2} {z:.2}")
             );
         }
-        text += "\nWater types after Jerlov, oceans from clear to turbid, then coasts, as a camera balanced for daylight\n\
-                 sees them 5 m below the surface; `aquafuse water show preset:NAME` tells all that a preset rests on.\n";
+        text += "\nOf red, green and blue. Water types after Jerlov, oceans from clear to turbid, then coasts, as a camera sees them\n";
+        let _ = writeln!(
+            text,
+            "that is {}, {} m below the surface; `aquafuse water show preset:NAME` tells all that a preset rests on.",
+            self.waters.white(),
+            self.waters.below_surface()
+        );
         output::print(&text)
     }
 }

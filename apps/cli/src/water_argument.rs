@@ -53,6 +53,11 @@ impl WaterSource {
     /// Reads what is said on the command line.
     pub(crate) fn parse(said: &Path) -> Result<Self, Failure> {
         let Some(name) = said.to_str().and_then(|text| text.strip_prefix("preset:")) else {
+            let named = said.to_str().and_then(Preset::from_name).filter(|_| !said.exists());
+            if let Some(preset) = named {
+                let name = preset.name();
+                return Err(Failure::usage(anyhow!("there is no file {name}; did you mean preset:{name}?")));
+            }
             let path = said.to_owned();
             return Ok(if has_suffix(said) { Self::File(path) } else { Self::Picture(path) });
         };
@@ -82,6 +87,20 @@ impl WaterSource {
 }
 
 impl WaterArguments {
+    /// How far below the surface a preset is looked at, in metres.
+    pub(crate) fn below_surface(&self) -> f64 {
+        self.below_surface
+    }
+
+    /// How the camera is balanced, in words.
+    pub(crate) fn white(&self) -> &'static str {
+        match self.white {
+            Balance::Daylight => "balanced for daylight and exposed at depth",
+            Balance::AtDepth => "balanced at depth",
+            Balance::AtSurface => "balanced for daylight and exposed just below the surface",
+        }
+    }
+
     /// Where a preset is looked at.
     pub(crate) fn conditions(&self) -> Result<Conditions, Failure> {
         let white = match self.white {

@@ -83,8 +83,22 @@ fn a_data_set_is_multiplied_checked_and_made_again() {
     let wrong = run.fails(1, &["verify", "more"]);
     assert!(wrong.stderr.contains("more/labels/val/0.txt: it has"), "{}", wrong.stderr);
 
+    fs::write(run.path("more/labels/val/0.txt"), &made["labels/val/0.txt"]).unwrap();
+    fs::write(run.path("more/images/extra.jpg"), "").unwrap();
+    let stranger = run.ok(&["verify", "more/manifest.jsonl"]);
+    assert!(
+        stranger.stdout.contains("in no manifest: 1, the first of them more/images/extra.jpg"),
+        "{}",
+        stranger.stdout
+    );
+    let none = run.fails(2, &["verify", "fish"]);
+    assert!(none.stderr.contains("not made by `aquafuse augment`"), "{}", none.stderr);
+
     let key = made.keys().find(|name| name.starts_with("images/val/0__")).unwrap();
-    run.ok(&["replay", "more/manifest.jsonl", "--only", key, "-o", "again"]);
+    run.ok(&["replay", "more", "--only", key, "-o", "again"]);
+    let exists = run.fails(1, &["replay", "more", "--only", key, "-o", "again"]);
+    assert!(exists.stderr.contains("not made: 1, made but not equal: 0"), "{}", exists.stderr);
+    run.ok(&["replay", "more", "--only", key, "-o", "again", "--overwrite"]);
     assert_eq!(files(&run.path("again")), BTreeMap::from([(key.clone(), made[key].clone())]));
 }
 

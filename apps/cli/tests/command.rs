@@ -321,3 +321,34 @@ fn every_real_scene_can_be_fused() {
 fn pixels(path: &Path) -> Vec<u8> {
     image::open(path).unwrap().into_rgb8().into_raw()
 }
+
+#[test]
+fn a_preset_named_without_its_prefix_is_guessed() {
+    let run = Run::new();
+    scene(&run.path("a.png"), 1, "blue");
+    let said = run.fails(2, &["fuse", "a.png", "jerlov-3C", "-o", "b.png"]).stderr;
+    assert!(said.contains("did you mean preset:jerlov-3C?"), "{said}");
+}
+
+#[test]
+fn what_is_swept_is_not_given_too() {
+    let run = Run::new();
+    scene(&run.path("a.png"), 1, "blue");
+    let sweep =
+        ["fuse", "a.png", "preset:jerlov-3C", "-o", "b.png", "--sweep", "theta=0,30", "--theta", "40"];
+    let said = run.fails(2, &sweep).stderr;
+    assert!(said.contains("leave one of them out"), "{said}");
+}
+
+#[test]
+fn a_scene_that_thick_water_hides_is_told_of_by_the_name_of_its_picture() {
+    let run = Run::new();
+    scene(&run.path("a.png"), 1, "blue");
+    let thick =
+        ["fuse", "a.png", "preset:jerlov-9C", "-o", "b.png", "--model", "exchange", "--metres-at-one", "100"];
+    let said = run.ok(&thick).stdout;
+    assert!(
+        said.contains("hidden by WATER") && said.contains("--metres-at-one") && said.contains(": a.png "),
+        "{said}"
+    );
+}

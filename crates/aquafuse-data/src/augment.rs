@@ -26,7 +26,7 @@ use aquafuse::waterbody::Verdict;
 
 pub use draw::{Draw, Draws};
 use journal::Journal;
-pub use replay::{Replayed, replay};
+pub use replay::{Again, Replayed, replay};
 pub use verify::{Check, verify};
 pub use water::{OnDoubtful, Water};
 
@@ -143,6 +143,8 @@ pub enum Message<'a> {
         key: &'a str,
         /// Variants that were made.
         variants: usize,
+        /// Those of them in which the scene has all but vanished.
+        vanished: usize,
         /// What its estimate is worth.
         verdict: Option<Verdict>,
         /// Its lines of the manifest.
@@ -177,6 +179,12 @@ pub enum AugmentError {
         path: PathBuf,
         /// The line.
         line: usize,
+    },
+    /// There is no manifest.
+    #[error("{} holds no manifest.jsonl; it was not made by `aquafuse augment`", shown(folder))]
+    NoManifest {
+        /// The folder.
+        folder: PathBuf,
     },
     /// There is no variant of this name.
     #[error("{} lists no variant {key:?}, and none of a picture of that name", shown(path))]
@@ -232,12 +240,12 @@ impl<E: Space> Augmentation<E> {
                     (entry, Outcome::Kept)
                 }
                 Ok(make::Made { entry, news: Some(news), failures }) => {
-                    let make::News { variants, verdict, lines } = news;
+                    let make::News { variants, vanished, verdict, lines } = news;
                     let outcome = if failures.is_empty() { Outcome::Done } else { Outcome::Failed };
                     for error in failures {
                         listener(Message::Failed { key: &sample.key, error });
                     }
-                    listener(Message::Done { key: &sample.key, variants, verdict, lines });
+                    listener(Message::Done { key: &sample.key, variants, vanished, verdict, lines });
                     (entry, outcome)
                 }
                 Err((mut entry, error)) => {

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 pub use fault::Fault;
 pub use index::{Index, Made};
 pub(crate) use inside::inside;
-use tree::Tree;
+pub(crate) use tree::Tree;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use {
     coco::try_parse as try_coco, shards::try_parse as try_shards, voc::try_parse as try_voc,

@@ -7,7 +7,6 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::fusion::Clipping;
 use aquafuse::image::{Encoded, Encoding};
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::Quality;
@@ -17,7 +16,7 @@ use crate::maps;
 use crate::memory::Budget;
 use crate::picture::{FileError, Format, Opened, Picture, ReadOptions, WriteOptions};
 use crate::scores::Scores;
-use crate::treatment::{Held, Space, Treated, Treatment};
+use crate::treatment::{Space, Treated, Treatment};
 use crate::water_file::Numbers;
 
 pub(crate) use crew::{Crew, Outcome};
@@ -110,16 +109,14 @@ pub enum Message<'a> {
 /// What is worth knowing about a treated picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// Values that did not fit into the range.
-    pub clipping: Clipping,
+    /// What was done to it.
+    pub treated: Treated,
     /// Its own water, of the encoding it was worked on in.
     pub water: Numbers,
     /// How good it looks before and after, where that was asked for.
     pub scores: Option<[Scores; 2]>,
     /// What the estimate of the content is worth.
     pub quality: Quality,
-    /// Which safety bounds acted.
-    pub bounds: Held,
     /// What is worth knowing about its depth, where that was supplied.
     pub supplied: Option<SuppliedReport>,
     /// What was wrong with its file, where that was taken nevertheless.
@@ -209,7 +206,7 @@ impl<E: Space> Job<E> {
         if let Some(folder) = &self.conduct.maps {
             maps::write(folder, &item.input, &picture, &found, &self.recipe.treatment)?;
         }
-        let Treated { clipping, bounds } = self
+        let treated = self
             .recipe
             .treatment
             .apply(&mut picture.pixels, &found)
@@ -230,11 +227,10 @@ impl<E: Space> Job<E> {
         }
         let Picture { metadata, damage, .. } = picture;
         Ok(Report {
-            clipping,
+            treated,
             water: Numbers::from(&estimate.water),
             scores,
             quality: estimate.quality,
-            bounds,
             supplied,
             damage,
             left_out: metadata.left_out,

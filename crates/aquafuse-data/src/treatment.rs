@@ -1,7 +1,7 @@
 //! What is done to a picture: its water exchanged, or taken out.
 
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
-use aquafuse::fusion::{Bounded, Bounds, Clipping, Options, fuse_mut};
+use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
 use aquafuse::image::{Encoded, Encoding, Image, Linear, Sample, SizeError};
 use aquafuse::waterbody::Estimate;
 
@@ -29,6 +29,19 @@ pub struct Treated {
     pub clipping: Clipping,
     /// Which safety bounds acted.
     pub bounds: Held,
+    /// The share of the picture's contrast (deviation of green) that is left, of [`Model::Exchange`] alone: thick water
+    /// hides a scene.
+    pub contrast_left: Option<f64>,
+}
+
+impl Treated {
+    /// Less contrast than this is left of a scene that has all but vanished.
+    pub const VANISHED: f64 = 0.1;
+
+    /// Whether the scene has all but vanished.
+    pub fn has_vanished(&self) -> bool {
+        self.contrast_left.is_some_and(|left| left < Self::VANISHED)
+    }
 }
 
 /// Which safety bounds acted: those of fusion, or those of restoration.
@@ -66,13 +79,19 @@ impl<E: Space> Treatment<E> {
         match self {
             Self::Fuse { reference, options } => {
                 let bounded = Bounded::new(&found.estimate, reference, *options);
+                let hides = options.model == Model::Exchange;
+                let before = hides.then(|| deviation(image));
                 let clipping = fuse_mut(image, &found.depth, bounded.waters(), &bounded.options)?;
-                Ok(Treated { clipping, bounds: Held { fusion: bounded.bounds, ..Held::default() } })
+                let bounds = Held { fusion: bounded.bounds, ..Held::default() };
+                // A picture that had no contrast has lost none.
+                let left = before.map(|before| if before > 0.0 { deviation(image) / before } else { 1.0 });
+                Ok(Treated { clipping, bounds, contrast_left: left })
             }
             Self::Restore(options) => {
                 let bounded = BoundedRestoration::new(image, &found.depth, &found.estimate, options)?;
                 let clipping = restore_mut(image, &found.depth, &bounded.water, &bounded.options)?;
-                Ok(Treated { clipping, bounds: Held { restoration: bounded.bounds, ..Held::default() } })
+                let bounds = Held { restoration: bounded.bounds, ..Held::default() };
+                Ok(Treated { clipping, bounds, contrast_left: None })
             }
         }
     }
@@ -81,6 +100,17 @@ impl<E: Space> Treatment<E> {
     pub(crate) fn bytes_a_pixel(&self) -> u64 {
         E::BYTES_A_PIXEL
     }
+}
+
+/// Standard deviation of green.
+fn deviation<T: Sample, E: Encoding>(image: &Image<T, E>) -> f64 {
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+    for [_, green, _] in image.pixels() {
+        let green = f64::from(green.to_unit());
+        (sum, squares, count) = (sum + green, squares + green * green, count + 1.0);
+    }
+    let mean: f64 = sum / count;
+    (squares / count - mean * mean).max(0.0).sqrt()
 }
 
 /// An encoding that pictures of files can be worked on in.
@@ -136,8 +166,9 @@ mod tests {
     use super::*;
     use crate::analysis::{DepthSource, analyse};
     use crate::picture::Picture;
-    use aquafuse::fusion::{Gain, Incidence, Model};
+    use aquafuse::fusion::{Gain, Incidence};
     use aquafuse::truth::{Scene, Size, waters};
+    use aquafuse::waterbody::Attenuation;
 
     fn pictures() -> [Picture; 2] {
         [0, 1].map(|i| {
@@ -170,6 +201,28 @@ mod tests {
     fn in_linear_light_the_fusion_is_another_one() {
         let [[_, encoded], [before, linear]] = [treated::<Encoded>(0.0), treated::<Linear>(0.0)];
         assert!(linear != before && linear != encoded);
+    }
+
+    #[test]
+    fn thick_water_hides_the_scene_and_says_so() {
+        let [content, reference] = pictures();
+        let found = analyse::<Encoded>(&content, &DepthSource::default()).unwrap();
+        let thick = |times: f32| {
+            let mut reference = analyse(&reference, &DepthSource::default()).unwrap().estimate;
+            let beta = reference.water.backscatter_coefficient.map(|beta| beta * times);
+            reference.water.backscatter_coefficient = beta;
+            let curve = |c: usize| {
+                let mu = reference.water.attenuation[c].mu();
+                let held = reference.water.attenuation[c].held_beyond();
+                Attenuation::new([mu[0] * times, mu[1], mu[2] * times, mu[3]], held).unwrap()
+            };
+            reference.water.attenuation = [0, 1, 2].map(curve);
+            let options = Options::for_model(Model::Exchange);
+            let mut pixels = content.pixels.clone();
+            Treatment::Fuse { reference, options }.apply(&mut pixels, &found).unwrap()
+        };
+        assert!(!thick(1.0).has_vanished(), "{:?}", thick(1.0));
+        assert!(thick(60.0).has_vanished(), "{:?}", thick(60.0));
     }
 
     #[test]

@@ -9,18 +9,22 @@ use aquafuse_data::job::Summary;
 use aquafuse_data::picture::shown;
 use aquafuse_data::treatment::Space;
 
+use crate::inspect::reasons;
+
 /// What is counted while a run goes on.
 #[derive(Default)]
 pub(super) struct Tally {
     variants: usize,
+    vanished: usize,
     doubtful: usize,
     failed_estimates: usize,
 }
 
 impl Tally {
     pub(super) fn add(&mut self, message: &Message<'_>) {
-        if let Message::Done { variants, verdict, .. } = message {
+        if let Message::Done { variants, vanished, verdict, .. } = message {
             self.variants += variants;
+            self.vanished += vanished;
             match verdict {
                 Some(Verdict::Doubtful) => self.doubtful += 1,
                 Some(Verdict::Failed) => self.failed_estimates += 1,
@@ -58,6 +62,10 @@ pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary
     if ended.kept > 0 {
         let _ = writeln!(text, "{} {things} were done already, by a run before this one", ended.kept);
     }
+    if ended.done == 0 && ended.failed == 0 {
+        let _ = writeln!(text, "nothing is left to do");
+        return text;
+    }
     let _ = writeln!(
         text,
         "{} variants of {} {things} written to {}",
@@ -66,6 +74,14 @@ pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary
         shown(&job.output)
     );
     left_out(&mut text, bad);
+    if tally.vanished > 0 {
+        let _ = writeln!(
+            text,
+            "  variants in which the water hides the scene: {}; a smaller --metres-at-one lets through more, --model \
+             physical all; `contrast_left` in the manifest names them",
+            tally.vanished
+        );
+    }
     for (count, verdict) in [(tally.failed_estimates, Verdict::Failed), (tally.doubtful, Verdict::Doubtful)] {
         if count > 0 {
             let _ = writeln!(
@@ -80,7 +96,14 @@ pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary
 
 fn heading<E: Space>(job: &Augmentation<E>) -> String {
     let (layout, waters) = (job.dataset.layout.name(), job.recipe.waters.len());
-    format!("{}: layout {layout}, {waters} waters\n", shown(&job.dataset.root))
+    let mut text = format!("{}: layout {layout}, {waters} waters\n", shown(&job.dataset.root));
+    for water in &job.recipe.waters {
+        let quality = water.file.estimate.quality;
+        if quality.verdict != Verdict::Good {
+            let _ = writeln!(text, "  {}: {} ({})", quality.verdict.name(), water.name, reasons(quality));
+        }
+    }
+    text
 }
 
 fn left_out(text: &mut String, bad: usize) {

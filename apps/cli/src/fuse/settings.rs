@@ -13,14 +13,15 @@ pub(crate) const HELP: &str = "\
 Models. D is the difference of the two waters' colours (alpha times WATER's less CONTENT's),
 F falls with distance from 1 at the camera to 0 in open water:
   aquafuse   adds cos(theta) F (1 - F) D: a veil over the middle distance, the paper's method
-  physical   adds cos(theta) (1 - F) D: the whole veil; open water takes the other water's colour
+  physical   adds cos(theta) (1 - F) D: the whole veil; open water takes the other water's colour. How
+             far one sees stays as it is in CONTENT
   exchange   takes CONTENT's water out and puts the scene into WATER's, fading included, and goes
              cos(theta) of the way there: strongest, and the first to suffer from wrong estimates.
              What has faded more in CONTENT's water is strengthened, noise with it, 2 times at most;
              depth from colour is hardly good enough for it
 
---as-published stands for --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral --depth-model eq3:
-our fit to the paper's scores, which names no settings.
+--as-published stands for --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral
+--depth-model eq3: our fit to the paper's scores, which names no settings.
 
 Example:
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical --theta 30";
@@ -54,6 +55,16 @@ pub(crate) struct SettingsArgs {
 }
 
 impl SettingsArgs {
+    /// Refuses a setting that is swept and given too.
+    pub(crate) fn refuse_beside(&self, swept: &str) -> anyhow::Result<()> {
+        let given = if swept == "theta" { self.theta.is_some() } else { self.alpha.is_some() };
+        if given {
+            Err(anyhow!("--sweep {swept}=... says what --{swept} is; leave one of them out"))
+        } else {
+            Ok(())
+        }
+    }
+
     pub(crate) fn get(&self) -> Settings {
         if self.as_published {
             return Settings {

@@ -53,6 +53,14 @@ impl FromStr for Sweep {
 }
 
 impl Sweep {
+    /// Which setting.
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Self::Theta(_) => "theta",
+            Self::Alpha(_) => "alpha",
+        }
+    }
+
     /// Each value's caption, and the options with it.
     fn steps(&self, options: Options) -> Vec<(String, Options)> {
         let theta = |(said, incidence): &(String, Incidence)| {

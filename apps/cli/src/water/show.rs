@@ -81,7 +81,7 @@ fn numbers<E: Space>(file: &WaterFile<E>) -> String {
     let unit = if file.depth_kind == DepthKind::Metres { "metre" } else { "unit of relative depth" };
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
-        let _ = writeln!(text, "{name:<22}{value}");
+        let _ = writeln!(text, "{name:<26}{value}");
     };
     line("water of", file.from.join(", "));
     line("values", format!("{}, coefficients per {unit}", E::NAME));

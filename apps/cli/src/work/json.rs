@@ -34,6 +34,7 @@ enum Outcome<'a> {
 #[derive(Serialize)]
 struct Done<'a> {
     clipping: Clipping,
+    contrast_left: Option<f64>,
     quality: Quality,
     waterbody: Numbers,
     scores: Option<BeforeAfter>,
@@ -93,14 +94,15 @@ pub(super) fn record(message: &Message<'_>) -> Option<Box<RawValue>> {
 }
 
 fn done(report: &Report) -> Outcome<'_> {
-    let Held { fusion, restoration } = report.bounds;
+    let Held { fusion, restoration } = report.treated.bounds;
     let supplied = |supplied: SuppliedReport| Supplied {
         invalid_share: supplied.invalid_share(),
         agreement: supplied.agreement,
         looks_turned_round: supplied.looks_turned_round(),
     };
     Outcome::Done(Box::new(Done {
-        clipping: report.clipping,
+        clipping: report.treated.clipping,
+        contrast_left: report.treated.contrast_left,
         quality: report.quality,
         waterbody: report.water,
         scores: report.scores.map(|[before, after]| BeforeAfter { before, after }),

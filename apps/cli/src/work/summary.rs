@@ -23,7 +23,8 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     if kept > 0 {
         let _ = writeln!(text, "{kept} pictures were there already, made by a run before this one");
     }
-    let mean = reports.iter().map(|(_, report)| report.clipping.share()).sum::<f64>() / reports.len() as f64;
+    let mean =
+        reports.iter().map(|(_, report)| report.treated.clipping.share()).sum::<f64>() / reports.len() as f64;
     let _ = match reports {
         [] => Ok(()),
         [(item, _)] => {
@@ -33,10 +34,12 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
             writeln!(text, "{} pictures written, {:.2} % of the values clipped", reports.len(), 100.0 * mean)
         }
     };
-    let mut clipped: Vec<_> = reports.iter().filter(|(_, report)| report.clipping.share() > MUCH).collect();
-    clipped.sort_by(|(_, a), (_, b)| b.clipping.share().total_cmp(&a.clipping.share()));
-    let with_share =
-        |(item, report): &&(Item, Report)| format!("{} {:.0} %", name(item), 100.0 * report.clipping.share());
+    let mut clipped: Vec<_> =
+        reports.iter().filter(|(_, report)| report.treated.clipping.share() > MUCH).collect();
+    clipped.sort_by(|(_, a), (_, b)| b.treated.clipping.share().total_cmp(&a.treated.clipping.share()));
+    let with_share = |(item, report): &&(Item, Report)| {
+        format!("{} {:.0} %", name(item), 100.0 * report.treated.clipping.share())
+    };
     list(&mut text, "much clipped", clipped.iter().map(with_share));
     let supplied = reports.iter().filter_map(|(item, report)| Some((item, report.supplied?)));
     for (item, supplied) in supplied.clone().filter(|(_, supplied)| supplied.looks_turned_round()).take(NAMED)
@@ -48,6 +51,12 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
         format!("{} {:.1} %", name(item), 100.0 * supplied.invalid_share())
     };
     list(&mut text, "pixels without a valid depth, told from colour", holes.map(with_share));
+    let vanished = reports.iter().filter(|(_, report)| report.treated.has_vanished());
+    let with_share = |(item, report): &(Item, Report)| {
+        format!("{} {:.0} %", name(item), 100.0 * report.treated.contrast_left.unwrap_or(1.0))
+    };
+    let about = "hidden by WATER, share of the contrast left (a smaller --metres-at-one lets through more, --model physical all)";
+    list(&mut text, about, vanished.map(with_share));
     for verdict in [Verdict::Failed, Verdict::Doubtful] {
         let of_verdict = reports.iter().filter(|(_, report)| report.quality.verdict == verdict);
         let with_reasons =
@@ -68,11 +77,11 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
         left_out.map(|(item, report)| format!("{} ({})", name(item), report.left_out.join(", "))),
     );
     scores(&mut text, reports);
-    let held = reports.iter().filter(|(_, report)| report.bounds.any());
+    let held = reports.iter().filter(|(_, report)| report.treated.bounds.any());
     list(
         &mut text,
         "held back",
-        held.map(|(item, report)| format!("{} ({})", name(item), bounds(report.bounds))),
+        held.map(|(item, report)| format!("{} ({})", name(item), bounds(report.treated.bounds))),
     );
     text
 }
@@ -126,6 +135,7 @@ fn list(text: &mut String, about: &str, names: impl Iterator<Item = String>) {
     };
 }
 
+/// The picture itself, as it can be given to another command.
 fn name(item: &Item) -> String {
-    shown(item.output.file_name().unwrap_or(item.output.as_os_str()).as_ref()).to_string()
+    shown(&item.input).to_string()
 }

@@ -30,8 +30,17 @@ pub(super) struct Made {
 
 pub(super) struct News {
     pub(super) variants: usize,
+    /// Those of them in which the scene has all but vanished.
+    pub(super) vanished: usize,
     pub(super) verdict: Option<Verdict>,
     pub(super) lines: String,
+}
+
+impl News {
+    /// The variants in which the scene has all but vanished.
+    pub(super) fn vanished<'a>(variants: impl Iterator<Item = &'a Variant>) -> usize {
+        variants.filter(|made| made.contrast_left.is_some_and(|left| left < Treated::VANISHED)).count()
+    }
 }
 
 /// What multiplies pictures.
@@ -143,6 +152,7 @@ impl<E: Space> Read<'_, E> {
             verdict: quality.verdict.name().to_owned(),
             reasons: quality.reasons.iter().collect(),
             clipped: treated.clipping.share(),
+            contrast_left: treated.contrast_left,
             instead: self.instead,
             written,
             companions,
@@ -236,7 +246,16 @@ impl<'a, E: Space> Maker<'a, E> {
         if let Some(why) = &entry.skipped {
             journal.add(&[Line::Skipped { key: sample.key.clone(), why: why.clone() }])?;
         }
-        let news = News { variants: missing.len(), verdict, lines: lines.iter().map(Line::text).collect() };
+        let made = lines.iter().filter_map(|line| match line {
+            Line::Variant(variant) => Some(variant),
+            _ => None,
+        });
+        let news = News {
+            variants: missing.len(),
+            vanished: News::vanished(made),
+            verdict,
+            lines: lines.iter().map(Line::text).collect(),
+        };
         Ok((!lines.is_empty()).then_some(news))
     }
 

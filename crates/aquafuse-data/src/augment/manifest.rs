@@ -109,6 +109,8 @@ pub(super) struct Variant {
     pub(super) reasons: Vec<Reason>,
     /// Share of the values that did not fit into the range.
     pub(super) clipped: f64,
+    /// Share of the picture's contrast that is left, of the model `exchange`.
+    pub(super) contrast_left: Option<f64>,
     /// Whether the picture's own water was exchanged for the one of the header.
     pub(super) instead: bool,
     #[serde(flatten)]

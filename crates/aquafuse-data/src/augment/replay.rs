@@ -25,21 +25,29 @@ pub struct Replayed {
     pub failed: Vec<(String, FileError)>,
 }
 
-/// Makes variants again, into `output`: those whose own path, or whose picture's, is `only`; all where it is none.
-///
-/// The waters come from the manifest, the pictures from `dataset`, or from where they were.
+/// Which variants to make again, from what and where to.
+#[derive(Clone, Copy, Debug)]
+pub struct Again<'a> {
+    /// Those of this path, or of the picture of this key; all where it is none.
+    pub only: Option<&'a str>,
+    /// Where the data set is now; none: where it was.
+    pub dataset: Option<&'a Path>,
+    /// The folder to write to.
+    pub output: &'a Path,
+    /// Replace files that exist.
+    pub overwrite: bool,
+    /// How to read.
+    pub reading: ReadOptions,
+}
+
+/// Makes variants again. The waters come from the manifest.
 ///
 /// # Errors
 ///
 /// [`AugmentError`] when the manifest cannot be read, was written in another encoding than `E`, or no variant is of
 /// that name.
-pub fn replay<E: Space>(
-    manifest: &Path,
-    only: Option<&str>,
-    dataset: Option<&Path>,
-    output: &Path,
-    reading: ReadOptions,
-) -> Result<Replayed, AugmentError> {
+pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentError> {
+    let Again { only, dataset, output, overwrite, reading } = *again;
     let found = Manifest::read(manifest)?;
     let recipe: Recipe<E> = found.header.recipe(manifest, reading)?;
     let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
@@ -77,7 +85,7 @@ pub fn replay<E: Space>(
                 std::fs::create_dir_all(above)
                     .map_err(|error| FileError::Write { path: path.clone(), cause: error.to_string() })?;
             }
-            write_bytes(&path, &bytes, false)?;
+            write_bytes(&path, &bytes, overwrite)?;
             Ok((path, sha256(&bytes) == variant.written.sha256))
         };
         match make() {

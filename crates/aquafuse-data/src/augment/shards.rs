@@ -46,7 +46,12 @@ impl<E: Space> Maker<'_, E> {
             Ok((container, failures, line))
         });
         let (container, failures, line) = made.map_err(|error| (Entry::default(), error))?;
-        let news = News { variants: container.variants.len(), verdict: None, lines: line.text() };
+        let news = News {
+            variants: container.variants.len(),
+            vanished: News::vanished(container.variants.iter()),
+            verdict: None,
+            lines: line.text(),
+        };
         let entry = Entry { container: Some(Box::new(container)), ..Entry::default() };
         Ok(Made { entry, news: Some(news), failures })
     }

@@ -204,6 +204,10 @@ fn every_flipped_bit_is_found() {
     assert!(verify(&out, None).unwrap().wrong.is_empty());
 }
 
+fn making<'a>(only: Option<&'a str>, dataset: Option<&'a Path>, output: &'a Path) -> Again<'a> {
+    Again { only, dataset, output, overwrite: false, reading: ReadOptions::default() }
+}
+
 #[test]
 fn a_variant_is_made_again_from_its_manifest() {
     let place = tempfile::tempdir().unwrap();
@@ -215,12 +219,12 @@ fn a_variant_is_made_again_from_its_manifest() {
     let again = place.path().join("again");
     let manifest = out.join("manifest.jsonl");
     let only = Some("images/train/b.jpg");
-    let made = replay::<Encoded>(&manifest, only, Some(&moved), &again, ReadOptions::default()).unwrap();
+    let made = replay::<Encoded>(&manifest, &making(only, Some(&moved), &again)).unwrap();
     assert_eq!((made.equal.len(), made.different.len(), made.failed.len()), (3, 0, 0));
     for (name, bytes) in files(&again) {
         assert_eq!(files(&out)[&name], bytes, "{name}");
     }
-    let none = replay::<Encoded>(&manifest, Some("x"), Some(&moved), &again, ReadOptions::default());
+    let none = replay::<Encoded>(&manifest, &making(Some("x"), Some(&moved), &again));
     assert!(none.unwrap_err().to_string().contains("no variant \"x\""));
 }
 
@@ -303,7 +307,7 @@ fn shards_are_multiplied_as_a_whole() {
     let again = place.path().join("again");
     let manifest = out.join("manifest.jsonl");
     let only = Some("train-000.tar/reef/1.jpg");
-    let made = replay::<Encoded>(&manifest, only, None, &again, ReadOptions::default()).unwrap();
+    let made = replay::<Encoded>(&manifest, &making(only, None, &again)).unwrap();
     assert_eq!((made.equal.len(), made.failed.len()), (3, 0));
     for (name, bytes) in files(&again) {
         assert!(after.contains(&(name.clone(), bytes)), "{name}");

@@ -1,5 +1,6 @@
 //! Whether what a manifest says is there is there, bit for bit.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -7,9 +8,8 @@ use rayon::prelude::*;
 use super::AugmentError;
 use super::journal::manifests;
 use super::manifest::{Manifest, Written};
-use crate::dataset::inside;
+use crate::dataset::{Tree, inside};
 use crate::digest::sha256;
-use crate::picture::FileError;
 
 /// What was found to be wrong.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,6 +18,8 @@ pub struct Check {
     pub files: usize,
     /// Each that is not as it was written, with what is wrong in words.
     pub wrong: Vec<(PathBuf, String)>,
+    /// Files in the folder that no manifest lists.
+    pub unlisted: Vec<PathBuf>,
 }
 
 /// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the pictures that
@@ -29,9 +31,9 @@ pub struct Check {
 pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentError> {
     let mut check = Check::default();
     let paths = manifests(folder)?;
+    let mut listed: BTreeSet<PathBuf> = paths.iter().cloned().collect();
     if paths.is_empty() {
-        let error = std::io::ErrorKind::NotFound.into();
-        return Err(FileError::Read { path: folder.join("manifest.jsonl"), error }.into());
+        return Err(AugmentError::NoManifest { folder: folder.to_owned() });
     }
     for path in paths {
         let found = Manifest::read(&path)?;
@@ -55,6 +57,7 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
         let sources: Vec<(PathBuf, Written)> = dataset.map(|root| sources(&found, root)).unwrap_or_default();
         files.extend(sources.iter().map(|(path, written)| (path.clone(), Ok(written))));
         check.files = check.files.saturating_add(files.len());
+        listed.extend(files.iter().map(|(path, _)| path.clone()));
         let wrong = files.into_par_iter().filter_map(|(path, written)| {
             let cause = written.and_then(|written| hold(&path, written)).err()?;
             Some((path, cause))
@@ -63,6 +66,8 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
     }
     check.wrong.sort();
     check.wrong.dedup();
+    let there = Tree::of(folder)?.files.into_iter().map(|path| folder.join(path));
+    check.unlisted = there.filter(|path| !listed.contains(path)).collect();
     Ok(check)
 }
 

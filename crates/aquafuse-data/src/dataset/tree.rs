@@ -11,16 +11,16 @@ const DEEPEST: usize = 32;
 
 /// The files in a folder and in those inside it, by their paths within it.
 #[derive(Clone, Debug)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     pub(super) root: PathBuf,
-    pub(super) files: BTreeSet<String>,
+    pub(crate) files: BTreeSet<String>,
     /// Files that are passed over, and why.
     pub(super) faults: Vec<Fault>,
 }
 
 impl Tree {
     /// Lists the files; hidden ones are passed over. Links are followed to files that stand in the folder too.
-    pub(super) fn of(root: &Path) -> Result<Self, FileError> {
+    pub(crate) fn of(root: &Path) -> Result<Self, FileError> {
         let mut tree = Self { root: root.to_owned(), files: BTreeSet::new(), faults: Vec::new() };
         let home = root.canonicalize().map_err(|error| FileError::Read { path: root.to_owned(), error })?;
         tree.enter(&home, "", 0)?;

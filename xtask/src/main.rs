@@ -1,11 +1,12 @@
 //! The project's habits, one command each: `cargo xtask check | test | truth | readings | depth | published | hostile |
-//! memory | corpus | soak | bench`.
+//! memory | multiply | corpus | soak | bench`.
 
 mod bench;
 mod checks;
 mod corpus;
 mod hostile;
 mod memory;
+mod multiply;
 mod results;
 mod runner;
 mod setup;
@@ -26,6 +27,7 @@ cargo xtask COMMAND
   published  real pictures scored beside the paper's tables, into docs/results.md
   hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
   memory     [PICTURES] what a run over 1,000 pictures of 24 megapixels holds, into docs/results.md
+  multiply   [PICTURES] a data set of 10,000 small pictures multiplied, and killed 50 times, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
   bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
@@ -48,6 +50,10 @@ fn main() -> ExitCode {
         ["memory"] => memory::run_with(memory::PICTURES),
         ["memory", pictures] if pictures.parse::<usize>().is_ok_and(|count| count > 0) => {
             memory::run_with(pictures.parse().unwrap_or(memory::PICTURES))
+        }
+        ["multiply"] => multiply::run_with(multiply::PICTURES),
+        ["multiply", pictures] if pictures.parse::<usize>().is_ok_and(|count| count >= 10) => {
+            multiply::run_with(pictures.parse().unwrap_or(multiply::PICTURES))
         }
         ["corpus"] => corpus::run_all(),
         ["soak"] => soak::run_for(soak::DEFAULT_MINUTES),

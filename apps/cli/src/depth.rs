@@ -15,6 +15,10 @@ use crate::reading::Reading;
 ///
 /// The model at each pixel, then a 7x7 median: relative depth, 0 near, larger farther. All models fail
 /// where red is dead: everything then looks far.
+///
+/// For other programs. Given back as --depth it would be believed as a map that was measured, and water be told
+/// from it by stricter rules; our own commands take depth from colour by themselves. Half of its range is often
+/// unused: `inspect --plots` shows it stretched.
 #[derive(Args)]
 pub(crate) struct Depth {
     /// PNG, JPEG, TIFF, WebP, BMP or GIF.

@@ -10,6 +10,7 @@ use aquafuse::depth::SuppliedReport;
 use aquafuse::image::{Encoded, Encoding};
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::Quality;
+use serde_json::{Value, json};
 
 use crate::analysis::{DepthSource, analyse};
 use crate::maps;
@@ -139,18 +140,29 @@ pub struct Summary {
 }
 
 impl<E: Space> Recipe<E> {
-    /// Everything in it that decides what is written, as text: two recipes of one text write the same bytes.
-    pub fn fingerprint(&self) -> String {
+    /// Everything in it that decides what is written: two recipes of one fingerprint write the same bytes.
+    pub fn fingerprint(&self) -> Value {
         let Self { treatment, smoothing, upright, reading, writing } = self;
         let treatment = match treatment {
-            Treatment::Fuse { reference, options } => {
-                format!("{:?} {:?} {options:?}", reference.water, reference.quality)
-            }
-            restored => format!("{restored:?}"),
+            Treatment::Fuse { reference, options } => json!({
+                "model": options.model.name(),
+                "theta": options.incidence.degrees(),
+                "alpha": options.gain.get(),
+                "most_gain": options.max_gain,
+                "water": Numbers::from(&reference.water),
+                "quality": reference.quality,
+            }),
+            Treatment::Restore(options) => json!({ "restore": { "most_gain": options.max_gain } }),
         };
-        let (lenient, quality) = (reading.lenient, writing.quality);
-        let version = env!("CARGO_PKG_VERSION");
-        format!("{version} {treatment} {smoothing:?} upright {upright} lenient {lenient} JPEG {quality}")
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "encoding": E::NAME,
+            "treatment": treatment,
+            "smooth": smoothing.name(),
+            "upright": upright,
+            "lenient": reading.lenient,
+            "quality": writing.quality,
+        })
     }
 }
 

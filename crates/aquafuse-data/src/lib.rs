@@ -95,6 +95,7 @@ pub mod model_file;
 pub mod pairs;
 pub mod picture;
 pub mod scores;
+mod settings;
 #[allow(
     clippy::arithmetic_side_effects,
     clippy::cast_possible_truncation,

@@ -10,6 +10,7 @@ use super::manifest::{Entry, Header, Line, Manifest, Written, parse, sealed_text
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
 use crate::picture::{FileError, write_text};
+use crate::settings::differences;
 
 /// What the names of manifests begin and end with.
 const NAMES: (&str, &str) = ("manifest", ".jsonl");
@@ -67,15 +68,16 @@ impl Journal {
                     learn(&mut known, found);
                 }
                 Ok(found) if overwrite => remove(folder, &found),
-                Ok(_) => return Err(FileError::OtherSettings { folder: folder.to_owned() }.into()),
+                Ok(found) => return Err(other_settings(folder, &found.header, header)),
                 Err(line) => return Err(AugmentError::Manifest { path, line }),
             }
         }
         for other in manifests(folder)?.into_iter().filter(|other| *other != path) {
-            match Manifest::read(&other)? {
-                found if found.header.makes_as(header) => learn(&mut known, found),
-                _ => return Err(FileError::OtherSettings { folder: folder.to_owned() }.into()),
+            let found = Manifest::read(&other)?;
+            if !found.header.makes_as(header) {
+                return Err(other_settings(folder, &found.header, header));
             }
+            learn(&mut known, found);
         }
         file.set_len(kept as u64).map_err(cannot_write)?;
         let journal = Self { path: path.clone(), file: Mutex::new(file) };
@@ -112,6 +114,13 @@ impl Journal {
     ) -> Result<(), FileError> {
         write_text(&self.path, &sealed_text(header, entries, indices), true)
     }
+}
+
+/// What is said where a folder was filled with other settings.
+fn other_settings(folder: &Path, was: &Header, is: &Header) -> AugmentError {
+    let value = |header: &Header| serde_json::to_value(header).unwrap_or_default();
+    let differences = differences(&value(was), &value(is));
+    FileError::OtherSettings { folder: folder.to_owned(), differences }.into()
 }
 
 /// Adds what a manifest says to what is known.

@@ -14,10 +14,12 @@ use std::sync::{Mutex, PoisonError};
 use std::time::UNIX_EPOCH;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::Item;
 use crate::analysis::DepthSource;
 use crate::picture::FileError;
+use crate::settings::differences;
 
 /// The name of the record in the folder of a job's outputs.
 pub const RECORD: &str = "aquafuse-job.jsonl";
@@ -108,7 +110,7 @@ impl Source {
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Line {
-    Job { schema: u32, settings: String },
+    Job { schema: u32, settings: Value },
     Begun { output: Name, source: Source, before: Option<Stamp> },
     Done { output: Name, source: Source, stamp: Stamp },
     Failed { output: Name, error: String },
@@ -144,7 +146,7 @@ impl Name {
 }
 
 /// The settings, and the state of each output by its name.
-type Recorded = (Option<String>, HashMap<OsString, State>);
+type Recorded = (Option<Value>, HashMap<OsString, State>);
 
 /// What a record of whole lines says; the number of the line that is none otherwise.
 fn parse(text: &[u8]) -> Result<Recorded, usize> {
@@ -186,7 +188,7 @@ impl Record {
     ///
     /// [`FileError`] when another process works in the folder, the folder was made with other settings, or the
     /// record cannot be read or written.
-    pub fn open(folder: &Path, settings: &str, overwrite: bool) -> Result<Self, FileError> {
+    pub fn open(folder: &Path, settings: &Value, overwrite: bool) -> Result<Self, FileError> {
         let path = folder.join(RECORD);
         let cannot_write =
             |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
@@ -198,13 +200,16 @@ impl Record {
         let mut record = Self { path: path.clone(), file: Mutex::new(file), items: HashMap::new() };
         let made_with = record.read_lines()?;
         match made_with {
-            Some(made_with) if made_with == settings => return Ok(record),
-            Some(_) if !overwrite => return Err(FileError::OtherSettings { folder: folder.to_owned() }),
+            Some(made_with) if made_with == *settings => return Ok(record),
+            Some(made_with) if !overwrite => {
+                let differences = differences(&made_with, settings);
+                return Err(FileError::OtherSettings { folder: folder.to_owned(), differences });
+            }
             _ => {}
         }
         record.items.clear();
         record.file().set_len(0).map_err(cannot_write)?;
-        record.append(&Line::Job { schema: SCHEMA, settings: settings.to_owned() })?;
+        record.append(&Line::Job { schema: SCHEMA, settings: settings.clone() })?;
         Ok(record)
     }
 
@@ -213,7 +218,7 @@ impl Record {
     }
 
     /// Reads what is recorded, and gives the settings.
-    fn read_lines(&mut self) -> Result<Option<String>, FileError> {
+    fn read_lines(&mut self) -> Result<Option<Value>, FileError> {
         let cannot_read = |error| FileError::Read { path: self.path.clone(), error };
         let mut text = Vec::new();
         {

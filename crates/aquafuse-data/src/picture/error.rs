@@ -147,13 +147,15 @@ pub enum FileError {
     },
     /// The outputs in a folder were made with other settings than asked for now.
     #[error(
-        "{} holds pictures that were made with other settings or another WATER; give another output, or --overwrite \
+        "{} holds pictures that were made with other settings ({differences}); give another output, or --overwrite \
          to make them anew",
         shown(folder)
     )]
     OtherSettings {
         /// The folder.
         folder: PathBuf,
+        /// What differs, in words.
+        differences: String,
     },
     /// The record of a job is no such thing.
     #[error(

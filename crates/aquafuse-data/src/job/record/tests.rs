@@ -1,5 +1,6 @@
 use super::*;
 use crate::analysis::DepthSource;
+use serde_json::json;
 
 fn item(folder: &Path, name: &str) -> Item {
     Item {
@@ -18,7 +19,7 @@ fn done(name: &str) -> (tempfile::TempDir, Item) {
     let folder = tempfile::tempdir().unwrap();
     let item = item(folder.path(), name);
     write(&item.input, "content");
-    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
     assert_eq!(record.plan(&item, false), Plan::Make);
     let sources = record.sources(&item).unwrap();
     record.begin(&item, &sources).unwrap();
@@ -31,7 +32,7 @@ fn done(name: &str) -> (tempfile::TempDir, Item) {
 fn what_is_done_is_kept_by_the_next_run() {
     let (folder, item) = done("a.png");
     for overwrite in [false, true] {
-        let record = Record::open(folder.path(), "blue", overwrite).unwrap();
+        let record = Record::open(folder.path(), &json!("blue"), overwrite).unwrap();
         assert_eq!(record.plan(&item, overwrite), Plan::Kept);
     }
 }
@@ -42,11 +43,11 @@ fn what_was_begun_is_made_again_whether_it_got_its_name_or_not() {
     let item = item(folder.path(), "b.png");
     write(&item.input, "content");
     let begin = || {
-        let record = Record::open(folder.path(), "blue", false).unwrap();
+        let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
         record.begin(&item, &record.sources(&item).unwrap()).unwrap();
     };
     begin();
-    let plan = || Record::open(folder.path(), "blue", false).unwrap().plan(&item, false);
+    let plan = || Record::open(folder.path(), &json!("blue"), false).unwrap().plan(&item, false);
     assert_eq!(plan(), Plan::Make);
     write(&item.output, "fused");
     assert_eq!(plan(), Plan::Replace);
@@ -62,10 +63,10 @@ fn what_was_begun_over_somebodys_file_is_theirs_until_it_has_its_name() {
     let item = item(folder.path(), "b.png");
     write(&item.input, "content");
     write(&item.output, "somebody's");
-    let record = Record::open(folder.path(), "blue", true).unwrap();
+    let record = Record::open(folder.path(), &json!("blue"), true).unwrap();
     record.begin(&item, &record.sources(&item).unwrap()).unwrap();
     drop(record);
-    let plan = || Record::open(folder.path(), "blue", false).unwrap().plan(&item, false);
+    let plan = || Record::open(folder.path(), &json!("blue"), false).unwrap().plan(&item, false);
     assert_eq!(plan(), Plan::Foreign);
     write(&item.output, "fused over it");
     assert_eq!(plan(), Plan::Replace);
@@ -76,14 +77,14 @@ fn a_picture_of_the_same_name_from_another_folder_does_not_take_its_place() {
     let (folder, known) = done("a.png");
     let elsewhere = folder.path().join("elsewhere");
     write(&elsewhere, "another dive");
-    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
     assert_eq!(record.plan(&Item { input: elsewhere, ..known }, false), Plan::Foreign);
 }
 
 #[test]
 fn depth_come_by_in_another_way_is_another_setting() {
     let (folder, known) = done("a.png");
-    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
     let ratio = DepthSource::Estimated(aquafuse::depth::DepthModel::Ratio);
     assert_eq!(record.plan(&Item { depth: ratio, ..known }, false), Plan::Foreign);
 }
@@ -93,9 +94,9 @@ fn what_failed_after_it_was_done_is_still_ours() {
     let (folder, item) = done("a.png");
     write(&item.input, "broken");
     let failed = FileError::Empty { path: item.input.clone() };
-    Record::open(folder.path(), "blue", false).unwrap().failed(&item, &failed).unwrap();
+    Record::open(folder.path(), &json!("blue"), false).unwrap().failed(&item, &failed).unwrap();
     write(&item.input, "repaired");
-    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Replace);
+    assert_eq!(Record::open(folder.path(), &json!("blue"), false).unwrap().plan(&item, false), Plan::Replace);
 }
 
 #[test]
@@ -103,22 +104,22 @@ fn an_input_that_changes_while_it_is_read_is_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let item = item(folder.path(), "a.png");
     write(&item.input, "first");
-    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
     let sources = record.sources(&item).unwrap();
     write(&item.input, "second one");
     write(&item.output, "fused");
     record.done(&item, sources).unwrap();
     drop(record);
-    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Replace);
+    assert_eq!(Record::open(folder.path(), &json!("blue"), false).unwrap().plan(&item, false), Plan::Replace);
 }
 
 #[test]
 fn another_input_is_made_anew_and_a_changed_output_is_not_ours() {
     let (folder, item) = done("a.png");
     write(&item.input, "another content");
-    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Replace);
+    assert_eq!(Record::open(folder.path(), &json!("blue"), false).unwrap().plan(&item, false), Plan::Replace);
     write(&item.output, "touched up by hand");
-    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
     assert_eq!(record.plan(&item, false), Plan::Foreign);
     assert_eq!(record.plan(&item, true), Plan::Replace);
     std::fs::remove_file(&item.output).unwrap();
@@ -128,16 +129,16 @@ fn another_input_is_made_anew_and_a_changed_output_is_not_ours() {
 #[test]
 fn other_settings_are_refused_or_begin_anew() {
     let (folder, item) = done("a.png");
-    let refused = Record::open(folder.path(), "green", false).unwrap_err();
+    let refused = Record::open(folder.path(), &json!("green"), false).unwrap_err();
     assert!(matches!(refused, FileError::OtherSettings { .. }));
-    assert_eq!(Record::open(folder.path(), "green", true).unwrap().plan(&item, true), Plan::Replace);
+    assert_eq!(Record::open(folder.path(), &json!("green"), true).unwrap().plan(&item, true), Plan::Replace);
 }
 
 #[test]
 fn a_folder_is_worked_in_by_one_process() {
     let (folder, _) = done("a.png");
-    let _first = Record::open(folder.path(), "blue", false).unwrap();
-    assert!(matches!(Record::open(folder.path(), "blue", false), Err(FileError::Busy { .. })));
+    let _first = Record::open(folder.path(), &json!("blue"), false).unwrap();
+    assert!(matches!(Record::open(folder.path(), &json!("blue"), false), Err(FileError::Busy { .. })));
 }
 
 #[test]
@@ -148,7 +149,7 @@ fn a_record_cut_anywhere_is_read_as_far_as_its_lines_are_whole() {
     let mut plans = Vec::new();
     for cut in 0..=whole.len() {
         std::fs::write(&path, &whole[..cut]).unwrap();
-        plans.push(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false));
+        plans.push(Record::open(folder.path(), &json!("blue"), false).unwrap().plan(&item, false));
     }
     // First nothing is known, then that it was begun, then that it is done.
     plans.dedup();
@@ -165,7 +166,7 @@ fn what_is_no_record_is_left_alone() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(RECORD);
         write(&path, text);
-        let refused = Record::open(folder.path(), "blue", true).unwrap_err();
+        let refused = Record::open(folder.path(), &json!("blue"), true).unwrap_err();
         assert!(matches!(refused, FileError::DamagedRecord { line: 1, .. }), "{refused}");
         assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
     }
@@ -189,10 +190,10 @@ fn a_name_that_is_no_text_is_known_again() {
         depth: DepthSource::default(),
     };
     write(&item.input, "content");
-    let record = Record::open(folder.path(), "blue", false).unwrap();
+    let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
     let sources = record.sources(&item).unwrap();
     write(&item.output, "fused");
     record.done(&item, sources).unwrap();
     drop(record);
-    assert_eq!(Record::open(folder.path(), "blue", false).unwrap().plan(&item, false), Plan::Kept);
+    assert_eq!(Record::open(folder.path(), &json!("blue"), false).unwrap().plan(&item, false), Plan::Kept);
 }

@@ -1,0 +1,75 @@
+//! A data set of many small pictures with labels, and the plain work that multiplying it is compared with.
+//!
+//! cargo run --release -p aquafuse-data --example small_data_set -- make FOLDER COUNT
+//! cargo run --release -p aquafuse-data --example small_data_set -- recode FOLDER OUTPUT TIMES
+
+use std::error::Error;
+use std::path::Path;
+
+use aquafuse::image::Image;
+use aquafuse::truth::{Scene, Size, waters};
+use aquafuse_data::folder;
+use aquafuse_data::picture::{Picture, WriteOptions};
+use rayon::prelude::*;
+
+const WIDTH: usize = 160;
+const HEIGHT: usize = 120;
+/// Ray-marched places; the pictures are windows of them, in water after water.
+const PLACES: usize = 12;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words[..] {
+        ["make", folder, count] => make(folder.as_ref(), count.parse()?),
+        ["recode", folder, output, times] => recode(folder.as_ref(), output.as_ref(), times.parse()?),
+        _ => Err("usage: small_data_set make FOLDER COUNT | recode FOLDER OUTPUT TIMES".into()),
+    }
+}
+
+/// Writes the data set: `images/`, `labels/` and two waters beside it.
+fn make(folder: &Path, count: usize) -> Result<(), Box<dyn Error>> {
+    let (images, labels, water) =
+        (folder.join("set/images"), folder.join("set/labels"), folder.join("waters"));
+    for folder in [&images, &labels, &water] {
+        std::fs::create_dir_all(folder)?;
+    }
+    let seen: Vec<Image<u8>> = (0..PLACES)
+        .flat_map(|seed| {
+            let scene = Scene::new(seed as u64, Size { width: 2 * WIDTH, height: 2 * HEIGHT });
+            waters().into_iter().map(move |known| scene.seen_through(&known.water).to_samples())
+        })
+        .collect();
+    for (image, name) in seen.iter().zip(["a.jpg", "b.jpg"]) {
+        Picture::new(image.clone())
+            .write(&water.join(name), &WriteOptions { overwrite: true, quality: 95 })?;
+    }
+    (0..count).into_par_iter().try_for_each(|number| -> Result<(), String> {
+        let from = &seen[number % seen.len()];
+        let (left, top) = ((number * 37) % WIDTH, (number * 53) % HEIGHT);
+        let rows = (top..top + HEIGHT).flat_map(|y| &from.pixels()[y * 2 * WIDTH + left..][..WIDTH]);
+        let window = Image::from_raw(WIDTH, HEIGHT, rows.flatten().copied().collect());
+        let picture = Picture::new(window.map_err(|error| error.to_string())?);
+        let path = images.join(format!("{number:05}.jpg"));
+        picture
+            .write(&path, &WriteOptions { overwrite: true, quality: 95 })
+            .map_err(|error| error.to_string())?;
+        let label = format!("0 0.5 0.5 0.{:03} 0.25\n", 1 + number % 900);
+        std::fs::write(labels.join(format!("{number:05}.txt")), label).map_err(|error| error.to_string())
+    })?;
+    Ok(())
+}
+
+/// Reads every picture once and writes it so many times, as surely as the command does; nothing is done to it.
+fn recode(folder: &Path, output: &Path, times: usize) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(output)?;
+    let pictures = folder::list(folder)?.pictures;
+    pictures.par_iter().try_for_each(|path| {
+        let picture = Picture::read(path)?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        (0..times).try_for_each(|time| {
+            picture.write(&output.join(format!("{name}__{time}.jpg")), &WriteOptions::default())
+        })
+    })?;
+    Ok(())
+}

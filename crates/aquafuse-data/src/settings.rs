@@ -1,0 +1,61 @@
+//! What settings differ in, to be told.
+
+use serde_json::Value;
+
+/// Differences that are named.
+const NAMED: usize = 4;
+
+/// Where two settings differ, in words: names with the value that was and the one that is asked for.
+pub(crate) fn differences(was: &Value, is: &Value) -> String {
+    let mut found = Vec::new();
+    compare("", was, is, &mut found);
+    let more = match found.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    found.truncate(NAMED);
+    found.join(", ") + &more
+}
+
+fn compare(name: &str, was: &Value, is: &Value, found: &mut Vec<String>) {
+    match (was, is) {
+        _ if was == is => {}
+        (Value::Object(was), Value::Object(is)) => {
+            let mut names: Vec<&String> = was.keys().chain(is.keys()).collect();
+            names.sort();
+            names.dedup();
+            for inner in names {
+                let value = |of: &serde_json::Map<String, Value>| of.get(inner).cloned().unwrap_or_default();
+                let full = if name.is_empty() { inner.clone() } else { format!("{name}.{inner}") };
+                compare(&full, &value(was), &value(is), found);
+            }
+        }
+        _ => found.push(format!("{name} was {}, is {}", short(was), short(is))),
+    }
+}
+
+/// A value as text, not longer than fits into a message.
+fn short(value: &Value) -> String {
+    const MOST: usize = 40;
+    let text = value.to_string();
+    match text.char_indices().nth(MOST) {
+        Some((at, _)) => format!("{}...", text.get(..at).unwrap_or_default()),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn what_differs_is_named_with_both_values() {
+        let was = json!({"a": 1, "b": {"c": "x", "d": [1, 2]}, "e": true});
+        let is = json!({"a": 1, "b": {"c": "y", "d": [1, 2]}, "f": 2});
+        assert_eq!(differences(&was, &is), "b.c was \"x\", is \"y\", e was true, is null, f was null, is 2");
+        assert_eq!(differences(&was, &was), "");
+        let long = differences(&json!({"w": vec![0; 99]}), &json!({"w": 1}));
+        assert!(long.len() < 80 && long.contains("..."), "{long}");
+    }
+}

@@ -1,0 +1,98 @@
+//! `cargo xtask multiply`: a data set of many small pictures multiplied, against reading and writing alone; killed and
+//! gone on with.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+use crate::results::{RESULTS, write_section};
+use crate::runner::{End, Limits, Outcome, Runner};
+use crate::shell::{cargo, output, root, run, say};
+
+pub(crate) const PICTURES: usize = 10_000;
+/// Variants of each picture.
+const TIMES: &str = "2";
+const TURNS: usize = 3;
+const KILLS: &str = "50";
+const LIMITS: Limits = Limits { seconds: 7200, address_space: 16 << 20 };
+
+pub(crate) fn run_with(pictures: usize) -> Result<()> {
+    say("Building the command, and small pictures");
+    run(cargo(&["build", "--release", "--quiet", "--package", "aquafuse-cli"]))?;
+    let build =
+        ["build", "--release", "--quiet", "--package", "aquafuse-data", "--example", "small_data_set"];
+    run(cargo(&build))?;
+    let example = root().join("target/release/examples/small_data_set");
+    let mut runner = Runner::new(LIMITS)?;
+    let mut table = String::from(
+        "| pictures of 160 x 120 | variants | pictures written a second | of reading and writing alone | peak memory, MiB |\n\
+         |---|---|---|---|---|\n",
+    );
+    for count in [pictures / 10, pictures] {
+        let folder = root().join("target/multiply").join(count.to_string());
+        if folder.exists() {
+            fs::remove_dir_all(&folder)?;
+        }
+        finished(runner.run(&example, &["make".as_ref(), &folder, count.to_string().as_ref()])?)?;
+        say(&format!("Multiplying {count} pictures, {TURNS} turns"));
+        let mut ratios = Vec::new();
+        let (mut rate, mut peak) = (0.0_f64, 0.0_f64);
+        for _ in 0..TURNS {
+            let (ours, more) = (augment(&mut runner, &folder)?, plain(&mut runner, &example, &folder)?);
+            ratios.push(more.milliseconds / ours.milliseconds);
+            let written = 2 * count;
+            rate = rate.max(1000.0 * written as f64 / ours.milliseconds);
+            peak = peak.max(ours.peak);
+        }
+        ratios.sort_by(f64::total_cmp);
+        let ratio = ratios[TURNS / 2];
+        writeln!(table, "| {count} | {} | {rate:.0} | {ratio:.2} | {peak:.0} |", 2 * count)?;
+    }
+    println!("{table}");
+    write_section(RESULTS, "multiplied", &(table + "\n" + &kills()?))
+}
+
+/// One run of the command.
+fn augment(runner: &mut Runner, folder: &Path) -> Result<Outcome> {
+    let program = root().join("target/release/aquafuse");
+    let (set, waters, more) = (folder.join("set"), folder.join("waters"), folder.join("more"));
+    clear(&more)?;
+    let options = ["--per-image", TIMES, "--quiet"].map(Path::new);
+    let paths = [Path::new("augment"), &set, &waters, Path::new("-o"), &more];
+    finished(runner.run(&program, &[&paths[..], &options].concat())?)
+}
+
+/// The same pictures read and written as often, and nothing else.
+fn plain(runner: &mut Runner, example: &Path, folder: &Path) -> Result<Outcome> {
+    let (images, again) = (folder.join("set/images"), folder.join("again"));
+    clear(&again)?;
+    finished(runner.run(example, &["recode".as_ref(), &images, &again, TIMES.as_ref()])?)
+}
+
+fn clear(folder: &PathBuf) -> Result<()> {
+    if folder.exists() {
+        fs::remove_dir_all(folder).context("cannot clear the last output")?;
+    }
+    Ok(())
+}
+
+fn finished(outcome: Outcome) -> Result<Outcome> {
+    match outcome.end {
+        End::Exit(0) => Ok(outcome),
+        end => bail!("it ended with {end:?}: {}", outcome.said),
+    }
+}
+
+/// The test that kills a run and goes on with it.
+fn kills() -> Result<String> {
+    say(&format!("Killing an augmentation {KILLS} times"));
+    let mut command =
+        cargo(&["test", "--package", "aquafuse-cli", "--test", "augment", "killed", "--", "--nocapture"]);
+    command.env("AQUAFUSE_KILLS", KILLS);
+    let said = output(command)?;
+    let name = "augmentations killed: ";
+    let line = said.lines().find_map(|line| line.find(name).map(|at| &line[at..]));
+    Ok(format!("- {}\n", line.context("the test said nothing of kills")?))
+}

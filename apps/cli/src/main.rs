@@ -7,6 +7,7 @@ mod depth;
 mod depth_arguments;
 mod depth_model;
 mod enhance;
+mod evaluate;
 mod failure;
 mod fit;
 mod fuse;
@@ -52,6 +53,7 @@ enum Command {
     Water(water::Water),
     Fit(fit::Fit),
     Simulate(simulate::Simulate),
+    Evaluate(evaluate::Evaluate),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -74,6 +76,8 @@ Examples:
   aquafuse depth reef.jpg -o depth.png
   aquafuse fit pairs/ -o mine.toml --depth-kind metres
                                                      a depth model from pictures with known depth
+  aquafuse evaluate fusion --contents photos/ --references waters/ -o report.html
+                                                     what fusion does to pictures, in figures
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),
@@ -111,6 +115,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Water(water) => water.run(common),
         Command::Fit(fit) => fit.run(common.quiet),
         Command::Simulate(simulate) => simulate.run(common),
+        Command::Evaluate(evaluate) => evaluate.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }

@@ -56,6 +56,7 @@
 //! | [`water_file`] | waters as JSON |
 //! | [`maps`] | what a fusion is made from, as pictures |
 //! | [`scores`] | how good a picture looks |
+//! | [`evaluate`] | what methods are worth: on anybody's pictures, on scenes of known truth, before and after, against depth maps |
 //! | [`sheet`] | pictures side by side with captions |
 //!
 //! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing.
@@ -81,6 +82,7 @@
 pub mod analysis;
 mod barrier;
 pub mod depth_file;
+pub mod evaluate;
 pub mod folder;
 pub mod job;
 pub mod maps;

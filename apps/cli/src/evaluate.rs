@@ -21,11 +21,21 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 
+const EXAMPLES: &str = "\
+Examples:
+  aquafuse evaluate fusion --contents dives/ --references waters/ --rivals -o report.html
+                                                     how much fused pictures look like their contents
+  aquafuse evaluate truth -o truth.html              how much of the true change each method makes
+  aquafuse evaluate enhancement dives/ -o clearer.md before and after
+  aquafuse evaluate depth pairs/ --depth-kind metres -o depth.csv
+                                                     depth from colour against measured depth";
+
 /// Measure what methods are worth: on your pictures, or on scenes of known truth.
 ///
 /// Means come with their variance and a 95 % interval by resampling whole pictures. No figure depends on the number of
 /// threads. A picture that fails is named and listed in the report; the others go on, and the exit code is 1.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Evaluate {
     #[command(subcommand)]
     what: What,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use aquafuse::fusion::Model;
 use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::evaluate::{Fusion, GroupBy, Listener, Method, Pairing, Rival, Settings};
 use clap::{Args, ValueEnum};
@@ -80,7 +81,11 @@ impl FusionArguments {
             Some(By::Prefix) => GroupBy::Prefix,
         };
         let settings::Settings { depth_model, options, smoothing } = self.settings.get();
-        let own = format!("aquafuse `{}`", options.model.name());
+        let own = match options.model {
+            _ if self.settings.is_as_published() => "AquaFuse as published".to_owned(),
+            Model::Aquafuse => "AquaFuse".to_owned(),
+            model => format!("AquaFuse {}", model.name()),
+        };
         let fusion = Fusion {
             contents: by.list(&self.contents)?,
             references: by.list(&self.references)?,

@@ -54,6 +54,10 @@ pub(crate) struct SettingsArgs {
 }
 
 impl SettingsArgs {
+    pub(crate) fn is_as_published(&self) -> bool {
+        self.as_published
+    }
+
     pub(crate) fn get(&self) -> Settings {
         if self.as_published {
             return Settings {

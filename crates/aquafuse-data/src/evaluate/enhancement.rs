@@ -39,7 +39,7 @@ pub struct Enhancement<E: Encoding = Encoded> {
 
 /// What is called before, and our own method.
 const BEFORE: &str = "before";
-const OURS: &str = "aquafuse `enhance`";
+const OURS: &str = "AquaFuse enhance";
 
 const SCORES: [Score; 5] = [
     Score { key: "uciqe", title: "UCIQE", digits: 3, shown: Shown::Mean },

@@ -73,6 +73,8 @@ pub struct Score {
 pub enum Shown {
     /// Mean ± variance, as the paper prints it, and the interval.
     MeanAndVariance,
+    /// The same, of a score that another column has on another scale.
+    OtherScale,
     /// The mean and the interval.
     Mean,
     /// One number.
@@ -137,7 +139,7 @@ impl Cell {
             Self::Number(number) => format!("{number:.digits$}"),
             Self::Summary(Summary { left_out, mean, variance, interval, .. }) => {
                 let mut text = format!("{mean:.digits$}");
-                if score.shown == Shown::MeanAndVariance {
+                if matches!(score.shown, Shown::MeanAndVariance | Shown::OtherScale) {
                     text.push_str(&format!(" ± {variance:.digits$}"));
                 }
                 if let Some([low, high]) = interval {
@@ -151,3 +153,6 @@ impl Cell {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,15 +14,8 @@ const SCORES: [Score; 5] = [
     Score { key: "psnr", title: "PSNR, dB", digits: 2, shown: Shown::MeanAndVariance },
     Score { key: "ssim", title: "SSIM", digits: 3, shown: Shown::MeanAndVariance },
     Score { key: "depth_rmse_percent", title: "depth RMSE, %", digits: 2, shown: Shown::MeanAndVariance },
-    Score {
-        key: "depth_rmse_levels", title: "depth RMSE, 0–255", digits: 2, shown: Shown::MeanAndVariance
-    },
-    Score {
-        key: "depth_consistency",
-        title: "depth consistency, %",
-        digits: 2,
-        shown: Shown::MeanAndVariance,
-    },
+    Score { key: "depth_rmse_levels", title: "depth RMSE, 0–255", digits: 2, shown: Shown::OtherScale },
+    Score { key: "depth_consistency", title: "depth consistency, %", digits: 2, shown: Shown::OtherScale },
 ];
 const COUNTS: [Score; 2] = [
     Score { key: "contents", title: "contents", digits: 0, shown: Shown::Number },

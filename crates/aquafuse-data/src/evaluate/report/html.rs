@@ -18,7 +18,7 @@ table { border-collapse: collapse; font-size: .86rem; font-variant-numeric: tabu
 th, td { text-align: left; padding: .25rem .7rem; border-bottom: 1px solid var(--faint); white-space: nowrap }
 th { border-bottom: 2px solid var(--ink) } tbody tr:nth-child(even) { background: var(--pale) }
 .plots { display: flex; flex-wrap: wrap; gap: 1.5rem } figure { margin: 0 }
-figcaption { font-size: .82rem; max-width: 288px; overflow-wrap: anywhere }
+figcaption { font-size: .82rem; max-width: 216px; overflow-wrap: anywhere }
 svg text { fill: var(--ink); font: 12px system-ui, sans-serif } svg .title { font-weight: 600 }
 .strip { display: flex; flex-wrap: wrap; gap: .6rem; margin-bottom: 1.6rem } .strip img { display: block; border-radius: 3px }
 .failed li { overflow-wrap: anywhere }
@@ -33,21 +33,23 @@ pub fn page(report: &Report) -> String {
          <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
     );
     for paragraph in &report.about {
-        let _ = writeln!(text, "<p>{}</p>", escaped(paragraph));
+        let _ = writeln!(text, "<p>{}</p>", marked(paragraph));
     }
     let _ = writeln!(
         text,
         "<p><code>aquafuse {}</code>, version {}: {}</p>",
         report.command,
         env!("CARGO_PKG_VERSION"),
-        escaped(&markdown::settings(report))
+        marked(&markdown::settings(report))
     );
-    for table in &report.tables {
+    for (place, table) in report.tables.iter().enumerate() {
         let _ = writeln!(text, "<h2>{}</h2>", escaped(&table.title));
         table_of(&mut text, table);
         plots(&mut text, table);
+        if place == 0 {
+            strips(&mut text, &report.gallery);
+        }
     }
-    strips(&mut text, &report.gallery);
     if !report.failed.is_empty() {
         text.push_str("<h2>What failed</h2>\n<ul class=\"failed\">\n");
         for failed in &report.failed {
@@ -68,20 +70,20 @@ fn table_of(text: &mut String, table: &Table) {
         text.push_str("<tr>");
         let cells = row.cells.iter().zip(&table.scores).map(|(cell, score)| cell.text(score));
         for cell in row.labels.iter().cloned().chain(cells) {
-            let _ = write!(text, "<td>{}</td>", escaped(&cell));
+            let _ = write!(text, "<td>{}</td>", marked(&cell));
         }
         text.push_str("</tr>\n");
     }
     text.push_str("</tbody></table></div>\n");
 }
 
-/// A plot for each score that has a mean.
+/// A plot for each score that has a mean of its own.
 fn plots(text: &mut String, table: &Table) {
     let drawn: Vec<String> = table
         .scores
         .iter()
         .enumerate()
-        .filter(|(_, score)| score.shown != Shown::Number)
+        .filter(|(_, score)| matches!(score.shown, Shown::MeanAndVariance | Shown::Mean))
         .filter_map(|(place, score)| plot::means(table, place, score))
         .collect();
     if !drawn.is_empty() {
@@ -111,6 +113,15 @@ fn strips(text: &mut String, gallery: &[Strip]) {
         }
         text.push_str("</div>\n");
     }
+}
+
+/// A text with what stands between backticks as code.
+fn marked(text: &str) -> String {
+    let parts = text.split('`').enumerate().map(|(place, part)| match place.is_multiple_of(2) {
+        true => escaped(part),
+        false => format!("<code>{}</code>", escaped(part)),
+    });
+    parts.collect()
 }
 
 /// A text whose signs mean nothing to HTML.

@@ -40,9 +40,11 @@ pub(super) fn transfer(content: &Image<u8>, own: &Moments, other: &Moments) -> V
     content.pixels().iter().map(changed).collect()
 }
 
-/// `A^(-1/2) (A^(1/2) B A^(1/2))^(1/2) A^(-1/2)`, which takes covariance A to B.
+/// `A^(-1/2) (A^(1/2) B A^(1/2))^(1/2) A^(-1/2)`, which takes covariance A to B; in directions in which nothing varies,
+/// nothing is changed.
 fn map(from: &Matrix, to: &Matrix) -> Matrix {
-    let (half, inverse_half) = root_and_inverse(from);
+    let (half, inverse_half, still) = root_and_inverse(from);
     let between = root(&product(&product(&half, to), &half));
-    product(&product(&inverse_half, &between), &inverse_half)
+    let moved = product(&product(&inverse_half, &between), &inverse_half);
+    std::array::from_fn(|i| std::array::from_fn(|j| moved[i][j] + still[i][j]))
 }

@@ -3,37 +3,37 @@
 use std::fmt::Write;
 
 use super::escaped;
+use crate::evaluate::Summary;
 use crate::evaluate::report::{Cell, Score, Table};
 
-const WIDTH: f64 = 540.0;
+const WIDTH: f64 = 560.0;
 /// Where the scale begins; labels stand to the left of it.
-const LEFT: f64 = 210.0;
+const LEFT: f64 = 276.0;
 const RIGHT: f64 = 16.0;
 const TOP: f64 = 30.0;
 const ROW: f64 = 20.0;
 const FOOT: f64 = 26.0;
 /// Letters of a label that fit beside the scale.
-const LETTERS: usize = 32;
+const LETTERS: usize = 44;
 /// Colours that are told apart on light and dark paper, and by those who see no red or green (Okabe and Ito).
 const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9"];
 
-/// Draws one score of a table; none where fewer than two rows have it.
+/// Draws one score of a table; none where fewer than two rows have it, or none an interval.
 pub(super) fn means(table: &Table, place: usize, score: &Score) -> Option<String> {
     let mut methods: Vec<&str> = Vec::new();
-    let mut points = Vec::new();
+    let (mut points, mut any_interval) = (Vec::new(), false);
     for row in &table.rows {
-        let (mean, [low, high]) = match row.cells.get(place)? {
-            Cell::Summary(summary) => (summary.mean, summary.interval.unwrap_or([summary.mean; 2])),
-            _ => continue,
-        };
+        let Cell::Summary(Summary { mean, interval, .. }) = row.cells.get(place)? else { continue };
+        any_interval |= interval.is_some();
+        let [low, high] = interval.unwrap_or([*mean; 2]);
         let method = row.labels.first().map(String::as_str).unwrap_or_default();
         if !methods.contains(&method) {
             methods.push(method);
         }
         let colour = methods.iter().position(|other| *other == method).unwrap_or(0);
-        points.push((row.labels.join(", "), colour, mean, low, high));
+        points.push((row.labels.join(", ").replace('`', ""), colour, *mean, low, high));
     }
-    if points.len() < 2 {
+    if points.len() < 2 || !any_interval {
         return None;
     }
     let least = points.iter().map(|(.., low, _)| *low).fold(f64::INFINITY, f64::min);
@@ -59,7 +59,7 @@ pub(super) fn means(table: &Table, place: usize, score: &Score) -> Option<String
     let mut y = TOP - 0.5 * ROW;
     for (label, colour, mean, low, high) in &points {
         y += ROW;
-        let paint = COLOURS.get(*colour).or(COLOURS.last()).copied().unwrap_or_default();
+        let paint = COLOURS.iter().cycle().nth(*colour).copied().unwrap_or_default();
         let (x, from, to) = (scale.x(*mean), scale.x(*low), scale.x(*high));
         let _ = writeln!(
             svg,
@@ -95,10 +95,11 @@ struct Scale {
 
 impl Scale {
     fn over(least: f64, most: f64) -> Self {
-        let spread = (most - least).max(1e-9 * most.abs()).max(1e-9);
+        // What hardly differs is drawn as one place, not as its rounding.
+        let spread = (most - least).max(1e-5 * most.abs()).max(1e-5);
         let (from, to) = (least - 0.06 * spread, most + 0.06 * spread);
-        // About four marks: 1, 2 or 5 times a power of ten.
-        let rough = (to - from) / 4.0;
+        // Three to six marks: 1, 2 or 5 times a power of ten.
+        let rough = (to - from) / 6.0;
         let power = 10_f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 5.0].map(|times| times * power).into_iter().find(|step| *step >= rough);
         Self { from, to, step: step.unwrap_or(10.0 * power) }
@@ -129,7 +130,7 @@ mod tests {
         for (least, most) in [(0.901, 0.958), (-3.0, 170.0), (27.0, 27.0), (0.0, 0.0), (1e-4, 3e-4)] {
             let scale = Scale::over(least, most);
             let ticks: Vec<f64> = scale.ticks().collect();
-            assert!((1..=6).contains(&ticks.len()), "{least} to {most}: {ticks:?}");
+            assert!((2..=7).contains(&ticks.len()), "{least} to {most}: {ticks:?}");
             for tick in ticks {
                 assert!((LEFT..=WIDTH - RIGHT).contains(&scale.x(tick)));
                 let shown: f64 = format!("{tick:.*}", scale.digits()).parse().unwrap();
@@ -141,7 +142,7 @@ mod tests {
     #[test]
     fn long_labels_lose_their_middle() {
         assert_eq!(shortened("aquafuse, all"), "aquafuse, all");
-        let long = "a very long name of a method, and a long group";
+        let long = "a very long name of a method, in short, and an even longer group";
         assert_eq!(shortened(long).chars().count(), LETTERS + 1);
         assert!(shortened(long).starts_with("a very") && shortened(long).ends_with("group"));
     }

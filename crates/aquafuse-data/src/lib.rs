@@ -59,7 +59,8 @@
 //! | [`evaluate`] | what methods are worth: on anybody's pictures, on scenes of known truth, before and after, against depth maps |
 //! | [`sheet`] | pictures side by side with captions |
 //!
-//! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing.
+//! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing; `lpips` adds
+//! [`evaluate::Lpips`] with a network from a file.
 //!
 //! # Out of scope
 //!

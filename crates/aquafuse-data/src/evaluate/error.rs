@@ -68,6 +68,17 @@ pub enum EvaluateError {
         /// Its columns and rows.
         expected: (u64, u64),
     },
+    /// A file is no network of LPIPS, or cannot take a picture.
+    #[error(
+        "cannot take {} for the network of LPIPS: {cause}. Write it anew with lpips/export.py of crates/aquafuse-data",
+        shown(path)
+    )]
+    NoLpips {
+        /// The file.
+        path: PathBuf,
+        /// What its reader said.
+        cause: String,
+    },
     /// A picture is too small to be scored.
     #[error(
         "{} is smaller than the 11 x 11 pixels that SSIM looks at; leave it out of the folder",

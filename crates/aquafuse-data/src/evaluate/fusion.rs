@@ -12,8 +12,8 @@ use aquafuse::waterbody::Estimate;
 
 use super::outputs::refuse_ambiguous;
 use super::{
-    Conduct, EvaluateError, Failed, Listener, Member, Message, Outputs, Pairing, Palette, Report, Rival,
-    outputs,
+    Conduct, EvaluateError, Failed, Listener, Lpips, Member, Message, Outputs, Pairing, Palette, Report,
+    Rival, lpips, outputs,
 };
 use crate::analysis::{Analysis, DepthSource, analyse};
 use crate::memory::Budget;
@@ -34,6 +34,8 @@ pub struct Fusion {
     pub settings: Settings,
     /// The methods, in the order of the tables.
     pub methods: Vec<Method>,
+    /// The network of LPIPS, if that is to be scored too.
+    pub lpips: Option<Lpips>,
     /// How to run.
     pub conduct: Conduct,
 }
@@ -221,10 +223,8 @@ impl Fusion {
             };
             let name = format!("{} in {}", member.name, other.name);
             for (method, way) in self.methods.iter().enumerate() {
-                let likeness = self.make(way, member, other, &read, reference).and_then(|made| {
-                    let found = Likeness::of(&read.picture.bytes(), &made);
-                    found.ok_or_else(|| EvaluateError::TooSmall { path: member.path.clone() })
-                });
+                let made = self.make(way, member, other, &read, reference);
+                let likeness = made.and_then(|made| self.compare(member, &read.picture.bytes(), &made));
                 match likeness {
                     Ok(likeness) => results.push(Scored { content, reference: place, method, likeness }),
                     Err(error) => {
@@ -243,6 +243,18 @@ impl Fusion {
         let found = self.analysed(&picture)?;
         let palette = self.palette(&picture);
         Ok(Content { picture, found, palette })
+    }
+
+    fn compare(
+        &self,
+        member: &Member,
+        content: &Image<u8>,
+        made: &Image<u8>,
+    ) -> Result<Likeness, EvaluateError> {
+        let found = Likeness::of(content, made);
+        let found = found.ok_or_else(|| EvaluateError::TooSmall { path: member.path.clone() })?;
+        let lpips = self.lpips.as_ref().map(|lpips| lpips.distance(content, made)).transpose()?;
+        Ok(Likeness { lpips, ..found })
     }
 
     /// The picture that a method makes of a pair.
@@ -282,7 +294,8 @@ impl Fusion {
             Method::Rival(_) => RIVALS,
             Method::Outputs(_) => outputs::BYTES_A_PIXEL,
         };
-        self.methods.iter().map(of_method).max().unwrap_or(0).saturating_add(SCORED)
+        let network = if self.lpips.is_some() { lpips::BYTES_A_PIXEL } else { 0 };
+        self.methods.iter().map(of_method).max().unwrap_or(0).saturating_add(SCORED.max(network))
     }
 }
 

@@ -13,6 +13,8 @@ pub(super) struct Likeness {
     pub(super) ssim: f64,
     /// Of Eq. 3 depth estimated again.
     pub(super) depth: DepthRmse,
+    /// LPIPS, where there is a network for it.
+    pub(super) lpips: Option<f64>,
 }
 
 impl Likeness {
@@ -23,12 +25,14 @@ impl Likeness {
             psnr: psnr(content, made).expect(SAME),
             ssim: ssim(content, made).expect(SAME)?,
             depth: depth_rmse(content, made, DepthModel::default()).expect(SAME),
+            lpips: None,
         })
     }
 
-    /// PSNR, SSIM, depth RMSE in percent and in levels, and depth consistency: the columns of the tables.
-    pub(super) fn values(&self) -> [f64; 5] {
-        let Self { psnr, ssim, depth } = self;
-        [*psnr, *ssim, depth.percent(), depth.levels(), depth.consistency()]
+    /// PSNR, SSIM, depth RMSE in percent and in levels, depth consistency and LPIPS: the columns of the tables.
+    pub(super) fn values(&self) -> [Option<f64>; 6] {
+        let Self { psnr, ssim, depth, lpips } = self;
+        let depth = [depth.percent(), depth.levels(), depth.consistency()];
+        [Some(*psnr), Some(*ssim), Some(depth[0]), Some(depth[1]), Some(depth[2]), *lpips]
     }
 }

@@ -10,12 +10,13 @@ use crate::evaluate::{Failed, Method};
 use crate::treatment::Space;
 
 /// The scores, in the order of [`Likeness::values`](super::Likeness::values).
-const SCORES: [Score; 5] = [
+const SCORES: [Score; 6] = [
     Score { key: "psnr", title: "PSNR, dB", digits: 2, shown: Shown::MeanAndVariance },
     Score { key: "ssim", title: "SSIM", digits: 3, shown: Shown::MeanAndVariance },
     Score { key: "depth_rmse_percent", title: "depth RMSE, %", digits: 2, shown: Shown::MeanAndVariance },
     Score { key: "depth_rmse_levels", title: "depth RMSE, 0–255", digits: 2, shown: Shown::OtherScale },
     Score { key: "depth_consistency", title: "depth consistency, %", digits: 2, shown: Shown::OtherScale },
+    Score { key: "lpips", title: "LPIPS", digits: 4, shown: Shown::MeanAndVariance },
 ];
 const COUNTS: [Score; 2] = [
     Score { key: "contents", title: "contents", digits: 0, shown: Shown::Number },
@@ -35,6 +36,8 @@ impl Fusion {
         gallery: Vec<Strip>,
     ) -> Report {
         failed.sort();
+        // A picture that is both content and reference fails as both.
+        failed.dedup();
         Report {
             command: "evaluate fusion",
             title: "Fused pictures beside their contents".into(),
@@ -64,6 +67,12 @@ impl Fusion {
         })
     }
 
+    /// The scores that are taken: LPIPS where there is a network for it.
+    fn scores(&self) -> Vec<Score> {
+        let taken = if self.lpips.is_some() { SCORES.len() } else { SCORES.len().saturating_sub(1) };
+        SCORES.into_iter().take(taken).collect()
+    }
+
     fn table(&self, results: &[Scored]) -> Table {
         let mut groups: Vec<&str> = self.contents.iter().map(|member| member.group.as_str()).collect();
         groups.sort_unstable();
@@ -87,14 +96,14 @@ impl Fusion {
             name: "likeness",
             title: "Scores against the content".into(),
             labels: vec!["method", "group"],
-            scores: COUNTS.into_iter().chain(SCORES).collect(),
+            scores: COUNTS.into_iter().chain(self.scores()).collect(),
             rows,
         }
     }
 
     /// The cells of a row: how many, and each score summarised by content.
     fn cells<'a>(&self, results: impl Iterator<Item = &'a Scored>, key: &[&str]) -> Vec<Cell> {
-        let mut by_content: Vec<(usize, [Vec<f64>; 5])> = Vec::new();
+        let mut by_content: Vec<(usize, [Vec<f64>; 6])> = Vec::new();
         let mut pairs: u32 = 0;
         for one in results {
             pairs = pairs.saturating_add(1);
@@ -103,7 +112,7 @@ impl Fusion {
                 by_content.push((one.content, Default::default()));
             }
             if let Some((_, lists)) = by_content.last_mut() {
-                lists.iter_mut().zip(one.likeness.values()).for_each(|(list, value)| list.push(value));
+                lists.iter_mut().zip(one.likeness.values()).for_each(|(list, value)| list.extend(value));
             }
         }
         let counts = [Cell::Number(by_content.len() as f64), Cell::Number(f64::from(pairs))];
@@ -112,7 +121,7 @@ impl Fusion {
                 by_content.iter().filter_map(|(_, lists)| lists.get(place).cloned()).collect();
             summarise(&lists, Chance::keyed(self.pairing.seed, key)).map_or(Cell::Nothing, Cell::Summary)
         };
-        counts.into_iter().chain((0..SCORES.len()).map(score)).collect()
+        counts.into_iter().chain((0..self.scores().len()).map(score)).collect()
     }
 
     fn items(&self, results: &[Scored]) -> Items {
@@ -122,11 +131,14 @@ impl Fusion {
             let method = self.methods.get(one.method)?.name();
             let labels = [&content.name, &content.group, &reference.name, &reference.group].map(Clone::clone);
             let labels = labels.into_iter().chain([method.to_owned()]).collect();
-            Some(ItemsRow { labels, values: one.likeness.values().map(Some).to_vec() })
+            Some(ItemsRow {
+                labels,
+                values: one.likeness.values().into_iter().take(self.scores().len()).collect(),
+            })
         };
         Items {
             labels: vec!["content", "group", "reference", "reference_group", "method"],
-            scores: SCORES.to_vec(),
+            scores: self.scores(),
             rows: results.iter().filter_map(row).collect(),
         }
     }

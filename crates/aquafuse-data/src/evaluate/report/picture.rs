@@ -58,8 +58,13 @@ mod tests {
     #[test]
     fn base64_is_that_of_the_standard() {
         // Checked with Python's own.
-        let cases: [(&[u8], &str); 5] =
-            [(&[], ""), (&[255], "/w=="), (&[255, 254], "//4="), (&[251, 239, 190], "++++"), (&[0, 1, 2, 3], "AAECAw==")];
+        let cases: [(&[u8], &str); 5] = [
+            (&[], ""),
+            (&[255], "/w=="),
+            (&[255, 254], "//4="),
+            (&[251, 239, 190], "++++"),
+            (&[0, 1, 2, 3], "AAECAw=="),
+        ];
         for (bytes, expected) in cases {
             assert_eq!(base64(bytes), expected);
         }

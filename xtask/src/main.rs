@@ -23,8 +23,8 @@ cargo xtask COMMAND
   test       sets up what is missing, then `check` and every test: what CI runs
   truth      how much of the true change is made on scenes of known truth, into docs/results.md
   readings   what each way to read the paper does to the scores, into docs/method.md
-  depth      how well depth from colour orders measured depth, into docs/results.md
-  published  real pictures scored beside the paper's tables, into docs/results.md
+  depth      how well depth from colour agrees with measured depth, into docs/results.md
+  published  real pictures scored beside the paper's tables and other methods, into docs/results.md
   hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
   memory     [PICTURES] what a run over 1,000 pictures of 24 megapixels holds, into docs/results.md
   multiply   [PICTURES] a data set of 10,000 small pictures multiplied, and killed 50 times, into docs/results.md

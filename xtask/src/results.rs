@@ -9,31 +9,34 @@ pub(crate) const RESULTS: &str = "docs/results.md";
 /// The page of how the paper is read.
 const METHOD: &str = "docs/method.md";
 
-/// `cargo xtask truth`: how right the estimates are, and how much of the true change they make.
+/// `cargo xtask truth`: how right the estimates are, and how much of the true change is made.
 pub(crate) fn truth() -> Result<()> {
     say("Trying estimates and fusion on truth scenes (about three minutes)");
-    for (section, table) in
-        [("estimates", "estimates"), ("truth", "shares"), ("truth-linear", "shares-linear")]
-    {
-        let example =
-            ["run", "--release", "--quiet", "--package", "aquafuse", "--example", "truth_table", "--"];
-        let text = output(cargo(&[&example[..], &[table]].concat()))?;
-        println!("{text}");
-        write_section(RESULTS, section, &text)?;
-    }
-    Ok(())
+    let example = ["run", "--release", "--quiet", "--package", "aquafuse", "--example", "estimates_table"];
+    write_shown("estimates", &output(cargo(&example))?)?;
+    evaluated("truth", &["truth"])?;
+    evaluated("truth-linear", &["truth", "--linear"])
 }
 
-/// `cargo xtask depth`: how well each way from colour orders measured depth.
+/// `cargo xtask depth`: how well depth from colour agrees with measured depth.
 pub(crate) fn depth() -> Result<()> {
     say("Comparing depth from colour with measured depth");
-    of_real_pictures("depth", "depth_table")
+    let data = real_pictures()?;
+    let example = ["run", "--release", "--quiet", "--package", "aquafuse-data", "--example", "depth_table"];
+    write_shown("depth", &output(cargo(&[&example[..], &["--", &data]].concat()))?)?;
+    evaluated("depth-scores", &["depth", &format!("{data}/depth_pairs"), "--depth-kind", "metres"])
 }
 
-/// `cargo xtask published`: scores on real pictures beside those the paper prints.
+/// `cargo xtask published`: real pictures scored, beside what the paper prints, what others make of them, and before
+/// and after enhancement.
 pub(crate) fn published() -> Result<()> {
     say("Fusing real pictures, each with eight others (minutes)");
-    of_real_pictures("published", "published_table")
+    let scenes = format!("{}/scenes", real_pictures()?);
+    let fusion =
+        ["fusion", "--contents", &scenes, "--references", &scenes, "--group-by", "prefix", "--pairs", "8"];
+    evaluated("published", &[&fusion[..], &["--as-published"]].concat())?;
+    evaluated("methods", &[&fusion[..], &["--rivals"]].concat())?;
+    evaluated("enhancement", &["enhancement", &scenes])
 }
 
 /// `cargo xtask readings`: what each way to read the paper does to the scores.
@@ -62,15 +65,21 @@ fn sections(text: &str) -> Result<Vec<(&str, &str)>> {
     Ok(found)
 }
 
-/// Writes a section that an example makes from the folder of real pictures.
-fn of_real_pictures(section: &str, example: &str) -> Result<()> {
-    let data = std::env::var("AQUAFUSE_TEST_DATA")
-        .context("AQUAFUSE_TEST_DATA must name the folder of real pictures")?;
-    let run =
-        ["run", "--release", "--quiet", "--package", "aquafuse-data", "--example", example, "--", &data];
-    let table = output(cargo(&run))?;
-    println!("{table}");
-    write_section(RESULTS, section, &table)
+/// The folder of real pictures.
+fn real_pictures() -> Result<String> {
+    std::env::var("AQUAFUSE_TEST_DATA").context("AQUAFUSE_TEST_DATA must name the folder of real pictures")
+}
+
+/// Writes a section that `aquafuse evaluate` makes: the tables that it prints.
+fn evaluated(section: &str, arguments: &[&str]) -> Result<()> {
+    let run = ["run", "--release", "--quiet", "--package", "aquafuse-cli", "--", "evaluate"];
+    write_shown(section, &output(cargo(&[&run[..], arguments].concat()))?)
+}
+
+/// Shows a section and writes it.
+fn write_shown(section: &str, text: &str) -> Result<()> {
+    println!("{text}");
+    write_section(RESULTS, section, text)
 }
 
 /// Replaces what stands between `<!-- name -->` and `<!-- /name -->` in a page.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Gain, Incidence, Model, Options};
 use aquafuse::image::{Encoded, Linear};
 use aquafuse::smooth::Smoothing;
@@ -38,6 +39,13 @@ pub(crate) struct Enhance {
     clear: PathBuf,
     #[command(flatten)]
     work: WorkArguments,
+    #[command(flatten)]
+    settings: EnhanceSettings,
+}
+
+/// How pictures are made clearer.
+#[derive(Args)]
+pub(crate) struct EnhanceSettings {
     /// What is exchanged, as in `fuse`.
     #[arg(long, default_value = Model::Physical.name(), value_parser = model())]
     model: Model,
@@ -50,7 +58,18 @@ pub(crate) struct Enhance {
     #[command(flatten)]
     depth_model: DepthModelArg,
     #[command(flatten)]
-    waters: WaterArguments,
+    pub(crate) waters: WaterArguments,
+}
+
+impl EnhanceSettings {
+    pub(crate) fn depth_model(&self) -> DepthModel {
+        self.depth_model.get()
+    }
+
+    pub(crate) fn options(&self) -> Result<Options, Failure> {
+        let incidence = self.theta.unwrap_or(Incidence::from_degrees(0.0).map_err(Failure::usage)?);
+        Ok(Options { incidence, gain: self.alpha, ..Options::for_model(self.model) })
+    }
 }
 
 impl Enhance {
@@ -62,15 +81,13 @@ impl Enhance {
     }
 
     fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
-        let depth_model = self.depth_model.get();
+        let depth_model = self.settings.depth_model();
         let water = WaterSource::parse(&self.clear)?;
         let beside: Vec<_> = water.path().into_iter().collect();
         self.work.plan(&self.content, &beside, depth_model)?;
-        let file = self.waters.read::<E>(&water, depth_model, &common.reading)?;
-        let reference = self.waters.per(self.work.depth.kind_of_map(), &file)?;
-        let defaults = Options::for_model(self.model);
-        let incidence = self.theta.unwrap_or(Incidence::from_degrees(0.0).map_err(Failure::usage)?);
-        let options = Options { incidence, gain: self.alpha, ..defaults };
+        let file = self.settings.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let reference = self.settings.waters.per(self.work.depth.kind_of_map(), &file)?;
+        let options = self.settings.options()?;
         let work = Work {
             content: &self.content,
             beside: &beside,

@@ -8,6 +8,7 @@ mod depth;
 mod depth_arguments;
 mod depth_model;
 mod enhance;
+mod evaluate;
 mod failure;
 mod fit;
 mod fuse;
@@ -58,6 +59,7 @@ enum Command {
     Augment(augment::Augment),
     Verify(verify::Verify),
     Replay(replay::Replay),
+    Evaluate(evaluate::Evaluate),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -82,6 +84,8 @@ Examples:
                                                      a data set, six times as large
   aquafuse fit pairs/ -o mine.toml --depth-kind metres
                                                      a depth model from pictures with known depth
+  aquafuse evaluate fusion --contents photos/ --references waters/ -o report.html
+                                                     what fusion does to pictures, in figures
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),
@@ -122,6 +126,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Augment(augment) => augment.run(common),
         Command::Verify(verify) => verify.run(common),
         Command::Replay(replay) => replay.run(common),
+        Command::Evaluate(evaluate) => evaluate.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }

@@ -46,9 +46,14 @@ impl Progress {
     }
 
     pub(crate) fn failed(&self, error: &impl std::fmt::Display) {
-        // `println` of the bar would swallow the line where there is no terminal.
-        self.bar.suspend(|| output::complain(error));
+        self.complain(error);
         self.bar.inc(1);
+    }
+
+    /// Says something on a line of its own.
+    pub(crate) fn complain(&self, what: &impl std::fmt::Display) {
+        // `println` of the bar would swallow the line where there is no terminal.
+        self.bar.suspend(|| output::complain(what));
     }
 
     pub(crate) fn finish(&self) {

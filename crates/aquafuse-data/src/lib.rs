@@ -59,9 +59,11 @@
 //! | [`water_file`] | waters as JSON |
 //! | [`maps`] | what a fusion is made from, as pictures |
 //! | [`scores`] | how good a picture looks |
+//! | [`evaluate`] | what methods are worth: on anybody's pictures, on scenes of known truth, before and after, against depth maps |
 //! | [`sheet`] | pictures side by side with captions |
 //!
-//! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing.
+//! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing; `lpips` adds
+//! [`evaluate::Lpips`] with a network from a file.
 //!
 //! # Out of scope
 //!
@@ -87,6 +89,7 @@ mod barrier;
 pub mod dataset;
 pub mod depth_file;
 pub mod digest;
+pub mod evaluate;
 pub mod folder;
 pub mod job;
 pub mod maps;

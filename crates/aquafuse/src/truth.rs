@@ -10,8 +10,10 @@ mod layout;
 mod noise;
 mod render;
 mod thing;
+mod trials;
 mod waters;
 
+pub use trials::{Case, Exchange, Trials};
 pub use waters::{NamedWater, waters};
 
 use crate::depth::{DepthKind, DepthMap};

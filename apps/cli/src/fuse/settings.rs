@@ -65,6 +65,10 @@ impl SettingsArgs {
         }
     }
 
+    pub(crate) fn is_as_published(&self) -> bool {
+        self.as_published
+    }
+
     pub(crate) fn get(&self) -> Settings {
         if self.as_published {
             return Settings {

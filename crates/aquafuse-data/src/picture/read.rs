@@ -199,6 +199,11 @@ impl Opened {
         self.size.pixels()
     }
 
+    /// Columns and rows, as its header tells.
+    pub fn size(&self) -> (u64, u64) {
+        (self.size.width, self.size.height)
+    }
+
     /// Decodes the picture.
     ///
     /// # Errors

@@ -4,9 +4,8 @@ use aquafuse::depth::{DepthMap, DepthModel};
 use aquafuse::fusion::{Bounded, Incidence, Law, Model, Options};
 use aquafuse::image::{Encoding, Image, SizeError};
 use aquafuse::smooth::Smoothing;
+use aquafuse::truth::Case;
 use aquafuse::waterbody::{EstimateOptions, estimate};
-
-use crate::scenes::Case;
 
 /// One way to read all of it.
 #[derive(Clone, Copy)]

@@ -3,8 +3,8 @@
 use aquafuse::depth::DepthModel;
 use aquafuse::image::{Encoding, Image, SizeError};
 use aquafuse::metrics::{depth_rmse, psnr, ssim};
+use aquafuse::truth::Exchange;
 
-use crate::exchange::Exchange;
 use crate::reading::Reading;
 
 /// What is said of one exchange.

@@ -4,15 +4,15 @@ use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Gain, Model, Options};
 use aquafuse::image::{Encoded, Encoding, Linear, SizeError};
 use aquafuse::smooth::Smoothing;
+use aquafuse::truth::{Exchange, Trials};
 use aquafuse::waterbody::{BackscatterMethod, EstimateOptions, VeilingLightMethod};
 
-use crate::exchange::Exchange;
 use crate::reading::{Depth, Direct, Reading};
 use crate::scores::{Scores, mean, rms};
 
 /// Exchanges of each row; half of them with open water in view.
 const EXCHANGES: usize = 48;
-/// Number of the first; those of `truth_table` end before it.
+/// Number of the first; those of `aquafuse evaluate truth` end before it.
 const FIRST: usize = 200;
 
 type Print = fn(&[Exchange<Encoded>]) -> Result<(), SizeError>;
@@ -55,7 +55,8 @@ const PAPERS: EstimateOptions = EstimateOptions {
 };
 
 fn exchanges<E: Encoding>() -> Vec<Exchange<E>> {
-    (FIRST..FIRST + EXCHANGES).map(Exchange::new).collect()
+    let trials = Trials::default();
+    (FIRST..FIRST + EXCHANGES).map(|number| trials.exchange(number)).collect()
 }
 
 fn header(first: &str) {

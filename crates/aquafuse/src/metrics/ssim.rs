@@ -34,45 +34,86 @@ pub fn ssim<T: Sample, U: Sample>(a: &Image<T>, b: &Image<U>) -> Result<Option<f
     if width <= 2 * REACH || height <= 2 * REACH {
         return Ok(None);
     }
-    let (x, y) = (luma(a), luma(b));
-    let blurred = |values: Vec<f64>| blur(&values, width, height);
-    let product = |a: &[f64], b: &[f64]| blurred(a.iter().zip(b).map(|(a, b)| a * b).collect());
-    let (xx, yy, xy) = (product(&x, &x), product(&y, &y), product(&x, &y));
-    let (mean_x, mean_y) = (blurred(x), blurred(y));
-    let index = |i: usize| {
-        let (mx, my) = (mean_x[i], mean_y[i]);
-        let (vx, vy, covariance) = (xx[i] - mx * mx, yy[i] - my * my, xy[i] - mx * my);
-        ((2.0 * mx * my + C1) * (2.0 * covariance + C2)) / ((mx * mx + my * my + C1) * (vx + vy + C2))
-    };
-    Ok(Some((0..mean_x.len()).map(index).sum::<f64>() / mean_x.len() as f64))
+    let mut sum = 0.0;
+    let mut window = Window::new(width);
+    for (x, y) in a.rows().zip(b.rows()) {
+        window.push(x, y);
+        if window.rows > 2 * REACH {
+            sum += window.indices().sum::<f64>();
+        }
+    }
+    let windows = (width - 2 * REACH) * (height - 2 * REACH);
+    Ok(Some(sum / windows as f64))
 }
 
-fn luma<T: Sample>(image: &Image<T>) -> Vec<f64> {
-    let of = |pixel: &[T; 3]| {
-        let [r, g, b] = pixel.map(|value| f64::from(value.to_unit()));
-        0.299 * r + 0.587 * g + 0.114 * b
-    };
-    image.pixels().iter().map(of).collect()
+/// Rows that a window covers.
+const ROWS: usize = 2 * REACH + 1;
+/// Blurred by the window: luma of both pictures, the two squares, the product.
+const QUANTITIES: usize = 5;
+
+/// The last rows of what is blurred, along rows already: however large the pictures, nothing else is kept.
+struct Window {
+    bell: [f64; ROWS],
+    /// Values at every pixel of the row that came last.
+    row: [Vec<f64>; QUANTITIES],
+    /// Blurred along the row, a ring of rows.
+    ring: [[Vec<f64>; QUANTITIES]; ROWS],
+    /// Rows that have come.
+    rows: usize,
 }
 
-/// The Gaussian window at every place where it fits, first along rows, then along columns.
-fn blur(values: &[f64], width: usize, height: usize) -> Vec<f64> {
-    let bell: [f64; 2 * REACH + 1] = std::array::from_fn(|i| {
-        let distance = i as f64 - REACH as f64;
-        (-0.5 * (distance / SIGMA).powi(2)).exp()
-    });
-    let total: f64 = bell.iter().sum();
-    let weights = bell.map(|weight| weight / total);
-    let inner = width - 2 * REACH;
-    let along_row = |row: &[f64], x: usize| weights.iter().zip(&row[x..]).map(|(w, v)| w * v).sum::<f64>();
-    let rows: Vec<f64> =
-        values.chunks_exact(width).flat_map(|row| (0..inner).map(move |x| along_row(row, x))).collect();
-    let along_column =
-        |x: usize, y: usize| (0..weights.len()).map(|k| weights[k] * rows[(y + k) * inner + x]).sum();
-    (0..height - 2 * REACH)
-        .flat_map(|y| (0..inner).map(move |x| (x, y)))
-        .map(|(x, y)| along_column(x, y))
-        .collect()
+impl Window {
+    fn new(width: usize) -> Self {
+        let bell: [f64; ROWS] = std::array::from_fn(|i| {
+            let distance = i as f64 - REACH as f64;
+            (-0.5 * (distance / SIGMA).powi(2)).exp()
+        });
+        let total: f64 = bell.iter().sum();
+        let values = |count: usize| std::array::from_fn(|_| vec![0.0; count]);
+        Self {
+            bell: bell.map(|weight| weight / total),
+            row: values(width),
+            ring: std::array::from_fn(|_| values(width - 2 * REACH)),
+            rows: 0,
+        }
+    }
+
+    fn push<T: Sample, U: Sample>(&mut self, a: &[[T; 3]], b: &[[U; 3]]) {
+        for (i, (a, b)) in a.iter().zip(b).enumerate() {
+            let (x, y) = (luma(a), luma(b));
+            for (values, value) in self.row.iter_mut().zip([x, y, x * x, y * y, x * y]) {
+                values[i] = value;
+            }
+        }
+        for (blurred, values) in self.ring[self.rows % ROWS].iter_mut().zip(&self.row) {
+            blurred.fill(0.0);
+            for (weight, values) in self.bell.iter().zip(values.windows(blurred.len())) {
+                blurred.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+            }
+        }
+        self.rows += 1;
+    }
+
+    /// The index at each place of the row of windows that ends with the row that came last.
+    fn indices(&self) -> impl Iterator<Item = f64> {
+        let mut blurred: [Vec<f64>; QUANTITIES] = std::array::from_fn(|q| vec![0.0; self.ring[0][q].len()]);
+        for (k, weight) in self.bell.iter().enumerate() {
+            // The oldest row is the one that would be overwritten next.
+            for (sums, values) in blurred.iter_mut().zip(&self.ring[(self.rows + k) % ROWS]) {
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+            }
+        }
+        (0..blurred[0].len()).map(move |i| {
+            let [mx, my, xx, yy, xy] = [0, 1, 2, 3, 4].map(|q| blurred[q][i]);
+            let (vx, vy, covariance) = (xx - mx * mx, yy - my * my, xy - mx * my);
+            ((2.0 * mx * my + C1) * (2.0 * covariance + C2)) / ((mx * mx + my * my + C1) * (vx + vy + C2))
+        })
+    }
+}
+
+fn luma<T: Sample>(pixel: &[T; 3]) -> f64 {
+    let [r, g, b] = pixel.map(|value| f64::from(value.to_unit()));
+    0.299 * r + 0.587 * g + 0.114 * b
 }
 
 #[cfg(test)]

@@ -10,6 +10,11 @@ impl Random {
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66)
     }
 
+    /// With this state, as it is.
+    pub(super) fn of_state(state: u64) -> Self {
+        Self(state)
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut x = self.0;
@@ -26,6 +31,11 @@ impl Random {
     /// Evenly among 0 .. `count`.
     pub(super) fn below(&mut self, count: usize) -> usize {
         (self.next() % count as u64) as usize
+    }
+
+    /// Nearly normal, deviation 1: twelve even numbers.
+    pub(super) fn normal(&mut self) -> f32 {
+        (0..12).map(|_| self.between(0.0, 1.0)).sum::<f32>() - 6.0
     }
 
     /// One of the choices.

@@ -2,9 +2,9 @@
 
 use aquafuse::depth::DepthModel;
 use aquafuse::image::{Encoded, SizeError};
+use aquafuse::truth::{Case, Trials};
 use aquafuse::waterbody::{Estimate, Reason, Verdict, estimate};
 
-use crate::scenes::Case;
 use crate::statistics::{median, quantile, share};
 
 const SCENES: usize = 500;
@@ -31,12 +31,13 @@ pub(crate) fn print() -> Result<(), SizeError> {
          interval holds β_B | its width |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
-    let given = found(None)?;
+    let trials = Trials::default();
+    let given = found(&trials, None)?;
     row("given", "open water seen", &given, |one| one.open);
     row("given", "none in view", &given, |one| !one.open);
     row("given", "all", &given, |_| true);
     for (name, model) in [("`eq3`", DepthModel::default()), ("`ratio`", DepthModel::Ratio)] {
-        let by_colour = found(Some(model))?;
+        let by_colour = found(&trials, Some(model))?;
         row(name, "open water seen", &by_colour, |one| one.open);
         row(name, "none in view", &by_colour, |one| !one.open);
     }
@@ -44,10 +45,10 @@ pub(crate) fn print() -> Result<(), SizeError> {
     Ok(())
 }
 
-fn found(model: Option<DepthModel>) -> Result<Vec<Found>, SizeError> {
+fn found(trials: &Trials, model: Option<DepthModel>) -> Result<Vec<Found>, SizeError> {
     (0..SCENES)
         .map(|number| {
-            let case = Case::<Encoded>::new(number);
+            let case = trials.case::<Encoded>(number);
             let z = model.map_or_else(|| case.depth.clone(), |model| model.estimate(&case.image));
             Ok(judge(&case, &estimate(&case.image, &z, &Default::default())?, model.is_none()))
         })

@@ -2,16 +2,19 @@
 //!
 //! Constants of the estimators were chosen on reefs in made-up waters; what is tried here shares neither.
 
+mod exchange;
+
 use std::sync::OnceLock;
 
-use aquafuse::depth::{DepthKind, DepthMap};
-use aquafuse::formation::form;
-use aquafuse::image::{Encoding, Image};
-use aquafuse::truth::{Gaze, OPEN_WATER, Scene, Site, Size, View};
-use aquafuse::waterbody::Waterbody;
-use aquafuse::waterbody::presets::{Conditions, Preset};
+use super::noise::Random;
+use super::{Gaze, OPEN_WATER, Scene, Site, Size, View};
+use crate::depth::{DepthKind, DepthMap};
+use crate::formation::form;
+use crate::image::{Encoding, Image};
+use crate::waterbody::Waterbody;
+use crate::waterbody::presets::{Conditions, Preset};
 
-use crate::chance::Chance;
+pub use exchange::Exchange;
 
 const SIZE: Size = Size { width: 240, height: 160 };
 /// Different places; each is seen in several waters.
@@ -23,38 +26,79 @@ const ENOUGH_BLACK: f32 = 0.01;
 /// A red veil fainter than this (encoded), with the direct red of a white thing gone at z95, is dead red.
 const DEAD_VEIL: f32 = 0.02;
 
-/// One picture of known truth.
-pub(crate) struct Case<E: Encoding> {
-    pub(crate) clear: Image<f32, E>,
-    pub(crate) depth: DepthMap,
-    pub(crate) water: Waterbody<E>,
-    /// As a camera stores it: encoded bytes.
-    pub(crate) image: Image<u8>,
-    pub(crate) open: bool,
-    /// By construction: open water in view, enough that is black, red alive.
-    pub(crate) clean: bool,
+/// Numbered random scenes to try estimators and fusion on: the same numbers give the same pixels on every machine.
+///
+/// Harbours, half of them with open water in view, in the ten waters of Jerlov, as a camera stores them.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::image::Encoded;
+/// use aquafuse::truth::Trials;
+///
+/// let trials = Trials::default();
+/// let exchange = trials.exchange::<Encoded>(0);
+/// // The truth is another picture than the content, of the same place.
+/// assert_eq!(exchange.truths[0].size(), exchange.content.image.size());
+/// assert_ne!(exchange.truths[0], exchange.content.image.to_unit());
+/// ```
+#[derive(Debug)]
+pub struct Trials {
+    /// Places, each made once: even numbers look ahead, odd ones down.
+    places: [OnceLock<Scene>; PLACES],
 }
 
-/// A place, made once: even numbers look ahead, odd ones down.
-fn place(number: usize) -> &'static Scene {
-    static PLACES_MADE: [OnceLock<Scene>; PLACES] = [const { OnceLock::new() }; PLACES];
-    let number = place_of(number);
-    PLACES_MADE[number].get_or_init(|| {
-        let gaze = if number.is_multiple_of(2) { Gaze::Ahead } else { Gaze::Down };
-        Scene::of(View { site: Site::Harbour, gaze }, FIRST_SEED + number as u64, SIZE)
-    })
+impl Default for Trials {
+    fn default() -> Self {
+        Self { places: [const { OnceLock::new() }; PLACES] }
+    }
+}
+
+/// One picture of known truth.
+#[derive(Clone, Debug)]
+pub struct Case<E: Encoding> {
+    /// I, the place as seen through air.
+    pub clear: Image<f32, E>,
+    /// z, in metres.
+    pub depth: DepthMap,
+    /// The water it is seen through, per metre.
+    pub water: Waterbody<E>,
+    /// As a camera stores it: encoded bytes, with its noise.
+    pub image: Image<u8>,
+    /// Whether open water is in view.
+    pub open: bool,
+    /// By construction: open water in view, enough that is black, red alive.
+    pub clean: bool,
 }
 
 /// Which of the places the scene of this number shows.
-pub(crate) fn place_of(number: usize) -> usize {
+fn place_of(number: usize) -> usize {
     number % PLACES
 }
 
+impl Trials {
+    fn place(&self, number: usize) -> &Scene {
+        let number = place_of(number);
+        self.places[number].get_or_init(|| {
+            let gaze = if number.is_multiple_of(2) { Gaze::Ahead } else { Gaze::Down };
+            Scene::of(View { site: Site::Harbour, gaze }, FIRST_SEED + number as u64, SIZE)
+        })
+    }
+
+    /// The scene of this number, formed in encoding `E`.
+    pub fn case<E: Encoding>(&self, number: usize) -> Case<E> {
+        Case::new(self.place(number), number)
+    }
+
+    /// The exchange of this number: a content, and a reference in a water that differs to the eye.
+    pub fn exchange<E: Encoding>(&self, number: usize) -> Exchange<E> {
+        Exchange::new(self, number)
+    }
+}
+
 impl<E: Encoding> Case<E> {
-    /// The scene of this number; `turn` into encoding `E` is the identity or the sRGB transfer function.
-    pub(crate) fn new(number: usize) -> Self {
-        let mut chance = Chance(1 + number as u64);
-        let place = place(number);
+    fn new(place: &Scene, number: usize) -> Self {
+        let mut chance = Random::of_state(1 + number as u64);
         let open = place_of(number).is_multiple_of(2);
         let preset = Preset::ALL[chance.below(Preset::ALL.len())];
         let conditions = Conditions::default();
@@ -80,7 +124,7 @@ impl<E: Encoding> Case<E> {
 
 /// Distances stretched so that green's optical depth at the far end of things is .4 to 4: in the murkiest
 /// waters one stands closer, or sees nothing.
-fn scaled<E: Encoding>(depth: &DepthMap, water: &Waterbody<E>, chance: &mut Chance) -> DepthMap {
+fn scaled<E: Encoding>(depth: &DepthMap, water: &Waterbody<E>, chance: &mut Random) -> DepthMap {
     let wanted = chance.between(0.4_f32.ln(), 4.0_f32.ln()).exp();
     let scale = wanted / (water.backscatter_coefficient[1] * depth_of_things(depth));
     let stretch = |z: f32| if z >= OPEN_WATER { OPEN_WATER.max(40.0 * scale) } else { z * scale };
@@ -98,7 +142,7 @@ fn depth_of_things(depth: &DepthMap) -> f32 {
 }
 
 /// The clear colours with small black discs on things, and the share of the picture they cover.
-fn blackened(place: &Scene, share: f32, chance: &mut Chance) -> (Vec<[f32; 3]>, f32) {
+fn blackened(place: &Scene, share: f32, chance: &mut Random) -> (Vec<[f32; 3]>, f32) {
     let mut clear = place.clear.pixels().to_vec();
     let distances = place.depth.distances();
     let (width, height) = (SIZE.width as i32, SIZE.height as i32);
@@ -123,7 +167,7 @@ fn blackened(place: &Scene, share: f32, chance: &mut Chance) -> (Vec<[f32; 3]>, 
 }
 
 /// Bytes, with a camera's noise of up to 3 of them.
-fn photographed<E: Encoding>(seen: &Image<f32, E>, chance: &mut Chance) -> Image<u8> {
+fn photographed<E: Encoding>(seen: &Image<f32, E>, chance: &mut Random) -> Image<u8> {
     let noise = chance.between(0.0, 3.0) / 255.0;
     let values = seen.as_raw().iter().map(|&value| E::to_encoded(value.max(0.0)) + noise * chance.normal());
     let image: Image<f32> =

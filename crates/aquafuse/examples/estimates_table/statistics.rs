@@ -1,8 +1,4 @@
-//! Quantiles and means of what was found.
-
-pub(crate) fn mean(values: &[f32]) -> f32 {
-    values.iter().sum::<f32>() / values.len() as f32
-}
+//! Quantiles of what was found.
 
 pub(crate) fn median(values: &[f32]) -> f32 {
     quantile(values, 0.5)

@@ -1,12 +1,11 @@
 //! A content and a reference in another water, with the truth of what fusing them should give.
 
-use aquafuse::formation::form;
-use aquafuse::image::{Encoding, Image};
-use aquafuse::waterbody::Waterbody;
+use super::{Case, Trials, place_of};
+use crate::formation::form;
+use crate::image::{Encoding, Image};
+use crate::waterbody::Waterbody;
 
-use crate::scenes::{Case, place_of};
-
-/// Scenes that the table of estimates does not look at.
+/// Numbers of scenes, far enough from the first ones for estimates to be tried on others.
 const CONTENTS: usize = 1000;
 const REFERENCES: usize = 3000;
 
@@ -14,21 +13,24 @@ const REFERENCES: usize = 3000;
 const ANOTHER_WATER: f32 = 0.2;
 
 /// A content, and a reference in another water.
-pub(crate) struct Exchange<E: Encoding> {
-    pub(crate) content: Case<E>,
-    pub(crate) reference: Case<E>,
-    /// Truth A and truth B.
-    pub(crate) truths: [Image<f32, E>; 2],
+#[derive(Clone, Debug)]
+pub struct Exchange<E: Encoding> {
+    /// The place that is to be seen in another water.
+    pub content: Case<E>,
+    /// Another place, in that water.
+    pub reference: Case<E>,
+    /// Truth A, the content with nothing exchanged but B∞, and truth B, the content wholly in the other water.
+    pub truths: [Image<f32, E>; 2],
 }
 
 impl<E: Encoding> Exchange<E> {
-    pub(crate) fn new(number: usize) -> Self {
-        let content = Case::new(CONTENTS + number);
+    pub(super) fn new(trials: &Trials, number: usize) -> Self {
+        let content: Case<E> = trials.case(CONTENTS + number);
         let mut other = REFERENCES + number;
         let reference = loop {
             // The content's own place would hand its histogram to the rivals.
             let elsewhere = place_of(other) != place_of(CONTENTS + number);
-            let reference = Case::new(other);
+            let reference = trials.case(other);
             if elsewhere && differ(&content.water, &reference.water) >= ANOTHER_WATER {
                 break reference;
             }
@@ -42,7 +44,7 @@ impl<E: Encoding> Exchange<E> {
     }
 
     /// Whether open water is in view in both.
-    pub(crate) fn open(&self) -> bool {
+    pub fn open(&self) -> bool {
         self.content.open && self.reference.open
     }
 }

@@ -1,0 +1,78 @@
+//! `aquafuse evaluate enhancement`: pictures before and after.
+
+use std::path::PathBuf;
+
+use aquafuse::depth::DepthKind;
+use aquafuse::image::{Encoded, Linear};
+use aquafuse_data::analysis::DepthSource;
+use aquafuse_data::evaluate::{Enhancement, GroupBy, Listener};
+use aquafuse_data::treatment::Space;
+use clap::Args;
+
+use super::{Named, ReportArguments, conduct, named, outputs};
+use crate::common::Common;
+use crate::enhance::EnhanceSettings;
+use crate::failure::Failure;
+use crate::water_argument::WaterSource;
+
+const HELP: &str = "\
+UCIQE and UIQM need no other picture; higher is held to be better, and both are fooled by oversaturation
+and noise. The second table takes the change picture by picture, so that its interval tells whether it is one.
+
+Examples:
+  aquafuse evaluate enhancement dives/ -o enhanced.html
+  aquafuse evaluate enhancement dives/ --method sea-thru=restored/ -o methods.md
+                                                     beside what another tool wrote as restored/PICTURE.png";
+
+/// Score pictures before and after `enhance`, and after other tools.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub(crate) struct EnhancementArguments {
+    /// A folder of pictures.
+    images: PathBuf,
+    /// Clear water: a picture, NAME.water.json or preset:NAME, as in `enhance`.
+    #[arg(long, value_name = "WATER", default_value = "preset:jerlov-I")]
+    clear: PathBuf,
+    #[command(flatten)]
+    settings: EnhanceSettings,
+    /// Work in linear light.
+    #[arg(long)]
+    linear: bool,
+    /// Also score what another tool has made: pictures in DIR of the same stems. May be given several times.
+    #[arg(long, value_name = "NAME=DIR", value_parser = named)]
+    method: Vec<Named>,
+    /// What resamplings are drawn by.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    report: ReportArguments,
+}
+
+impl EnhancementArguments {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match self.linear {
+            true => self.run_in::<Linear>(common),
+            false => self.run_in::<Encoded>(common),
+        }
+    }
+
+    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        self.report.check()?;
+        let pictures = GroupBy::Nothing.list(&self.images)?;
+        let outputs = outputs(&self.method, &[])?;
+        let depth_model = self.settings.depth_model();
+        let water = WaterSource::parse(&self.clear)?;
+        let file = self.settings.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let enhancement = Enhancement {
+            pictures,
+            clear: self.settings.waters.per(DepthKind::Relative, &file)?,
+            options: self.settings.options()?,
+            source: DepthSource::Estimated(depth_model),
+            outputs,
+            seed: self.seed,
+            conduct: conduct(common),
+            water: water.name(),
+        };
+        self.report.run(common, |listener: Listener<'_>| enhancement.run(listener), |_| {})
+    }
+}

@@ -1,0 +1,52 @@
+//! What methods are worth, in figures.
+//!
+//! | evaluation | asks |
+//! |---|---|
+//! | [`Fusion`] | how much fused pictures look like their contents, by the scores of the paper's tables |
+//! | [`Truth`] | how much of the true change is made, on scenes of known truth |
+//! | [`Enhancement`] | how good pictures look before and after |
+//! | [`Depth`] | how right depth from colour is, or from elsewhere |
+//!
+//! Each runs on threads of its own within one budget of memory and gives a [`Report`], which [`report`] writes as
+//! Markdown, CSV, JSON or a page of HTML. Means have their variance and a bootstrap interval ([`Summary`]). No figure
+//! depends on the number of threads. A picture that fails is listed in the report, and the others go on.
+
+mod chance;
+mod crew;
+mod depth;
+mod enhancement;
+mod error;
+mod fusion;
+mod lpips;
+mod members;
+mod outputs;
+pub mod report;
+#[allow(
+    clippy::arithmetic_side_effects,
+    clippy::cast_possible_truncation,
+    clippy::disallowed_methods,
+    clippy::indexing_slicing,
+    reason = "it reckons with colours of pictures that are read already, in places of fixed number"
+)]
+mod rivals;
+mod statistics;
+#[allow(
+    clippy::arithmetic_side_effects,
+    clippy::disallowed_methods,
+    clippy::indexing_slicing,
+    reason = "it reckons with pictures that it has made itself"
+)]
+mod truth;
+
+pub use crew::{Conduct, Listener, Message};
+pub use depth::{Depth, Maps};
+pub use enhancement::Enhancement;
+pub use error::{EvaluateError, Failed};
+pub use fusion::{Fusion, Method, Settings};
+pub use lpips::Lpips;
+pub use members::{GroupBy, Member, Pairing};
+pub use outputs::Outputs;
+pub use report::Report;
+pub use rivals::{Palette, Rival};
+pub use statistics::Summary;
+pub use truth::Truth;

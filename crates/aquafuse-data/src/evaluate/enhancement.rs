@@ -1,0 +1,206 @@
+//! How good pictures look before and after, by scores that need no other picture.
+
+use aquafuse::fusion::Options;
+use aquafuse::image::{Encoded, Encoding, Image};
+use aquafuse::waterbody::Estimate;
+use serde_json::{Value, json};
+
+use super::chance::Chance;
+use super::outputs::{self, Outputs, refuse_ambiguous};
+use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
+use super::statistics::summarise;
+use super::{Conduct, EvaluateError, Failed, Listener, Member, Message, Report};
+use crate::analysis::{DepthSource, analyse};
+use crate::memory::Budget;
+use crate::picture::{Format, Picture};
+use crate::scores::Scores;
+use crate::treatment::{Space, Treatment};
+
+/// Pictures fused with clear water, and what other tools make of them, scored before and after.
+#[derive(Clone, Debug)]
+pub struct Enhancement<E: Encoding = Encoded> {
+    /// The pictures.
+    pub pictures: Vec<Member>,
+    /// Clear water, per unit of the depth of `source`.
+    pub clear: Estimate<E>,
+    /// How to fuse.
+    pub options: Options,
+    /// How to come by depth.
+    pub source: DepthSource,
+    /// What other tools have made, in files of the pictures' stems.
+    pub outputs: Vec<Outputs>,
+    /// What resamplings are drawn by.
+    pub seed: u64,
+    /// How to run.
+    pub conduct: Conduct,
+    /// What the clear water is, for the report.
+    pub water: String,
+}
+
+/// What is called before, and our own method.
+const BEFORE: &str = "before";
+const OURS: &str = "AquaFuse enhance";
+
+const SCORES: [Score; 5] = [
+    Score { key: "uciqe", title: "UCIQE", digits: 3, shown: Shown::Mean },
+    Score { key: "uiqm", title: "UIQM", digits: 3, shown: Shown::Mean },
+    Score { key: "colour", title: "colour", digits: 3, shown: Shown::Mean },
+    Score { key: "contrast", title: "contrast", digits: 3, shown: Shown::Mean },
+    Score { key: "sharpness", title: "sharpness", digits: 3, shown: Shown::Mean },
+];
+const COUNT: Score = Score { key: "pictures", title: "pictures", digits: 0, shown: Shown::Number };
+/// What scoring takes in bytes a pixel: colours in CIELab, chroma and lightness by themselves.
+const SCORED: u64 = 48;
+
+const ABOUT: &str = "UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that are parts of the \
+    first, the sharpness that is part of the second. Higher is held to be better; all are fooled by oversaturation and \
+    noise, so look at the pictures. Brackets: where the mean lies in 95 of 100 resamplings of the pictures. The change is \
+    taken picture by picture, so that its interval tells whether it is one.";
+
+/// The scores of a picture: as it is, and by each method that made something of it.
+type Found = Vec<Option<[Option<f64>; 5]>>;
+
+impl<E: Space> Enhancement<E> {
+    /// Runs the evaluation; what failed is listed in the report.
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluateError`] when outputs of other tools cannot be told apart.
+    pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
+        if !self.outputs.is_empty() {
+            refuse_ambiguous(&self.pictures)?;
+        }
+        listener(Message::Started { total: self.pictures.len() });
+        let budget = self.conduct.reading.budget();
+        let scored = self.conduct.each(&self.pictures, |member| {
+            let (found, failed) = match self.score(member, &budget) {
+                Ok(scored) => scored,
+                Err(error) => (Vec::new(), vec![Failed::new(&member.name, &error)]),
+            };
+            failed.iter().for_each(|failed| listener(Message::Failed(failed)));
+            listener(Message::Done { name: &member.name });
+            (found, failed)
+        });
+        let (found, failed): (Vec<Found>, Vec<Vec<Failed>>) = scored.into_iter().unzip();
+        let mut failed = failed.concat();
+        failed.sort();
+        Ok(Report {
+            command: "evaluate enhancement",
+            title: "Pictures before and after".into(),
+            about: vec![ABOUT.into()],
+            settings: self.described(),
+            tables: vec![self.table(&found, None), self.table(&found, Some(0))],
+            items: self.items(&found),
+            failed,
+            gallery: Vec::new(),
+        })
+    }
+
+    fn described(&self) -> Value {
+        json!({
+            "encoding": E::NAME,
+            "model": self.options.model.name(),
+            "theta": self.options.incidence.degrees(),
+            "alpha": self.options.gain.get(),
+            "depth_model": self.source.name(),
+            "water": self.water,
+            "seed": self.seed,
+            "pictures": self.pictures.len(),
+        })
+    }
+
+    /// Before, ours, then the others.
+    fn names(&self) -> Vec<&str> {
+        [BEFORE, OURS].into_iter().chain(self.outputs.iter().map(Outputs::name)).collect()
+    }
+
+    fn score(&self, member: &Member, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
+        let opened = Picture::open(&member.path, &self.conduct.reading)?;
+        let of_others = if self.outputs.is_empty() { 0 } else { outputs::BYTES_A_PIXEL };
+        let a_pixel = E::BYTES_A_PIXEL.max(of_others).saturating_add(SCORED).saturating_add(16);
+        let beside = opened.pixels().saturating_mul(a_pixel);
+        let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
+        let picture = opened.decode()?;
+        let (mut found, mut failed) = (vec![Some(values(&picture.bytes()))], Vec::new());
+        let analysis = analyse::<E>(&picture, &self.source)?;
+        let treatment = Treatment::Fuse { reference: self.clear, options: self.options };
+        let mut pixels = picture.pixels.clone();
+        treatment.apply(&mut pixels, &analysis).expect("the depth map is this picture's");
+        found.push(Some(values(&pixels.into_bytes())));
+        for outputs in &self.outputs {
+            match outputs.read(&member.stem(), member, picture.pixels.size(), &self.conduct.reading) {
+                Ok(made) => found.push(Some(values(&made))),
+                Err(error) => {
+                    found.push(None);
+                    failed.push(Failed::new(&format!("{} by {}", member.name, outputs.name()), &error));
+                }
+            }
+        }
+        Ok((found, failed))
+    }
+
+    /// The scores of each method, or what they are more than those of method `beside`.
+    fn table(&self, found: &[Found], beside: Option<usize>) -> Table {
+        let names = self.names();
+        let rows =
+            names.iter().enumerate().filter(|(place, _)| Some(*place) != beside).map(|(place, name)| {
+                let of = |all: &Found| {
+                    let own = (*all.get(place)?)?;
+                    let other = beside.map(|beside| all.get(beside).copied().flatten());
+                    match other {
+                        None => Some(own),
+                        Some(other) => {
+                            let other = other?;
+                            let less = |c: usize| Some((*own.get(c)?)? - (*other.get(c)?)?);
+                            Some(std::array::from_fn(less))
+                        }
+                    }
+                };
+                let kept: Vec<[Option<f64>; 5]> = found.iter().filter_map(of).collect();
+                let key = [*name, if beside.is_some() { "change" } else { "scores" }];
+                let score = |c: usize| {
+                    let lists: Vec<Vec<f64>> = kept
+                        .iter()
+                        .map(|values| values.get(c).copied().flatten().into_iter().collect())
+                        .collect();
+                    summarise(&lists, Chance::keyed(self.seed, &key)).map_or(Cell::Nothing, Cell::Summary)
+                };
+                let count = Cell::Number(kept.len() as f64);
+                Row {
+                    labels: vec![(*name).to_owned()],
+                    cells: [count].into_iter().chain((0..SCORES.len()).map(score)).collect(),
+                }
+            });
+        let (name, title) = match beside {
+            None => ("scores", "Scores"),
+            Some(_) => ("change", "Change, picture by picture"),
+        };
+        Table {
+            name,
+            title: title.into(),
+            labels: vec!["method"],
+            scores: [COUNT].into_iter().chain(SCORES).collect(),
+            rows: rows.collect(),
+        }
+    }
+
+    fn items(&self, found: &[Found]) -> Items {
+        let of_picture = |(member, all): (&Member, &Found)| {
+            let row = |(name, values): (&&str, &Option<[Option<f64>; 5]>)| {
+                let labels = vec![member.name.clone(), (*name).to_owned()];
+                values.map(|values| ItemsRow { labels, values: values.to_vec() })
+            };
+            self.names().iter().zip(all).filter_map(row).collect::<Vec<_>>()
+        };
+        Items {
+            labels: vec!["picture", "method"],
+            scores: SCORES.to_vec(),
+            rows: self.pictures.iter().zip(found).flat_map(of_picture).collect(),
+        }
+    }
+}
+
+fn values(image: &Image<u8>) -> [Option<f64>; 5] {
+    let Scores { uciqe, uiqm, colour, contrast, sharpness } = Scores::of(image);
+    [Some(uciqe), uiqm, Some(colour), Some(contrast), sharpness]
+}

@@ -1,0 +1,106 @@
+//! Why a step of an evaluation, or all of it, cannot be done.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::picture::{FileError, LISTED, shown};
+
+/// An evaluation, or a step of it, cannot be done. Its message names the file, the cause and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluateError {
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A folder holds no picture.
+    #[error("{} holds no {LISTED}; name the folder in which the pictures stand", shown(folder))]
+    NoPictures {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// No content has a reference.
+    #[error(
+        "no content has a reference of another group: all {contents} contents and {references} references are of \
+         {group}. Group them another way, or name another folder"
+    )]
+    NoPairs {
+        /// Contents.
+        contents: usize,
+        /// References.
+        references: usize,
+        /// Their only group.
+        group: String,
+    },
+    /// Two contents would have outputs of one name.
+    #[error(
+        "{} and {} share their stem, so that outputs of other tools cannot be told apart; rename one of them",
+        shown(.one), shown(.other)
+    )]
+    Ambiguous {
+        /// One file.
+        one: PathBuf,
+        /// The other.
+        other: PathBuf,
+    },
+    /// An output of another tool is missing, or there are several.
+    #[error("{} holds {found} pictures named {stem}; put exactly one there", shown(folder))]
+    NoOutput {
+        /// Where was looked.
+        folder: PathBuf,
+        /// Its name without extension.
+        stem: String,
+        /// How many were found.
+        found: usize,
+    },
+    /// An output of another tool has another size than its content.
+    #[error(
+        "{} has {}x{} pixels, but {} has {}x{}; scores compare pixel by pixel, so let the tool write its full size",
+        shown(output), .found.0, .found.1, shown(content), .expected.0, .expected.1
+    )]
+    Size {
+        /// The output.
+        output: PathBuf,
+        /// Its columns and rows.
+        found: (u64, u64),
+        /// The content.
+        content: PathBuf,
+        /// Its columns and rows.
+        expected: (u64, u64),
+    },
+    /// A file is no network of LPIPS, or cannot take a picture.
+    #[error(
+        "cannot take {} for the network of LPIPS: {cause}. Write it anew with lpips/export.py of crates/aquafuse-data",
+        shown(path)
+    )]
+    NoLpips {
+        /// The file.
+        path: PathBuf,
+        /// What its reader said.
+        cause: String,
+    },
+    /// A picture is too small to be scored.
+    #[error(
+        "{} is smaller than the 11 x 11 pixels that SSIM looks at; leave it out of the folder",
+        shown(path)
+    )]
+    TooSmall {
+        /// The picture.
+        path: PathBuf,
+    },
+}
+
+/// A step that failed: which, and why.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Failed {
+    /// What it was about.
+    pub name: String,
+    /// Why it failed.
+    pub error: String,
+}
+
+impl Failed {
+    pub(crate) fn new(name: &str, error: &EvaluateError) -> Self {
+        Self { name: name.to_owned(), error: error.to_string() }
+    }
+}

@@ -1,0 +1,310 @@
+//! How much fused pictures look like their contents: the paper's Tables 1 and 3, on anybody's pictures.
+
+mod gallery;
+mod likeness;
+mod tables;
+
+use aquafuse::depth::DepthModel;
+use aquafuse::fusion::Options;
+use aquafuse::image::{Encoding, Image};
+use aquafuse::smooth::Smoothing;
+use aquafuse::waterbody::Estimate;
+
+use super::outputs::refuse_ambiguous;
+use super::{
+    Conduct, EvaluateError, Failed, Listener, Lpips, Member, Message, Outputs, Pairing, Palette, Report,
+    Rival, lpips, outputs,
+};
+use crate::analysis::{Analysis, DepthSource, analyse};
+use crate::memory::Budget;
+use crate::picture::{Format, Picture, Pixels};
+use crate::treatment::{Space, Treatment};
+use likeness::Likeness;
+
+/// Contents fused with references by one method or several, each result scored against its content.
+#[derive(Clone, Debug)]
+pub struct Fusion {
+    /// What keeps its objects.
+    pub contents: Vec<Member>,
+    /// What gives its water.
+    pub references: Vec<Member>,
+    /// Which of them meet.
+    pub pairing: Pairing,
+    /// How our own method fuses.
+    pub settings: Settings,
+    /// The methods, in the order of the tables.
+    pub methods: Vec<Method>,
+    /// The network of LPIPS, if that is to be scored too.
+    pub lpips: Option<Lpips>,
+    /// How to run.
+    pub conduct: Conduct,
+}
+
+/// Everything that decides how our own method fuses.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settings {
+    /// How depth is told from colour.
+    pub depth_model: DepthModel,
+    /// How to fuse.
+    pub options: Options,
+    /// How to smooth what comes out.
+    pub smoothing: Smoothing,
+}
+
+/// A way to make a picture of a content and a reference.
+#[derive(Clone, Debug)]
+pub enum Method {
+    /// Ours, called as given.
+    Aquafuse(String),
+    /// One that knows colours alone.
+    Rival(Rival),
+    /// What another tool has made, in files named `CONTENT__REFERENCE`.
+    Outputs(Outputs),
+}
+
+impl Method {
+    /// The name in reports.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Aquafuse(name) => name,
+            Self::Rival(rival) => rival.name(),
+            Self::Outputs(outputs) => outputs.name(),
+        }
+    }
+}
+
+/// What is kept of a reference once it is read.
+struct Reference<E: Encoding> {
+    estimate: Estimate<E>,
+    palette: Option<Palette>,
+}
+
+/// A content in work.
+struct Content<E: Encoding> {
+    picture: Picture,
+    found: Analysis<E>,
+    palette: Option<Palette>,
+}
+
+/// A result: which pair, by which method, and how alike content and result are.
+struct Scored {
+    content: usize,
+    reference: usize,
+    method: usize,
+    likeness: Likeness,
+}
+
+/// What scoring takes in bytes a pixel: two depth maps, each as levels, before the median and after, and as floats.
+const SCORED: u64 = 12;
+/// What the rivals take: the colours they give, as floats and as bytes.
+const RIVALS: u64 = 15;
+
+impl Fusion {
+    /// Runs the evaluation with waters of encoding `E`; what failed is listed in the report.
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluateError`] when no content has a reference, or outputs of other tools cannot be told apart.
+    pub fn run<E: Space>(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
+        let pairs = self.pairs()?;
+        let used = self.used(&pairs);
+        let steps = pairs.iter().map(Vec::len).fold(used.len(), usize::saturating_add);
+        listener(Message::Started { total: steps });
+        let budget = self.conduct.reading.budget();
+        let mut failed = Vec::new();
+        let mut references: Vec<Option<Reference<E>>> = self.references.iter().map(|_| None).collect();
+        let read = self.conduct.each(&used, |&place| {
+            let member = self.references.get(place)?;
+            Some(told(listener, &member.name, self.read_reference(member, &budget)))
+        });
+        for (place, result) in used.iter().zip(read.into_iter().flatten()) {
+            match (result, references.get_mut(*place)) {
+                (Ok(reference), Some(kept)) => *kept = Some(reference),
+                (Err(error), _) => failed.push(error),
+                (Ok(_), None) => {}
+            }
+        }
+        let contents: Vec<usize> = (0..self.contents.len()).collect();
+        let scored = self
+            .conduct
+            .each(&contents, |&content| self.score_all(content, &pairs, &references, &budget, listener));
+        let mut results = Vec::new();
+        for (scored, errors) in scored {
+            results.extend(scored);
+            failed.extend(errors);
+        }
+        let gallery = self.gallery(&results, &references, &budget);
+        Ok(self.report::<E>(&results, failed, gallery))
+    }
+
+    fn pairs(&self) -> Result<Vec<Vec<usize>>, EvaluateError> {
+        if self.methods.iter().any(|method| matches!(method, Method::Outputs(_))) {
+            refuse_ambiguous(&self.contents)?;
+            refuse_ambiguous(&self.references)?;
+        }
+        let pairs = self.pairing.pairs(&self.contents, &self.references);
+        if pairs.iter().all(Vec::is_empty) {
+            let group = self.contents.first().map(|member| member.group.clone()).unwrap_or_default();
+            let (contents, references) = (self.contents.len(), self.references.len());
+            return Err(EvaluateError::NoPairs { contents, references, group });
+        }
+        Ok(pairs)
+    }
+
+    /// The references that any content meets.
+    fn used(&self, pairs: &[Vec<usize>]) -> Vec<usize> {
+        let mut used = pairs.concat();
+        used.sort_unstable();
+        used.dedup();
+        used
+    }
+
+    fn has_rivals(&self) -> bool {
+        self.methods.iter().any(|method| matches!(method, Method::Rival(_)))
+    }
+
+    fn read_reference<E: Space>(
+        &self,
+        member: &Member,
+        budget: &Budget,
+    ) -> Result<Reference<E>, EvaluateError> {
+        let opened = Picture::open(&member.path, &self.conduct.reading)?;
+        let _room = budget.reserve(opened.memory_until_written(Format::Png, 0)?);
+        let picture = opened.decode()?;
+        let estimate = self.analysed(&picture)?.estimate;
+        Ok(Reference { estimate, palette: self.palette(&picture) })
+    }
+
+    fn palette(&self, picture: &Picture) -> Option<Palette> {
+        self.has_rivals().then(|| Palette::of(&picture.bytes()))
+    }
+
+    fn analysed<E: Space>(&self, picture: &Picture) -> Result<Analysis<E>, EvaluateError> {
+        Ok(analyse(picture, &DepthSource::Estimated(self.settings.depth_model))?)
+    }
+
+    /// Makes and scores everything of one content, which is read once.
+    fn score_all<E: Space>(
+        &self,
+        content: usize,
+        pairs: &[Vec<usize>],
+        references: &[Option<Reference<E>>],
+        budget: &Budget,
+        listener: Listener<'_>,
+    ) -> (Vec<Scored>, Vec<Failed>) {
+        let (mut results, mut failed) = (Vec::new(), Vec::new());
+        let (Some(member), Some(meets)) = (self.contents.get(content), pairs.get(content)) else {
+            return (results, failed);
+        };
+        if meets.is_empty() {
+            return (results, failed);
+        }
+        let opened = Picture::open(&member.path, &self.conduct.reading).map_err(EvaluateError::from);
+        let room = opened.and_then(|opened| {
+            let beside = opened.pixels().saturating_mul(self.bytes_a_pixel::<E>());
+            Ok((budget.reserve(opened.memory_until_written(Format::Png, beside)?), opened))
+        });
+        let read = room.and_then(|(room, opened)| Ok((room, self.read_content::<E>(opened.decode()?)?)));
+        let (_room, read) = match read {
+            Ok((room, read)) => (room, read),
+            Err(error) => {
+                let error = Failed::new(&member.name, &error);
+                listener(Message::Failed(&error));
+                meets.iter().for_each(|_| listener(Message::Done { name: &member.name }));
+                return (results, vec![error]);
+            }
+        };
+        for &place in meets {
+            let (Some(other), Some(Some(reference))) = (self.references.get(place), references.get(place))
+            else {
+                // It failed by itself, and was told of.
+                listener(Message::Done { name: &member.name });
+                continue;
+            };
+            let name = format!("{} in {}", member.name, other.name);
+            for (method, way) in self.methods.iter().enumerate() {
+                let made = self.make(way, member, other, &read, reference);
+                let likeness = made.and_then(|made| self.compare(member, &read.picture.bytes(), &made));
+                match likeness {
+                    Ok(likeness) => results.push(Scored { content, reference: place, method, likeness }),
+                    Err(error) => {
+                        let error = Failed::new(&format!("{name} by {}", way.name()), &error);
+                        listener(Message::Failed(&error));
+                        failed.push(error);
+                    }
+                }
+            }
+            listener(Message::Done { name: &name });
+        }
+        (results, failed)
+    }
+
+    fn read_content<E: Space>(&self, picture: Picture) -> Result<Content<E>, EvaluateError> {
+        let found = self.analysed(&picture)?;
+        let palette = self.palette(&picture);
+        Ok(Content { picture, found, palette })
+    }
+
+    fn compare(
+        &self,
+        member: &Member,
+        content: &Image<u8>,
+        made: &Image<u8>,
+    ) -> Result<Likeness, EvaluateError> {
+        let found = Likeness::of(content, made);
+        let found = found.ok_or_else(|| EvaluateError::TooSmall { path: member.path.clone() })?;
+        let lpips = self.lpips.as_ref().map(|lpips| lpips.distance(content, made)).transpose()?;
+        Ok(Likeness { lpips, ..found })
+    }
+
+    /// The picture that a method makes of a pair.
+    fn make<E: Space>(
+        &self,
+        way: &Method,
+        member: &Member,
+        other: &Member,
+        content: &Content<E>,
+        reference: &Reference<E>,
+    ) -> Result<Image<u8>, EvaluateError> {
+        Ok(match way {
+            Method::Aquafuse(_) => {
+                let treatment =
+                    Treatment::Fuse { reference: reference.estimate, options: self.settings.options };
+                let mut pixels: Pixels = content.picture.pixels.clone();
+                treatment.apply(&mut pixels, &content.found).expect("the depth map is this picture's");
+                pixels.smoothed(self.settings.smoothing).into_bytes()
+            }
+            Method::Rival(rival) => {
+                let palettes = content.palette.as_ref().zip(reference.palette.as_ref());
+                let (own, other) = palettes.expect("palettes are read where there are rivals");
+                rival.picture(&content.picture.bytes(), own, other)
+            }
+            Method::Outputs(outputs) => {
+                let stem = format!("{}__{}", member.stem(), other.stem());
+                outputs.read(&stem, member, content.picture.pixels.size(), &self.conduct.reading)?
+            }
+        })
+    }
+
+    /// Bytes a pixel that work on a content takes beside its picture.
+    fn bytes_a_pixel<E: Space>(&self) -> u64 {
+        let of_method = |method: &Method| match method {
+            // The fused picture, and what linear light takes.
+            Method::Aquafuse(_) => E::BYTES_A_PIXEL.saturating_add(16),
+            Method::Rival(_) => RIVALS,
+            Method::Outputs(_) => outputs::BYTES_A_PIXEL,
+        };
+        let network = if self.lpips.is_some() { lpips::BYTES_A_PIXEL } else { 0 };
+        self.methods.iter().map(of_method).max().unwrap_or(0).saturating_add(SCORED.max(network))
+    }
+}
+
+/// Tells of a step that ended, well or not, and gives what came of it.
+fn told<R>(listener: Listener<'_>, name: &str, result: Result<R, EvaluateError>) -> Result<R, Failed> {
+    let result = result.map_err(|error| Failed::new(name, &error));
+    if let Err(error) = &result {
+        listener(Message::Failed(error));
+    }
+    listener(Message::Done { name });
+    result
+}

@@ -1,0 +1,53 @@
+use super::*;
+use std::num::NonZeroUsize;
+
+fn run(exchanges: usize, linear: bool, threads: usize) -> Report {
+    let conduct = Conduct { threads: NonZeroUsize::new(threads), ..Conduct::default() };
+    Truth { exchanges, linear, seed: 0, conduct }.run(&|_| {})
+}
+
+fn mean(report: &Report, way: &str, method: &str, key: &str) -> f64 {
+    let table = &report.tables[0];
+    let place = table.scores.iter().position(|score| score.key == key).unwrap();
+    let row = table.rows.iter().find(|row| row.labels == [way, method]).unwrap();
+    match row.cells[place] {
+        Cell::Summary(summary) => summary.mean,
+        Cell::Number(number) => number,
+        Cell::Nothing => panic!("{way}, {method} has no {key}"),
+    }
+}
+
+#[test]
+fn the_truth_makes_the_whole_change_and_what_it_makes_of_the_other_truth_is_not_more() {
+    for linear in [false, true] {
+        let report = run(4, linear, 2);
+        for (truth, key, rmse) in [("A", "share_a", "rmse_a"), ("B", "share_b", "rmse_b")] {
+            assert_eq!(mean(&report, "the truth itself", truth, key), 1.0);
+            assert_eq!(mean(&report, "the truth itself", truth, rmse), 0.0);
+        }
+        assert!(mean(&report, "the truth itself", "A", "share_b") < 1.0);
+    }
+}
+
+#[test]
+fn with_everything_given_the_models_are_near_their_truths() {
+    let report = run(6, false, 2);
+    let ceiling = "everything given: the ceiling";
+    assert!(mean(&report, ceiling, "`physical`", "share_a") > 0.9);
+    // Truth B needs the fading as well, which only one model exchanges.
+    assert!(
+        mean(&report, ceiling, "`exchange`", "share_b") > mean(&report, ceiling, "`physical`", "share_b")
+    );
+    // The paper's model is subtle: it keeps most structure and makes least of the change.
+    let subtle = mean(&report, ceiling, "`aquafuse`", "share_a");
+    assert!(subtle < mean(&report, ceiling, "`physical`", "share_a"));
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte_of_any_format() {
+    let (alone, together) = (run(3, false, 1), run(3, false, 4));
+    for format in [super::super::report::markdown, super::super::report::json, super::super::report::html] {
+        assert_eq!(format(&alone), format(&together));
+    }
+    assert_eq!(alone.items.rows, together.items.rows);
+}

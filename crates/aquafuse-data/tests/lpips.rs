@@ -1,0 +1,188 @@
+//! LPIPS by a network that the test makes itself: one layer, small enough to be reckoned by hand.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
+use aquafuse::image::Image;
+use aquafuse_data::evaluate::Lpips;
+
+/// Features of the one layer.
+const FEATURES: usize = 4;
+
+/// A field of a protocol buffer that holds bytes.
+fn field(number: u8, bytes: &[u8]) -> Vec<u8> {
+    [&varint(u64::from(number) << 3 | 2), &varint(bytes.len() as u64), bytes].concat()
+}
+
+/// One that holds a whole number.
+fn number(field: u8, value: u64) -> Vec<u8> {
+    [varint(u64::from(field) << 3), varint(value)].concat()
+}
+
+fn varint(mut value: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    while value >= 128 {
+        bytes.push(value as u8 | 128);
+        value >>= 7;
+    }
+    bytes.push(value as u8);
+    bytes
+}
+
+fn node(operator: &str, inputs: &[&str], output: &str, attributes: &[Vec<u8>]) -> Vec<u8> {
+    let inputs = inputs.iter().map(|name| field(1, name.as_bytes()));
+    // Operators and what they give may not share a name.
+    let name = format!("make {output}");
+    let named = [field(2, output.as_bytes()), field(3, name.as_bytes()), field(4, operator.as_bytes())];
+    let attributes = attributes.iter().map(|attribute| field(5, attribute));
+    field(1, &inputs.chain(named).chain(attributes).collect::<Vec<_>>().concat())
+}
+
+/// An attribute of whole numbers (type 7), or of one (type 2).
+fn whole_numbers(name: &str, values: &[u64]) -> Vec<u8> {
+    let values = values.iter().flat_map(|value| number(8, *value)).collect();
+    [field(1, name.as_bytes()), values, number(20, 7)].concat()
+}
+
+fn whole_number(name: &str, value: u64) -> Vec<u8> {
+    [field(1, name.as_bytes()), number(3, value), number(20, 2)].concat()
+}
+
+/// Weights: floats, or the axes that an operator sums over.
+fn floats(name: &str, shape: &[u64], values: &[f32]) -> Vec<u8> {
+    let shape = shape.iter().flat_map(|side| number(1, *side)).collect();
+    let raw: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    field(5, &[shape, number(2, 1), field(8, name.as_bytes()), field(9, &raw)].concat())
+}
+
+fn axes(name: &str, values: &[i64]) -> Vec<u8> {
+    let raw: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let shape = number(1, values.len() as u64);
+    field(5, &[shape, number(2, 7), field(8, name.as_bytes()), field(9, &raw)].concat())
+}
+
+fn picture_value(field_number: u8, name: &str) -> Vec<u8> {
+    let free = |name: &str| field(1, &field(2, name.as_bytes()));
+    let fixed = |side: u64| field(1, &number(1, side));
+    let shape = [fixed(1), fixed(3), free("height"), free("width")].concat();
+    let tensor = field(1, &[number(1, 1), field(2, &shape)].concat());
+    field(field_number, &[field(1, name.as_bytes()), field(2, &tensor)].concat())
+}
+
+/// Weights of the 3 x 3 convolution and of the features.
+fn weights() -> (Vec<f32>, Vec<f32>) {
+    let kernel = (0..FEATURES * 27).map(|i| ((i * 37 + 11) % 23) as f32 / 23.0 - 0.5).collect();
+    (kernel, vec![0.5, 0.25, 1.0, 0.125])
+}
+
+/// LPIPS with one layer: features, scaled to length 1 at each place; their squared differences, weighed and averaged.
+fn network() -> Vec<u8> {
+    let (kernel, weighed) = weights();
+    // A convolution at every pixel, all of it said, as exporters do.
+    let dense = |pad: u64| {
+        let sides = ["strides", "dilations"].map(|name| whole_numbers(name, &[1, 1]));
+        [sides.to_vec(), vec![whole_numbers("pads", &[pad; 4])]].concat()
+    };
+    let mut graph = Vec::new();
+    for side in ["a", "b"] {
+        let named = |of: &str| format!("{side}_{of}");
+        graph.push(node("Conv", &[side, "kernel"], &named("conv"), &dense(1)));
+        graph.push(node("Relu", &[&named("conv")], &named("features"), &[]));
+        graph.push(node("Mul", &[&named("features"), &named("features")], &named("squares"), &[]));
+        let keep = || whole_number("keepdims", 1);
+        graph.push(node("ReduceSum", &[&named("squares"), "channel"], &named("sum"), &[keep()]));
+        graph.push(node("Sqrt", &[&named("sum")], &named("length"), &[]));
+        graph.push(node("Add", &[&named("length"), "little"], &named("divisor"), &[]));
+        graph.push(node("Div", &[&named("features"), &named("divisor")], &named("unit"), &[]));
+    }
+    graph.push(node("Sub", &["a_unit", "b_unit"], "difference", &[]));
+    graph.push(node("Mul", &["difference", "difference"], "squared", &[]));
+    graph.push(node("Conv", &["squared", "weighed"], "map", &dense(0)));
+    let over = [whole_numbers("axes", &[2, 3]), whole_number("keepdims", 1)];
+    graph.push(node("ReduceMean", &["map"], "distance", &over));
+    graph.push(field(2, b"lpips"));
+    graph.push(floats("kernel", &[FEATURES as u64, 3, 3, 3], &kernel));
+    graph.push(floats("weighed", &[1, FEATURES as u64, 1, 1], &weighed));
+    graph.push(floats("little", &[1], &[1e-10]));
+    graph.push(axes("channel", &[1]));
+    graph.push(picture_value(11, "a"));
+    graph.push(picture_value(11, "b"));
+    graph.push(field(12, &field(1, b"distance")));
+    let version = field(8, &number(2, 17));
+    [number(1, 8), field(7, &graph.concat()), version].concat()
+}
+
+/// The same by hand.
+fn expected(a: &Image<u8>, b: &Image<u8>) -> f64 {
+    let (kernel, weighed) = weights();
+    let (width, height) = a.size();
+    let features = |image: &Image<u8>, x: usize, y: usize| -> Vec<f64> {
+        let mut found = vec![0.0; FEATURES];
+        for (f, sum) in found.iter_mut().enumerate() {
+            for (c, (dy, dx)) in (0..3).flat_map(|c| (0..9).map(move |k| (c, (k / 3, k % 3)))) {
+                let (px, py) = ((x + dx).wrapping_sub(1), (y + dy).wrapping_sub(1));
+                if px < width && py < height {
+                    let value = f64::from(image.pixels()[py * width + px][c]) / 127.5 - 1.0;
+                    *sum += value * f64::from(kernel[((f * 3 + c) * 3 + dy) * 3 + dx]);
+                }
+            }
+            *sum = sum.max(0.0);
+        }
+        let length = found.iter().map(|value| value * value).sum::<f64>().sqrt() + 1e-10;
+        found.iter().map(|value| value / length).collect()
+    };
+    let at = |x: usize, y: usize| -> f64 {
+        let (a, b) = (features(a, x, y), features(b, x, y));
+        (0..FEATURES).map(|f| f64::from(weighed[f]) * (a[f] - b[f]).powi(2)).sum()
+    };
+    let sum: f64 = (0..height).flat_map(|y| (0..width).map(move |x| at(x, y))).sum();
+    sum / (width * height) as f64
+}
+
+fn picture(width: usize, height: usize, step: usize) -> Image<u8> {
+    let bytes = (0..3 * width * height).map(|i| (i * step % 251) as u8).collect();
+    Image::from_raw(width, height, bytes).unwrap()
+}
+
+fn read(bytes: &[u8]) -> Result<Lpips, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("network.onnx");
+    std::fs::write(&path, bytes).unwrap();
+    Lpips::read(&path).map_err(|error| error.to_string())
+}
+
+#[test]
+fn the_distance_is_that_of_the_publications_formula() {
+    let lpips = read(&network()).unwrap();
+    // Any size; not square, so that rows and columns cannot be taken for each other.
+    for (width, height) in [(17, 9), (24, 31)] {
+        let (a, b) = (picture(width, height, 37), picture(width, height, 101));
+        let (found, expected) = (lpips.distance(&a, &b).unwrap(), expected(&a, &b));
+        assert!(expected > 0.01 && (found - expected).abs() < 1e-5 * expected, "{found} for {expected}");
+        assert_eq!(lpips.distance(&a, &a).unwrap(), 0.0);
+        assert_eq!(lpips.distance(&b, &a).unwrap(), found);
+    }
+}
+
+#[test]
+fn what_is_no_network_is_refused_by_cause() {
+    let whole = network();
+    for bytes in [&b"no network"[..], &whole[..whole.len() / 2], &[0x0a, 0xff, 0xff, 0xff, 0xff, 0x7f]] {
+        let refused = read(bytes).unwrap_err();
+        assert!(refused.contains("network.onnx") && refused.contains("export.py"), "{refused}");
+    }
+}
+
+#[test]
+fn with_weights_that_were_published_a_shade_is_nearer_than_flat_grey() {
+    let Some(path) = std::env::var_os("AQUAFUSE_LPIPS_WEIGHTS") else {
+        println!("skipped: AQUAFUSE_LPIPS_WEIGHTS names no network written by lpips/export.py");
+        return;
+    };
+    let lpips = Lpips::read(path.as_ref()).unwrap();
+    let sharp = picture(96, 96, 37);
+    let shaded: Vec<u8> = sharp.as_raw().iter().map(|value| value.saturating_add(6)).collect();
+    let shaded = Image::from_raw(96, 96, shaded).unwrap();
+    let grey = Image::from_raw(96, 96, vec![125; 3 * 96 * 96]).unwrap();
+    let near = lpips.distance(&sharp, &shaded).unwrap();
+    assert!(near > 0.0 && near < lpips.distance(&sharp, &grey).unwrap());
+}

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 
 use crate::results;
 use crate::setup::Tools;
-use crate::shell::{cargo, command, output, root, run as call, say};
+use crate::shell::{cargo, command, output, root, run as call, say, target};
 
 /// The sizes of the paper.
 const SIZES: [(usize, usize); 4] = [(256, 256), (512, 512), (1024, 1024), (1920, 1080)];
@@ -89,7 +89,7 @@ fn frames(width: usize, height: usize) -> String {
 fn time_frames(folder: &Path, frames: &str, threads: usize) -> Result<String> {
     let [content, reference] = ["blue.ppm", "green.ppm"].map(|name| folder.join(name));
     let [content, reference] = [&content, &reference].map(|path| path.to_string_lossy());
-    let own = root().join("target/release/examples/time_frames");
+    let own = target().join("release/examples/time_frames");
     let mut own = command(own, &[&content, &reference, frames]);
     own.env("RAYON_NUM_THREADS", threads.to_string());
     output(own)
@@ -99,7 +99,7 @@ fn time_frames(folder: &Path, frames: &str, threads: usize) -> Result<String> {
 fn pictures(width: usize, height: usize) -> Result<PathBuf> {
     let folder = root().join(format!("target/bench/{width}x{height}"));
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let program = root().join("target/release/examples/scene");
+    let program = target().join("release/examples/scene");
     let size = [width.to_string(), height.to_string()];
     call(command(program, &["1", &size[0], &size[1], &folder.to_string_lossy()]))?;
     Ok(folder)

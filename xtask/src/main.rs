@@ -5,6 +5,7 @@ mod bench;
 mod checks;
 mod corpus;
 mod hostile;
+mod instructions;
 mod memory;
 mod results;
 mod runner;
@@ -28,6 +29,7 @@ cargo xtask COMMAND
   memory     [PICTURES] what a run over 1,000 pictures of 24 megapixels holds, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
+  instructions  of each kernel, counted by valgrind, into benches/instructions.tsv
   bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
@@ -54,6 +56,7 @@ fn main() -> ExitCode {
         ["soak", minutes] if minutes.parse::<u64>().is_ok() => {
             soak::run_for(minutes.parse().unwrap_or(soak::DEFAULT_MINUTES))
         }
+        ["instructions"] => instructions::renew(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");

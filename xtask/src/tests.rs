@@ -19,6 +19,7 @@ pub(crate) fn run() -> Result<()> {
     total.add(test(&tools, &["--package", "aquafuse", "--no-default-features", "--lib", "--tests"])?);
     say("All tests");
     total.add(test(&tools, &["--workspace", "--all-features", "--lib", "--bins", "--tests", "--examples"])?);
+    total.add(guarded("64-bit Arm", crate::arm64::run_if_possible()?));
     total.add(guarded("instructions", crate::instructions::guard()?));
 
     println!("\n{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);

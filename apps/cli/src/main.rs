@@ -1,5 +1,6 @@
 //! The `aquafuse` command: moves the waterbody of one underwater picture into another.
 
+mod bench;
 mod common;
 mod crossover;
 mod demo;
@@ -52,6 +53,7 @@ enum Command {
     Water(water::Water),
     Fit(fit::Fit),
     Simulate(simulate::Simulate),
+    Bench(bench::Bench),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -111,6 +113,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Water(water) => water.run(common),
         Command::Fit(fit) => fit.run(common.quiet),
         Command::Simulate(simulate) => simulate.run(common),
+        Command::Bench(bench) => bench.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }

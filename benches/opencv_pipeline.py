@@ -372,7 +372,10 @@ def time_frames(content, reference, frames):
         levels, veil, beta, _ = estimate(content)
         return fuse(content, levels, veil, beta, veil2, "aquafuse")
 
-    for name, run in (("cached", cached), ("estimated", both_estimated)):
+    def smoothed():
+        return cv2.bilateralFilter(cached(), 5, 75, 75)
+
+    for name, run in (("cached", cached), ("estimated", both_estimated), ("smoothed", smoothed)):
         run()
         spent = []
         for _ in range(frames):

@@ -1,139 +1,155 @@
-//! `cargo xtask bench`: a whole frame, ours and OpenCV's, in one run on one thread.
+//! `cargo xtask bench`: whole frames, ours and others', in one run, into `BENCHMARKS.md`.
 
-use std::collections::BTreeMap;
+mod footprint;
+mod ours;
+mod published;
+mod rivals;
+mod turns;
+
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
-use crate::results;
+use crate::results::write_section;
 use crate::setup::Tools;
-use crate::shell::{cargo, command, output, root, run as call, say};
+use crate::shell::{cargo, command, output, run as call, say};
+use published::Published;
+use rivals::{OTHERS, Rivals, pictures};
+use turns::{TURNS, Turns};
+
+const PAGE: &str = "BENCHMARKS.md";
+
+/// Width and height.
+type Size = (usize, usize);
 
 /// The sizes of the paper.
-const SIZES: [(usize, usize); 4] = [(256, 256), (512, 512), (1024, 1024), (1920, 1080)];
-/// Ours and theirs take turns this often; each turn's median counts once.
-const TURNS: usize = 5;
+const SIZES: [Size; 4] = [(256, 256), (512, 512), (1024, 1024), FULL_HD];
+const FULL_HD: Size = (1920, 1080);
 /// Beyond the paper's, by ourselves: UHD and 8K.
-const LARGE: [(usize, usize); 2] = [(3840, 2160), (7680, 4320)];
-const CASES: [(&str, &str); 2] = [("cached", "reference cached"), ("estimated", "both estimated")];
-
-/// Milliseconds a frame, one entry a turn, by case.
-type Turns = BTreeMap<String, Vec<f64>>;
+const LARGE: [Size; 2] = [(3840, 2160), (7680, 4320)];
+const CASES: [(&str, &str, &str); 3] = [
+    ("cached", "reference cached", "none"),
+    ("estimated", "both estimated", "none"),
+    ("smoothed", "reference cached", "bilateral"),
+];
+const STAGES: [&str; 4] = ["depth", "waterbody", "fusion", "bilateral"];
 
 pub(crate) fn run(tools: &Tools) -> Result<()> {
     say("Building");
-    call(cargo(&["build", "--release", "--package", "aquafuse", "--examples", "--locked"]))?;
-    let (mut rows, mut restorations, mut scaling) = (String::new(), String::new(), String::new());
-    for (width, height) in SIZES {
+    call(cargo(&["build", "--release", "--locked", "--package", "aquafuse-cli"]))?;
+    call(cargo(&["build", "--release", "--locked", "--package", "aquafuse", "--example", "scene"]))?;
+    let rivals = Rivals::set_up(tools)?;
+    frames(tools, &rivals)?;
+    others(&rivals)?;
+    scaling()?;
+    footprint::write(PAGE)?;
+    crate::arm64::write_instructions(PAGE, &pictures((256, 256))?, &published()?)
+}
+
+/// The pipeline against the same in OpenCV, its stages, and `restore`.
+fn frames(tools: &Tools, rivals: &Rivals) -> Result<()> {
+    let published = Published::read()?;
+    let (mut rows, mut stages, mut restored) = (String::new(), String::new(), String::new());
+    let mut machine = None;
+    for size @ (width, height) in SIZES {
         say(&format!("{width} x {height}"));
-        let folder = pictures(width, height)?;
-        let (mut ours, mut theirs) = (Turns::new(), Turns::new());
-        let [content, reference] = ["blue.ppm", "green.ppm"].map(|name| folder.join(name));
-        let [content, reference] = [&content, &reference].map(|path| path.to_string_lossy());
-        let frames = frames(width, height);
+        let (pictures, frames) = (pictures(size)?, frames_of(size));
+        let (mut ours, mut theirs) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
-            read(&mut ours, &time_frames(&folder, &frames, 1)?);
-            let script = ["benches/opencv_pipeline.py", "time", &content, &reference, "--frames", &frames];
-            read(&mut theirs, &output(command(&tools.python, &script))?);
+            machine = Some(ours::turn(&mut ours, size, 1, &frames)?);
+            rivals.pipeline(&mut theirs, &pictures, &frames)?;
         }
-        let restored = median(&ours, "restored");
-        writeln!(restorations, "| {width} x {height} | {restored:.2} | {:.1} |", 1e3 / restored)?;
-        for (case, name) in CASES {
-            let (our, their) = (median(&ours, case), median(&theirs, case));
-            let ratios = ours[case].iter().zip(&theirs[case]).map(|(our, their)| their / our).collect();
-            let ratio = middle(ratios);
-            let row = format!("| {width} x {height} | {name} | {our:.2} | {their:.2} | {ratio:.1} |");
+        for (case, reference, smoothing) in CASES {
+            let (our, their) = (ours.median(case), theirs.median(case));
+            let times = theirs.times(case, (&ours, case));
+            let said = published.fps(size).filter(|_| case == "estimated");
+            let said = said.map_or(String::new(), |fps| format!("{fps:.1}"));
+            let fps = 1e3 / our;
+            let row = format!(
+                "| {width} x {height} | {reference} | {smoothing} | {our:.2} | {their:.1} | {times:.1} | {fps:.0} | {said} |"
+            );
             println!("{row}");
             writeln!(rows, "{row}")?;
         }
+        let [depth, water, fusion, bilateral] = STAGES.map(|stage| ours.median(stage));
+        writeln!(stages, "| {width} x {height} | {depth:.2} | {water:.2} | {fusion:.2} | {bilateral:.2} |")?;
+        let milliseconds = ours.median("restored");
+        writeln!(restored, "| {width} x {height} | {milliseconds:.2} | {:.1} |", 1e3 / milliseconds)?;
     }
-    for (width, height) in SIZES.into_iter().chain(LARGE) {
-        say(&format!("{width} x {height} on two threads"));
-        let row = scaled(width, height)?;
-        println!("{row}");
-        writeln!(scaling, "{row}")?;
+    if let Some(machine) = machine {
+        write_section(PAGE, "machine", &about(tools, &machine)?)?;
     }
-    results::write_section(results::RESULTS, "speed", &section(tools, &rows)?)?;
-    let scaling = format!(
-        "Reference cached; as above, one and two threads in turn.\n\n\
-         | size | one thread, ms | ns a pixel | two threads, times as fast |\n|---|---|---|---|\n{scaling}"
-    );
-    results::write_section(results::RESULTS, "scaling", &scaling)?;
-    let restored =
-        format!("| size | `restore`, ms a frame | frames a second |\n|---|---|---|\n{restorations}");
-    results::write_section(results::RESULTS, "restored", &restored)
+    let head = "| size | reference | smoothing | ours, ms | OpenCV, ms | times as fast | ours, frames/s | \
+                published, other machine, frames/s |\n|---|---|---|---|---|---|---|---|\n";
+    write_section(PAGE, "speed", &format!("{head}{rows}"))?;
+    let head = "| size | depth, ms | waterbody, ms | fusion, ms | bilateral, ms |\n|---|---|---|---|---|\n";
+    write_section(PAGE, "stages", &format!("{head}{stages}"))?;
+    let head = "| size | `restore`, ms a frame | frames/s |\n|---|---|---|\n";
+    write_section(PAGE, "restored", &format!("{head}{restored}"))
+}
+
+/// What others do to a picture, at the largest size of the paper.
+fn others(rivals: &Rivals) -> Result<()> {
+    say("Other programs");
+    let (pictures, frames) = (pictures(FULL_HD)?, frames_of(FULL_HD));
+    let (mut ours, mut theirs) = (Turns::default(), Turns::default());
+    for _ in 0..TURNS {
+        ours::turn(&mut ours, FULL_HD, 1, &frames)?;
+        rivals.others(&mut theirs, &pictures)?;
+    }
+    let mut table =
+        String::from("| program | ms | beside ours | ms | times as fast |\n|---|---|---|---|---|\n");
+    for (case, name, beside) in OTHERS {
+        let beside_name =
+            if beside == "depth" { "depth from colour with its 7x7 median" } else { "a whole frame, cached" };
+        let (their, our, times) =
+            (theirs.median(case), ours.median(beside), theirs.times(case, (&ours, beside)));
+        writeln!(table, "| {name} | {their:.1} | {beside_name} | {our:.2} | {times:.1} |")?;
+    }
+    println!("{table}");
+    write_section(PAGE, "others", &table)
 }
 
 /// One thread and two, in turn.
-fn scaled(width: usize, height: usize) -> Result<String> {
-    let folder = pictures(width, height)?;
-    let (mut alone, mut together) = (Turns::new(), Turns::new());
-    for _ in 0..TURNS {
-        read(&mut alone, &time_frames(&folder, &frames(width, height), 1)?);
-        read(&mut together, &time_frames(&folder, &frames(width, height), 2)?);
+fn scaling() -> Result<()> {
+    let mut table = String::from(
+        "| size | one thread, ms | ns a pixel | two threads, times as fast |\n|---|---|---|---|\n",
+    );
+    for size @ (width, height) in SIZES.into_iter().chain(LARGE) {
+        say(&format!("{width} x {height} on two threads"));
+        let (mut alone, mut together) = (Turns::default(), Turns::default());
+        for _ in 0..TURNS {
+            ours::turn(&mut alone, size, 1, &frames_of(size))?;
+            ours::turn(&mut together, size, 2, &frames_of(size))?;
+        }
+        let milliseconds = alone.median("cached");
+        let a_pixel = 1e6 * milliseconds / (width * height) as f64;
+        let times = alone.times("cached", (&together, "cached"));
+        writeln!(table, "| {width} x {height} | {milliseconds:.2} | {a_pixel:.2} | {times:.2} |")?;
     }
-    let case = CASES[0].0;
-    let gains = alone[case].iter().zip(&together[case]).map(|(one, two)| one / two).collect();
-    let milliseconds = median(&alone, case);
-    let a_pixel = 1e6 * milliseconds / (width * height) as f64;
-    Ok(format!("| {width} x {height} | {milliseconds:.2} | {a_pixel:.2} | {:.2} |", middle(gains)))
+    println!("{table}");
+    write_section(PAGE, "scaling", &table)
+}
+
+fn published() -> Result<String> {
+    let published = Published::read()?.raspberry_pi_4;
+    Ok(format!("{} frames/s at {}", published.fps, published.size))
 }
 
 /// Enough frames for a median, few enough to wait for.
-fn frames(width: usize, height: usize) -> String {
-    (24_000_000 / (width * height)).clamp(7, 60).to_string()
+fn frames_of((width, height): Size) -> String {
+    (24_000_000 / (width * height)).clamp(5, 60).to_string()
 }
 
-/// What our frames take on so many threads, as printed.
-fn time_frames(folder: &Path, frames: &str, threads: usize) -> Result<String> {
-    let [content, reference] = ["blue.ppm", "green.ppm"].map(|name| folder.join(name));
-    let [content, reference] = [&content, &reference].map(|path| path.to_string_lossy());
-    let own = root().join("target/release/examples/time_frames");
-    let mut own = command(own, &[&content, &reference, frames]);
-    own.env("RAYON_NUM_THREADS", threads.to_string());
-    output(own)
-}
-
-/// The truth scene of seed 1 through its waters; made anew, for the scene's code may have changed.
-fn pictures(width: usize, height: usize) -> Result<PathBuf> {
-    let folder = root().join(format!("target/bench/{width}x{height}"));
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let program = root().join("target/release/examples/scene");
-    let size = [width.to_string(), height.to_string()];
-    call(command(program, &["1", &size[0], &size[1], &folder.to_string_lossy()]))?;
-    Ok(folder)
-}
-
-fn read(turns: &mut Turns, printed: &str) {
-    for line in printed.lines() {
-        if let Some((name, Ok(milliseconds))) = line.split_once(' ').map(|(n, m)| (n, m.parse())) {
-            turns.entry(name.to_owned()).or_default().push(milliseconds);
-        }
-    }
-}
-
-fn median(turns: &Turns, case: &str) -> f64 {
-    turns.get(case).cloned().map_or(f64::NAN, middle)
-}
-
-fn middle(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-fn section(tools: &Tools, rows: &str) -> Result<String> {
-    let processor = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let processor = processor.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or("unknown");
+fn about(tools: &Tools, machine: &ours::Machine) -> Result<String> {
     let versions = "import cv2, numpy; print('OpenCV', cv2.__version__, 'and NumPy', numpy.__version__)";
     let theirs = output(command(&tools.python, &["-c", versions]))?;
     let rust = output(command("rustc", &["--version"]))?;
+    let ours::Machine { processor, cores, vectors, aquafuse } = machine;
     Ok(format!(
-        "Milliseconds a frame on one thread: median of {TURNS} turns in which the two alternate; how many times\n\
-         as fast we are is the median of the turns' ratios. Model `aquafuse`, no smoothing. {}, {} on {}.\n\n\
-         | size | reference | ours, ms | OpenCV, ms | times as fast |\n|---|---|---|---|---|\n{rows}",
-        theirs.trim(),
+        "aquafuse {aquafuse} ({vectors}), {}, {}; {processor}, {cores} cores. Others: `benches/requirements.txt` and \
+         `benches/medians/Cargo.lock`.\n",
         rust.split(" (").next().unwrap_or("rustc"),
-        processor.trim_start_matches([' ', '\t', ':'])
+        theirs.trim(),
     ))
 }

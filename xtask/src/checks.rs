@@ -18,7 +18,7 @@ pub(crate) fn run(tools: &Tools) -> Result<()> {
     call(cargo(&[&everything[..], &strict].concat()))?;
 
     say("Each feature of the core alone");
-    for features in [&[][..], &["--features", "threads"], &["--features", "serde"]] {
+    for features in [&[][..], &["--features", "simd"], &["--features", "threads"], &["--features", "serde"]] {
         let core = ["clippy", "--package", "aquafuse", "--all-targets", "--locked", "--no-default-features"];
         call(cargo(&[&core[..], features, &strict].concat()))?;
     }

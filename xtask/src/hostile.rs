@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 
 use crate::results::{RESULTS, write_section};
 use crate::runner::{End, Limits, Outcome, Runner};
-use crate::shell::{cargo, command, root, run as call, say};
+use crate::shell::{cargo, command, root, run as call, say, target};
 use files::{Role, Trial};
 use tally::{FAULTS, Tally};
 
@@ -32,7 +32,7 @@ pub(crate) fn run() -> Result<()> {
         fs::remove_dir_all(&folder).with_context(|| format!("cannot empty {}", folder.display()))?;
     }
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let built = root().join("target/release");
+    let built = target().join("release");
     call(command(built.join("examples/hostile_files"), &[&folder.to_string_lossy()]))?;
     let stage = Stage {
         ours: built.join("aquafuse"),

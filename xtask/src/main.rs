@@ -1,10 +1,12 @@
-//! The project's habits, one command each: `cargo xtask check | test | truth | readings | depth | published | hostile |
-//! memory | multiply | corpus | soak | bench`.
+//! The project's habits, one command each: `cargo xtask check | test | test-arm64 | truth | readings | depth | published |
+//! hostile | memory | multiply | corpus | soak | instructions | bench`.
 
+mod arm64;
 mod bench;
 mod checks;
 mod corpus;
 mod hostile;
+mod instructions;
 mod memory;
 mod multiply;
 mod results;
@@ -21,6 +23,7 @@ cargo xtask COMMAND
 
   check      format, spelling, lints, documentation, licences: what a reviewer would say first
   test       sets up what is missing, then `check` and every test: what CI runs
+  test-arm64 the core's tests on 64-bit Arm, under an emulator that is set up if need be
   truth      how much of the true change is made on scenes of known truth, into docs/results.md
   readings   what each way to read the paper does to the scores, into docs/method.md
   depth      how well depth from colour agrees with measured depth, into docs/results.md
@@ -30,7 +33,9 @@ cargo xtask COMMAND
   multiply   [PICTURES] a data set of 10,000 small pictures multiplied, and killed 50 times, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
-  bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
+  instructions
+             of each kernel, counted by valgrind, into benches/instructions.tsv
+  bench      whole frames against the same in OpenCV, and others, into BENCHMARKS.md
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
 Tools are kept in AQUAFUSE_CACHE (default ~/.cache/aquafuse), Python packages under target/.
@@ -60,6 +65,8 @@ fn main() -> ExitCode {
         ["soak", minutes] if minutes.parse::<u64>().is_ok() => {
             soak::run_for(minutes.parse().unwrap_or(soak::DEFAULT_MINUTES))
         }
+        ["test-arm64"] => arm64::run(),
+        ["instructions"] => instructions::renew(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::results::{RESULTS, write_section};
 use crate::runner::{End, Limits, Outcome, Runner};
-use crate::shell::{cargo, root, run, say};
+use crate::shell::{cargo, root, run, say, target};
 
 pub(crate) const PICTURES: usize = 1000;
 /// Different ones; the rest are further names of these.
@@ -21,7 +21,7 @@ pub(crate) fn run_with(pictures: usize) -> Result<()> {
     run(cargo(&["build", "--release", "--quiet", "--package", "aquafuse-cli"]))?;
     let folder = root().join("target/memory");
     let photos = photos(&folder, pictures)?;
-    let program = root().join("target/release/aquafuse");
+    let program = target().join("release/aquafuse");
     let mut runner = Runner::new(LIMITS)?;
     let mut table = String::from(
         "| pictures of 24 megapixels | threads | budget | peak memory, MiB | seconds a picture |\n|---|---|---|---|---|\n",

@@ -34,7 +34,7 @@ const CARGO_DENY: &str = "0.20.2";
 
 pub(crate) fn set_up() -> Result<Tools> {
     system_packages()?;
-    let environment = python_environment()?;
+    let environment = python_environment("python", "xtask/requirements.txt")?;
     Ok(Tools {
         python: environment.join("bin/python"),
         typos: environment.join("bin/typos"),
@@ -56,19 +56,24 @@ fn system_packages() -> Result<()> {
     run(command(install[0], &install[1..]))
 }
 
-fn python_environment() -> Result<PathBuf> {
-    let environment = root().join("target/python");
-    let wanted = std::fs::read_to_string(root().join("xtask/requirements.txt"))
-        .context("cannot read xtask/requirements.txt")?;
+/// Python with the rivals of `cargo xtask bench`.
+pub(crate) fn rivals_python() -> Result<PathBuf> {
+    Ok(python_environment("python-rivals", "benches/requirements.txt")?.join("bin/python"))
+}
+
+/// An environment under `target/` with the packages of a list.
+fn python_environment(name: &str, list: &str) -> Result<PathBuf> {
+    let environment = root().join("target").join(name);
+    let wanted = std::fs::read_to_string(root().join(list)).with_context(|| format!("cannot read {list}"))?;
     let stamp = environment.join("requirements.txt");
     if std::fs::read_to_string(&stamp).is_ok_and(|made_for| made_for == wanted) {
         return Ok(environment);
     }
-    say("Making a Python environment in target/python");
-    run(command("python3", &["-m", "venv", "--clear", "target/python"]))?;
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    let packages = ["-r", "xtask/requirements.txt"];
-    run(command(environment.join("bin/python"), &[&pip[..], &packages].concat()))?;
+    let place = format!("target/{name}");
+    say(&format!("Making a Python environment in {place}"));
+    run(command("python3", &["-m", "venv", "--clear", &place]))?;
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", list];
+    run(command(environment.join("bin/python"), &pip))?;
     // Written last: an environment without it is not finished.
     std::fs::write(&stamp, wanted).with_context(|| format!("cannot write {}", stamp.display()))?;
     Ok(environment)
@@ -87,7 +92,7 @@ fn cargo_deny() -> Result<PathBuf> {
 }
 
 /// Outside the checkout, so that the next checkout finds them; inside, where there is no home.
-fn tool_folder() -> PathBuf {
+pub(crate) fn tool_folder() -> PathBuf {
     let cache = std::env::var_os("AQUAFUSE_CACHE").map(PathBuf::from);
     let home = || std::env::var_os("HOME").map(|home| Path::new(&home).join(".cache/aquafuse"));
     cache.or_else(home).unwrap_or_else(|| root().join("target/tools"))

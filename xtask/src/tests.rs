@@ -19,12 +19,25 @@ pub(crate) fn run() -> Result<()> {
     total.add(test(&tools, &["--package", "aquafuse", "--no-default-features", "--lib", "--tests"])?);
     say("All tests");
     total.add(test(&tools, &["--workspace", "--all-features", "--lib", "--bins", "--tests", "--examples"])?);
+    total.add(guarded("64-bit Arm", crate::arm64::run_if_possible()?));
+    total.add(guarded("instructions", crate::instructions::guard()?));
 
     println!("\n{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);
     match total {
         Tally { broken: true, .. } => bail!("tests failed; they are listed above"),
         Tally { passed: 0, .. } => bail!("no test ran"),
         _ => Ok(()),
+    }
+}
+
+/// A check beside cargo's tests, which passed or was skipped.
+fn guarded(name: &str, skipped: Option<String>) -> Tally {
+    match skipped {
+        Some(why) => {
+            println!("skipped: {name}: {why}");
+            Tally { skipped: 1, ..Tally::default() }
+        }
+        None => Tally { passed: 1, ..Tally::default() },
     }
 }
 

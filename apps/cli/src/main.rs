@@ -1,6 +1,7 @@
 //! The `aquafuse` command: moves the waterbody of one underwater picture into another.
 
 mod augment;
+mod bench;
 mod common;
 mod crossover;
 mod demo;
@@ -60,6 +61,7 @@ enum Command {
     Verify(verify::Verify),
     Replay(replay::Replay),
     Evaluate(evaluate::Evaluate),
+    Bench(bench::Bench),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -127,6 +129,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Verify(verify) => verify.run(common),
         Command::Replay(replay) => replay.run(common),
         Command::Evaluate(evaluate) => evaluate.run(common),
+        Command::Bench(bench) => bench.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }

@@ -63,6 +63,7 @@
 //!
 //! # Features
 //!
+//! - `simd` (default): AVX2 where the processor has it, NEON on 64-bit Arm. Off, the crate has no unsafe code; no bit changes.
 //! - `threads` (default): several cores for large pictures, by bands of rows. Off, no thread is started; no bit changes.
 //! - `serde`: `Serialize` for the types that describe water and depth.
 //!
@@ -81,6 +82,8 @@
 //!
 //! Files, folders and the command line (see the crate `aquafuse-data` and the `aquafuse` command); neural
 //! networks; forward scattering (blur); several light sources.
+
+#![cfg_attr(not(feature = "simd"), forbid(unsafe_code))]
 
 mod bands;
 pub mod depth;

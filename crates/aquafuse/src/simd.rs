@@ -4,29 +4,32 @@
 //! instructions are there, and gives the same bits. Where the compiler makes vectors of plain code by itself,
 //! [`widest`] has it do so for the best instructions too.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
 
 /// The fastest instructions there are for the kernels of this crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Level {
     /// What every processor of the target has.
-    #[cfg_attr(target_arch = "aarch64", allow(dead_code, reason = "every such processor has NEON"))]
+    #[cfg_attr(
+        all(feature = "simd", target_arch = "aarch64"),
+        allow(dead_code, reason = "every such processor has NEON")
+    )]
     Plain,
     /// x86-64 with AVX2.
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
     Avx2(Avx2),
     /// 64-bit Arm; part of the architecture.
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(all(feature = "simd", target_arch = "aarch64"))]
     Neon,
 }
 
 /// The proof that AVX2 is there: only a processor that was asked makes one.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Avx2(());
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
 impl Avx2 {
     fn detected() -> Option<Self> {
         // The standard library asks once a process and remembers.
@@ -37,13 +40,13 @@ impl Avx2 {
 impl Level {
     /// The best of this processor.
     pub(crate) fn best() -> Self {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(feature = "simd", target_arch = "x86_64"))]
         if let Some(proof) = Avx2::detected() {
             return Self::Avx2(proof);
         }
-        #[cfg(target_arch = "aarch64")]
+        #[cfg(all(feature = "simd", target_arch = "aarch64"))]
         return Self::Neon;
-        #[cfg(not(target_arch = "aarch64"))]
+        #[cfg(not(all(feature = "simd", target_arch = "aarch64")))]
         Self::Plain
     }
 
@@ -76,7 +79,7 @@ pub(crate) fn widest<W: Work>(work: W) -> W::Output {
 #[inline]
 pub(crate) fn widest_by<W: Work>(level: Level, work: W) -> W::Output {
     match level {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(feature = "simd", target_arch = "x86_64"))]
         Level::Avx2(proof) => avx2::run(proof, work),
         _ => work.run(),
     }

@@ -3,7 +3,12 @@
 //! The paper ends with a bilateral filter and gives no parameters. Here nothing is smoothed unless asked for:
 //! what the filter takes for noise is as often texture.
 
-use crate::image::{Encoding, Image, Sample};
+mod bytes;
+mod weights;
+
+use crate::bands;
+use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
+use weights::{AHEAD, ONE, mirrored, weight};
 
 /// How a fused picture is smoothed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,25 +47,13 @@ impl Smoothing {
     }
 }
 
-/// Reach of the window, a circle of diameter d = 5.
-const RADIUS: isize = 2;
-/// σ of the difference of two colours (the sum over the channels, in steps of a byte), and of their distance
-/// in pixels: the values of many OpenCV examples. Over a window this small the latter hardly counts.
-const SIGMA_COLOUR: f64 = 75.0;
-const SIGMA_SPACE: f64 = 75.0;
-/// The weight of a pixel itself. Weights and values are whole numbers, whose sums are the same in any order, on
-/// any machine.
-const ONE: f64 = 65536.0;
-/// Differences two colours can have.
-const DIFFERENCES: usize = 3 * 255 + 1;
-
 /// Smooths a picture but not its edges: each pixel becomes the mean of those within two pixels of it, weighted by
-/// `e^(-Δ² / 2σ²)` of their distance in pixels and in colour.
+/// `e^(-Δ² / 2σ²)` of how their colours differ.
 ///
-/// d = 5, both σ = 75, Δ of colours the sum of the channels' differences in steps of a byte, whatever the samples
-/// are. Beyond the border the
-/// picture is mirrored about its outermost pixels. The filter of C. Tomasi and R. Manduchi, "Bilateral filtering
-/// for gray and color images" (1998), as OpenCV's `bilateralFilter` computes it for bytes.
+/// d = 5, σ = 75, Δ the sum of the channels' differences in steps of a byte, whatever the samples are. Distance in
+/// pixels weighs nothing: with a σ of 75 pixels it would be 4 parts in 10,000. Beyond the border the picture is mirrored
+/// about its outermost pixels. The filter of C. Tomasi and R. Manduchi, "Bilateral filtering for gray and color images"
+/// (1998), as OpenCV's `bilateralFilter` computes it for bytes, to a step of 255.
 ///
 /// # Examples
 ///
@@ -76,77 +69,57 @@ const DIFFERENCES: usize = 3 * 255 + 1;
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
 pub fn bilateral<T: Sample, E: Encoding>(image: &Image<T, E>) -> Image<T, E> {
-    let taps = taps();
     let mut smoothed = image.clone();
-    let width = image.width();
-    let row = |(y, row): (usize, &mut [[T; 3]])| {
-        for (x, pixel) in row.iter_mut().enumerate() {
-            *pixel = mean_around(image, x, y, &taps);
-        }
-    };
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        smoothed.pixels_mut().par_chunks_mut(width).enumerate().for_each(row);
-    }
-    #[cfg(not(feature = "threads"))]
-    smoothed.pixels_mut().chunks_mut(width).enumerate().for_each(row);
+    smooth_into(image, &mut smoothed);
     smoothed
 }
 
-/// A place in the window and the weights there, by difference of colour.
-struct Tap {
-    dx: isize,
-    dy: isize,
-    weights: Vec<u32>,
+/// [`bilateral`] into a picture that is there already, which keeps nothing of what it was.
+///
+/// # Errors
+///
+/// [`SizeError`] when the two differ in size; `smoothed` is then unchanged.
+pub fn bilateral_into<T: Sample, E: Encoding>(
+    image: &Image<T, E>,
+    smoothed: &mut Image<T, E>,
+) -> Result<(), SizeError> {
+    check_same_size(image.size(), smoothed.size())?;
+    smooth_into(image, smoothed);
+    Ok(())
 }
 
-fn taps() -> Vec<Tap> {
-    let bell = |distance: f64, sigma: f64| (-0.5 * (distance / sigma).powi(2)).exp();
-    let places = (-RADIUS..=RADIUS).flat_map(|dy| (-RADIUS..=RADIUS).map(move |dx| (dx, dy)));
-    let tap = |(dx, dy): (isize, isize)| {
-        let nearness = bell(((dx * dx + dy * dy) as f64).sqrt(), SIGMA_SPACE);
-        let weight = |difference| (ONE * nearness * bell(difference as f64, SIGMA_COLOUR)).round() as u32;
-        Tap { dx, dy, weights: (0..DIFFERENCES).map(weight).collect() }
-    };
-    places.filter(|(dx, dy)| dx * dx + dy * dy <= RADIUS * RADIUS).map(tap).collect()
+fn smooth_into<T: Sample, E: Encoding>(image: &Image<T, E>, smoothed: &mut Image<T, E>) {
+    let width = image.width();
+    if let (Some(values), Some(smoothed)) = (T::bytes(image.as_raw()), T::bytes_mut(smoothed.samples_mut())) {
+        return bytes::smooth(width, values, smoothed);
+    }
+    bands::for_each(smoothed.pixels_mut(), width, |first, band| {
+        for (i, pixel) in band.iter_mut().enumerate() {
+            *pixel = mean_around(image, i % width, first + i / width);
+        }
+    });
 }
 
 /// The weighted mean of the window around one place, rounded; halves go up.
-fn mean_around<T: Sample, E: Encoding>(image: &Image<T, E>, x: usize, y: usize, taps: &[Tap]) -> [T; 3] {
+fn mean_around<T: Sample, E: Encoding>(image: &Image<T, E>, x: usize, y: usize) -> [T; 3] {
     let (width, height) = image.size();
     let pixels = image.pixels();
-    let middle = pixels[y * width + x].map(T::to_byte);
-    let (mut sums, mut total) = ([0_u64; 3], 0_u64);
-    for tap in taps {
-        let column = mirrored(x as isize + tap.dx, width);
-        let other = pixels[mirrored(y as isize + tap.dy, height) * width + column];
-        let difference: usize = (0..3).map(|c| usize::from(middle[c].abs_diff(other[c].to_byte()))).sum();
-        let weight = u64::from(tap.weights[difference]);
-        total += weight;
-        for c in 0..3 {
-            sums[c] += weight * other[c].to_steps();
+    let middle = &pixels[y * width + x];
+    let one = u64::from(ONE);
+    let (mut sums, mut total) = (middle.map(|value| one * value.to_steps()), one);
+    for (dx, dy) in AHEAD {
+        for (dx, dy) in [(dx, dy as isize), (-dx, -(dy as isize))] {
+            let column = mirrored(x as isize + dx, width);
+            let other = &pixels[mirrored(y as isize + dy, height) * width + column];
+            let off = |c: usize| u16::from(middle[c].to_byte().abs_diff(other[c].to_byte()));
+            let weight = u64::from(weight(off(0) + off(1) + off(2)));
+            total += weight;
+            for c in 0..3 {
+                sums[c] += weight * other[c].to_steps();
+            }
         }
     }
-    // The pixel itself weighs ONE, so there is something to divide by.
     sums.map(|sum| T::from_steps((sum + total / 2) / total))
-}
-
-/// A place beyond the border, mirrored about the outermost pixels: -1 is 1, `length` is `length - 2`.
-fn mirrored(place: isize, length: usize) -> usize {
-    let last = length as isize - 1;
-    let mut place = place;
-    // In a picture smaller than the window the mirror is met more than once.
-    while !(0..=last).contains(&place) {
-        place = if last == 0 {
-            0
-        } else if place < 0 {
-            -place
-        } else {
-            2 * last - place
-        };
-    }
-    place as usize
 }
 
 #[cfg(test)]
@@ -157,19 +130,6 @@ mod tests {
     fn picture(width: usize, height: usize) -> impl Strategy<Value = Image<u8>> {
         prop::collection::vec(any::<u8>(), 3 * width * height)
             .prop_map(move |samples| Image::from_raw(width, height, samples).unwrap())
-    }
-
-    #[test]
-    fn the_border_is_a_mirror_whatever_the_size() {
-        let places = |length: usize| (-2..length as isize + 2).map(move |place| mirrored(place, length));
-        assert_eq!(places(4).collect::<Vec<_>>(), [2, 1, 0, 1, 2, 3, 2, 1]);
-        assert_eq!(places(2).collect::<Vec<_>>(), [0, 1, 0, 1, 0, 1]);
-        assert_eq!(places(1).collect::<Vec<_>>(), [0; 5]);
-    }
-
-    #[test]
-    fn the_window_is_a_circle() {
-        assert_eq!(taps().len(), 13);
     }
 
     proptest! {

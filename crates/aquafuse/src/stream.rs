@@ -3,6 +3,7 @@
 use crate::depth::{DepthMap, DepthModel};
 use crate::fusion::{self, Bounded, Clipping};
 use crate::image::{Image, SizeError};
+use crate::smooth::{self, Smoothing};
 use crate::waterbody::{self, Estimate, EstimateOptions, Scratch};
 
 /// Fuses the frames of a sequence with one reference.
@@ -40,6 +41,8 @@ pub struct Stream {
     age: usize,
     levels: Vec<u8>,
     scratch: Scratch,
+    /// What a picture consists of before it is smoothed.
+    samples: Vec<u8>,
 }
 
 /// How the frames of a [`Stream`] are fused.
@@ -51,6 +54,8 @@ pub struct Options {
     pub estimate: EstimateOptions,
     /// How they are fused.
     pub fusion: fusion::Options,
+    /// How the fused frames are smoothed.
+    pub smoothing: Smoothing,
     /// The content's water is estimated of the first frame and of each so many frames; 0 counts as 1. Default: 1,
     /// every frame by itself.
     pub every: usize,
@@ -62,6 +67,7 @@ impl Default for Options {
             depth: DepthModel::default(),
             estimate: EstimateOptions::default(),
             fusion: fusion::Options::default(),
+            smoothing: Smoothing::None,
             every: 1,
         }
     }
@@ -70,8 +76,8 @@ impl Default for Options {
 impl Stream {
     /// A stream into the water of `reference`.
     pub fn new(reference: Estimate, options: Options) -> Self {
-        let (levels, scratch) = (Vec::new(), Scratch::default());
-        Self { reference, options, content: None, age: 0, levels, scratch }
+        let (levels, scratch, samples) = (Vec::new(), Scratch::default(), Vec::new());
+        Self { reference, options, content: None, age: 0, levels, scratch, samples }
     }
 
     /// Takes another water for the frames to come.
@@ -100,9 +106,10 @@ impl Stream {
     pub fn fuse_into(&mut self, frame: &Image<u8>, fused: &mut Image<u8>) -> Result<Clipping, SizeError> {
         crate::image::check_same_size(frame.size(), fused.size())?;
         let (depth, bounded) = self.look_at(frame);
-        let clipping = fusion::fuse_into(frame, &depth, bounded.waters(), &bounded.options, fused);
+        let clipping = fusion::fuse_into(frame, &depth, bounded.waters(), &bounded.options, fused)?;
         self.levels = depth.into_levels();
-        clipping
+        self.smooth(fused);
+        Ok(clipping)
     }
 
     /// [`Stream::fuse_into`] in place.
@@ -110,7 +117,20 @@ impl Stream {
         let (depth, bounded) = self.look_at(frame);
         let clipping = fusion::fuse_mut(frame, &depth, bounded.waters(), &bounded.options);
         self.levels = depth.into_levels();
+        self.smooth(frame);
         clipping.expect("the depth map was made for this frame")
+    }
+
+    fn smooth(&mut self, fused: &mut Image<u8>) {
+        if self.options.smoothing == Smoothing::Bilateral {
+            let mut samples = std::mem::take(&mut self.samples);
+            samples.clear();
+            samples.extend_from_slice(fused.as_raw());
+            let whole = Image::from_raw(fused.width(), fused.height(), samples);
+            let whole = whole.expect("the samples are those of a picture");
+            smooth::bilateral_into(&whole, fused).expect("the sizes are those of one picture");
+            self.samples = whole.into_raw();
+        }
     }
 
     fn look_at(&mut self, frame: &Image<u8>) -> (DepthMap, Bounded<crate::image::Encoded>) {
@@ -152,15 +172,15 @@ mod tests {
         let own = waterbody::estimate(frame, &z, &options.estimate).unwrap();
         let bounded = Bounded::new(&own, reference, options.fusion);
         let fused = fusion::fuse(frame, &z, bounded.waters(), &bounded.options).unwrap();
-        (fused.image, fused.clipping)
+        (options.smoothing.apply(fused.image), fused.clipping)
     }
 
     #[test]
     fn a_stream_is_its_steps_one_by_one_at_any_size() {
         for model in Model::ALL {
-            for depth in DepthModel::ALL {
-                let options =
-                    Options { depth, fusion: fusion::Options::for_model(model), ..Options::default() };
+            for (i, depth) in DepthModel::ALL.into_iter().enumerate() {
+                let (fusion, smoothing) = (fusion::Options::for_model(model), Smoothing::ALL[i % 2]);
+                let options = Options { depth, fusion, smoothing, ..Options::default() };
                 let mut stream = Stream::new(
                     Stream::new(picture_estimate(), options).estimate(&picture(2, 1, 96, 64)),
                     options,

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
-use crate::shell::{cargo, command, output, root, run, say};
+use crate::shell::{cargo, command, output, root, run, say, target};
 
 const PICTURES: usize = 100_000;
 
@@ -24,7 +24,7 @@ pub(super) fn figure() -> Result<String> {
     for i in 0..PICTURES {
         fs::write(photos.join(format!("{i:06}.png")), &small)?;
     }
-    let program = root().join("target/release/aquafuse");
+    let program = target().join("release/aquafuse");
     let fuse = || {
         let began = Instant::now();
         let mut fuse = command(&program, &["fuse"]);

@@ -11,11 +11,11 @@
 //! After A. Adams, "Fast median filters using separable sorting networks" (ACM TOG, 2021), whose sharing of sorted
 //! columns this takes over. Borders repeat the outermost pixel, as OpenCV's `medianBlur` does.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(all(feature = "simd", any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod kernel;
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(feature = "simd", target_arch = "aarch64"))]
 mod neon;
 mod network;
 mod plain;
@@ -132,9 +132,9 @@ macro_rules! value {
             ) {
                 match level {
                     Level::Plain => plain::pair(rows, planes, above, below),
-                    #[cfg(target_arch = "x86_64")]
+                    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
                     Level::Avx2(proof) => avx2::$pair(proof, rows, planes, above, below),
-                    #[cfg(target_arch = "aarch64")]
+                    #[cfg(all(feature = "simd", target_arch = "aarch64"))]
                     Level::Neon => neon::$pair(rows, planes, above, below),
                 }
             }

@@ -2,7 +2,7 @@
 //!
 //! Between bytes, for pictures whose values lie closer together, the tables are interpolated.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
 
 use crate::image::Sample;
@@ -76,7 +76,7 @@ pub(super) struct Square {
 }
 
 /// Pixels whose places are found together, before any is looked up.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
 const BLOCK: usize = 64;
 
 impl Square {
@@ -95,7 +95,7 @@ impl Square {
 
     fn row_of_bytes(&self, level: Level, pixels: &[[u8; 3]], row: &mut [u8]) {
         match level {
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             Level::Avx2(proof) => {
                 let (blocks, rest) = pixels.as_chunks::<BLOCK>();
                 let (rows, rest_of_row) = row.as_chunks_mut::<BLOCK>();

@@ -66,5 +66,5 @@ pub(super) const SORT_7: [(usize, usize); 16] = sort_7!(table);
 pub(super) const SELECT: [(usize, usize); 174] = select!(table);
 
 pub(super) use middle_of;
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(all(feature = "simd", any(target_arch = "x86_64", target_arch = "aarch64")))]
 pub(super) use {select, sort_6, sort_7};

@@ -1,0 +1,123 @@
+//! `aquafuse bench`: how fast this machine is, on pictures made by the program.
+
+mod machine;
+mod measure;
+
+use aquafuse::smooth::Smoothing;
+use aquafuse::truth::Size;
+use clap::Args;
+use serde::Serialize;
+
+use crate::common::Common;
+use crate::failure::Failure;
+use crate::output;
+use machine::Machine;
+use measure::{Case, Pictures, Reference, Speed};
+
+/// The sizes of the paper's table.
+const SIZES: [(usize, usize); 4] = [(256, 256), (512, 512), (1024, 1024), (1920, 1080)];
+/// Nothing larger is made: a side of this is 256 megapixels at most.
+const LONGEST_SIDE: usize = 16_384;
+
+const HELP: &str = "\
+A frame is a picture of bytes in memory: its depth and water are estimated and it is fused with the model
+`aquafuse`, in the memory of the frame before. Cached: the reference's water is known; estimated: it is
+estimated for every frame as well. Times are medians. Stages are timed each by itself, in memory of their own.";
+
+/// Measure how fast this machine is.
+///
+/// On scenes made by the program, on one thread and on all of them, or on as many as --threads says.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub(crate) struct Bench {
+    /// Size of the pictures; may be given several times [default: the paper's four].
+    #[arg(long = "size", value_name = "WIDTHxHEIGHT", value_parser = size)]
+    sizes: Vec<Size>,
+    /// Frames of each case [default: what half a second allows, 5 at least].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Print JSON for programs.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    schema: u32,
+    machine: Machine,
+    results: Vec<Case>,
+    restorations: Vec<Restoration>,
+}
+
+/// `restore`: depth and water estimated, the water taken out within its bounds.
+#[derive(Serialize)]
+struct Restoration {
+    width: usize,
+    height: usize,
+    threads: usize,
+    #[serde(flatten)]
+    speed: Speed,
+}
+
+impl Bench {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let machine = Machine::this();
+        let mut threads = vec![common.threads.map_or(1, usize::from)];
+        if common.threads.is_none() && machine.cores > 1 {
+            threads.push(machine.cores);
+        }
+        let default = SIZES.map(|(width, height)| Size { width, height });
+        let sizes = if self.sizes.is_empty() { &default[..] } else { &self.sizes };
+        let mut report = Report { schema: 1, machine, results: Vec::new(), restorations: Vec::new() };
+        self.tell(&format!("{}\n\n{}", report.machine, Case::HEADING))?;
+        for &size in sizes {
+            let pictures = Pictures::new(size).map_err(Failure::work)?;
+            for &threads in &threads {
+                let pool =
+                    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::work)?;
+                let stages = pool.install(|| pictures.stages(self.frames)).map_err(Failure::work)?;
+                for smooth in Smoothing::ALL {
+                    for reference in [Reference::Cached, Reference::Estimated] {
+                        let speed = pool.install(|| pictures.fused(reference, smooth, self.frames));
+                        let case = Case::new(
+                            size,
+                            threads,
+                            reference,
+                            smooth,
+                            speed.map_err(Failure::work)?,
+                            stages,
+                        );
+                        self.tell(&case.to_string())?;
+                        report.results.push(case);
+                    }
+                }
+                let speed = pool.install(|| pictures.restored(self.frames)).map_err(Failure::work)?;
+                let Size { width, height } = size;
+                report.restorations.push(Restoration { width, height, threads, speed });
+            }
+        }
+        if self.json {
+            let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
+            return output::print(&format!("{json}\n"));
+        }
+        Ok(())
+    }
+
+    /// A line for people, as soon as it is known.
+    fn tell(&self, line: &str) -> Result<(), Failure> {
+        if self.json { Ok(()) } else { output::print(&format!("{line}\n")) }
+    }
+}
+
+fn size(given: &str) -> Result<Size, String> {
+    let sides =
+        given.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    match sides {
+        Some((width, height))
+            if (1..=LONGEST_SIDE).contains(&width) && (1..=LONGEST_SIDE).contains(&height) =>
+        {
+            Ok(Size { width, height })
+        }
+        _ => Err(format!("give WIDTHxHEIGHT, such as 1920x1080, each side from 1 to {LONGEST_SIDE}")),
+    }
+}

@@ -1,0 +1,190 @@
+//! Frames and stages, timed.
+
+use std::fmt;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use aquafuse::depth::{self, DepthMap};
+use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
+use aquafuse::fusion::{self, Bounded, Model};
+use aquafuse::image::{Encoded, Image, SizeError};
+use aquafuse::smooth::{Smoothing, bilateral_into};
+use aquafuse::stream::{Options, Stream};
+use aquafuse::truth::{Scene, Size, waters};
+use aquafuse::waterbody::{self, Estimate};
+use serde::Serialize;
+
+/// How long one case is tried if nobody says how often.
+const TRIED: Duration = Duration::from_millis(500);
+const FEWEST_FRAMES: usize = 5;
+
+/// What is estimated for each frame.
+#[derive(Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Reference {
+    /// The content.
+    Cached,
+    /// The reference too.
+    Estimated,
+}
+
+/// One measurement of whole frames.
+#[derive(Serialize)]
+pub(super) struct Case {
+    width: usize,
+    height: usize,
+    threads: usize,
+    reference: Reference,
+    smooth: &'static str,
+    model: &'static str,
+    #[serde(flatten)]
+    speed: Speed,
+    stages: Stages,
+}
+
+/// A median, in the units that people ask for.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Speed {
+    ms_per_frame: f64,
+    fps: f64,
+    ns_per_pixel: f64,
+}
+
+/// Milliseconds of each stage by itself.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Stages {
+    depth: f64,
+    waterbody: f64,
+    fusion: f64,
+    bilateral: f64,
+}
+
+impl Case {
+    pub(super) const HEADING: &str =
+        "     size        threads  reference  smoothing   ms a frame  frames/s  ns/pixel";
+
+    pub(super) fn new(
+        Size { width, height }: Size,
+        threads: usize,
+        reference: Reference,
+        smoothing: Smoothing,
+        speed: Speed,
+        stages: Stages,
+    ) -> Self {
+        let (smooth, model) = (smoothing.name(), Model::default().name());
+        Self { width, height, threads, reference, smooth, model, speed, stages }
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { width, height, threads, smooth, speed, .. } = self;
+        let reference = match self.reference {
+            Reference::Cached => "cached",
+            Reference::Estimated => "estimated",
+        };
+        let Speed { ms_per_frame, fps, ns_per_pixel } = speed;
+        write!(
+            f,
+            "{width:>6} x {height:<6} {threads:>7}  {reference:<9}  {smooth:<9} {ms_per_frame:>12.2} {fps:>9.1} \
+             {ns_per_pixel:>9.2}"
+        )
+    }
+}
+
+/// A place seen through two waters.
+pub(super) struct Pictures {
+    content: Image<u8>,
+    reference: Image<u8>,
+}
+
+impl Pictures {
+    pub(super) fn new(size: Size) -> Result<Self, SizeError> {
+        let (scene, [blue, green, ..]) = (Scene::new(1, size), waters());
+        let [content, reference] = [blue, green].map(|named| scene.seen_through(&named.water).to_samples());
+        Ok(Self { content, reference })
+    }
+
+    /// Whole frames, one after the other.
+    pub(super) fn fused(
+        &self,
+        reference: Reference,
+        smoothing: Smoothing,
+        frames: Option<u32>,
+    ) -> Result<Speed, SizeError> {
+        let options = Options { smoothing, ..Options::default() };
+        let mut stream = Stream::new(estimate(&self.reference)?.1, options);
+        let mut fused = self.content.clone();
+        self.speed(frames, || {
+            if let Reference::Estimated = reference {
+                let water = stream.estimate(&self.reference);
+                stream.refer_to(water);
+            }
+            stream.fuse_into(&self.content, &mut fused).map(drop)
+        })
+    }
+
+    /// The content without its water.
+    pub(super) fn restored(&self, frames: Option<u32>) -> Result<Speed, SizeError> {
+        let options = RestoreOptions::default();
+        self.speed(frames, || {
+            let (z, found) = estimate(&self.content)?;
+            let bounded = BoundedRestoration::new(&self.content, &z, &found, &options)?;
+            let mut clear = self.content.clone();
+            restore_mut(&mut clear, &z, &bounded.water, &bounded.options)?;
+            black_box(clear);
+            Ok(())
+        })
+    }
+
+    /// Each stage of a frame by itself.
+    pub(super) fn stages(&self, frames: Option<u32>) -> Result<Stages, SizeError> {
+        let (content, (z, own)) = (&self.content, estimate(&self.content)?);
+        let bounded = Bounded::new(&own, &estimate(&self.reference)?.1, fusion::Options::default());
+        let mut fused = content.clone();
+        Ok(Stages {
+            depth: median(frames, || Ok(drop(black_box(depth::estimate(content)))))?,
+            waterbody: median(frames, || {
+                waterbody::estimate::<Encoded>(content, &z, &Default::default())
+                    .map(|found| _ = black_box(found))
+            })?,
+            fusion: median(frames, || {
+                fusion::fuse_into(content, &z, bounded.waters(), &bounded.options, &mut fused).map(drop)
+            })?,
+            bilateral: median(frames, || bilateral_into(content, &mut fused))?,
+        })
+    }
+
+    fn speed(
+        &self,
+        frames: Option<u32>,
+        run: impl FnMut() -> Result<(), SizeError>,
+    ) -> Result<Speed, SizeError> {
+        let ms_per_frame = median(frames, run)?;
+        let pixels = self.content.pixels().len() as f64;
+        Ok(Speed { ms_per_frame, fps: 1e3 / ms_per_frame, ns_per_pixel: 1e6 * ms_per_frame / pixels })
+    }
+}
+
+fn estimate(picture: &Image<u8>) -> Result<(DepthMap, Estimate), SizeError> {
+    let z = depth::estimate(picture);
+    let found = waterbody::estimate(picture, &z, &Default::default())?;
+    Ok((z, found))
+}
+
+/// The median of so many runs after one that does not count, in milliseconds.
+fn median(frames: Option<u32>, mut run: impl FnMut() -> Result<(), SizeError>) -> Result<f64, SizeError> {
+    run()?;
+    let (began, mut spent) = (Instant::now(), Vec::new());
+    let done = |spent: &[f64]| match frames {
+        Some(frames) => spent.len() >= frames as usize,
+        None => spent.len() >= FEWEST_FRAMES && began.elapsed() >= TRIED,
+    };
+    while !done(&spent) {
+        let began = Instant::now();
+        run()?;
+        spent.push(began.elapsed().as_secs_f64() * 1e3);
+    }
+    spent.sort_by(f64::total_cmp);
+    Ok(spent[spent.len() / 2])
+}

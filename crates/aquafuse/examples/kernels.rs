@@ -1,0 +1,67 @@
+//! Does one step of the pipeline so many times, and nothing else: for counting instructions.
+//!
+//! cargo run --release -p aquafuse --example kernels -- KERNEL PICTURE.ppm TIMES
+//!
+//! What loading the picture takes is told apart by counting twice, for different numbers of TIMES. Built with
+//! `--no-default-features` it has no vectors and no threads, with `--features simd` vectors alone.
+
+use std::hint::black_box;
+
+use aquafuse::fusion::{Gain, Options, Waters, fuse_into};
+use aquafuse::image::{Encoded, Image};
+use aquafuse::smooth::bilateral;
+use aquafuse::stream::{self, Stream};
+use aquafuse::{depth, waterbody};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [kernel, picture, times] = &arguments[..] else {
+        return Err("give KERNEL PICTURE.ppm TIMES".into());
+    };
+    let picture = read_ppm(picture)?;
+    let times = 0..times.parse::<usize>()?;
+    // Done once by each kernel, so that all start alike.
+    let z = depth::estimate(&picture);
+    let estimate = waterbody::estimate(&picture, &z, &Default::default())?;
+    match kernel.as_str() {
+        "depth" => times.for_each(|_| drop(black_box(depth::estimate(&picture)))),
+        "waterbody" => {
+            for _ in times {
+                black_box(waterbody::estimate::<Encoded>(&picture, &z, &Default::default())?);
+            }
+        }
+        "fusion" => {
+            let waters = Waters { content: &estimate.water, reference: &estimate.water };
+            // Twice one's own veil: something to add.
+            let options = Options { gain: Gain::new(2.0)?, ..Options::default() };
+            let mut fused = picture.clone();
+            for _ in times {
+                fuse_into(&picture, &z, waters, &options, &mut fused)?;
+            }
+            black_box(fused);
+        }
+        "bilateral" => times.for_each(|_| drop(black_box(bilateral(&picture)))),
+        "frame" => {
+            let mut stream = Stream::new(estimate, stream::Options::default());
+            let mut fused = picture.clone();
+            stream.fuse_into(&picture, &mut fused)?;
+            for _ in times {
+                stream.fuse_into(&picture, &mut fused)?;
+            }
+            black_box(fused);
+        }
+        _ => return Err("KERNEL is depth, waterbody, fusion, bilateral or frame".into()),
+    }
+    Ok(())
+}
+
+/// Reads a binary PPM with a header of one line, as the `scene` example writes it.
+fn read_ppm(path: &str) -> Result<Image<u8>, Box<dyn std::error::Error>> {
+    let bytes = std::fs::read(path)?;
+    let end = bytes.iter().position(|&byte| byte == b'\n').ok_or("no header")?;
+    let header = std::str::from_utf8(&bytes[..end])?;
+    let ["P6", width, height, "255"] = header.split(' ').collect::<Vec<_>>()[..] else {
+        return Err(format!("{path} is no PPM of one header line").into());
+    };
+    Ok(Image::from_raw(width.parse()?, height.parse()?, bytes[end + 1..].to_vec())?)
+}

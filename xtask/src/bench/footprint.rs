@@ -1,0 +1,122 @@
+//! What the command takes beside its work: memory, time to start, time for files.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+
+use super::turns::{TURNS, Turns};
+use super::{FULL_HD, Size};
+use crate::results::write_section;
+use crate::shell::{cargo, command, output, run as call, say, target};
+
+/// Pictures in the folder; enough for a rate.
+const PICTURES: usize = 24;
+
+pub(super) fn write(page: &str) -> Result<()> {
+    say("Start, a folder of JPEGs, memory");
+    let package = ["--package", "aquafuse-data", "--example", "footprint"];
+    call(cargo(&[&["build", "--release", "--quiet", "--locked"][..], &package].concat()))?;
+    let folder = target().join("bench/footprint");
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("cannot empty {}", folder.display()))?;
+    }
+    fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let mut table = String::from("| what | measured |\n|---|---|\n");
+    let memory = memory(&folder)?;
+    writeln!(
+        table,
+        "| peak memory of a 1920 x 1080 frame in place, above the picture itself | {memory} MiB |"
+    )?;
+    writeln!(
+        table,
+        "| start to finished output, 256 x 256 PNG, the whole process | {:.1} ms |",
+        start(&folder)?
+    )?;
+    let (share, rate) = photos(&folder)?;
+    writeln!(
+        table,
+        "| `fuse` of a folder of 1920 x 1080 JPEGs, one thread, against decoding and encoding them alone | {share:.2} of the \
+         speed, {rate:.1} pictures/s |"
+    )?;
+    println!("{table}");
+    write_section(page, "footprint", &table)
+}
+
+fn memory(folder: &Path) -> Result<String> {
+    let picture = made(folder, "frame.png", FULL_HD)?;
+    Ok(example(&["memory", &picture])?.trim().to_owned())
+}
+
+/// The median of some runs, each into a file that is not there yet.
+fn start(folder: &Path) -> Result<f64> {
+    let content = made(folder, "content.png", (256, 256))?;
+    aquafuse(&["water", "extract", &content, "-o", &water(folder)])?;
+    let mut turns = Turns::default();
+    for turn in 0..4 * TURNS {
+        let out = text(&folder.join(format!("{turn}.png")));
+        let began = Instant::now();
+        aquafuse(&["fuse", &content, &water(folder), "-o", &out])?;
+        turns.add("start", began.elapsed().as_secs_f64() * 1e3);
+    }
+    Ok(turns.median("start"))
+}
+
+/// The share of the speed of decoding and encoding alone, and pictures a second.
+fn photos(folder: &Path) -> Result<(f64, f64)> {
+    let photos = folder.join("photos");
+    fs::create_dir_all(&photos).with_context(|| format!("cannot make {}", photos.display()))?;
+    let photo = made(folder, "photo.jpg", FULL_HD)?;
+    for i in 0..PICTURES {
+        fs::hard_link(&photo, photos.join(format!("{i:02}.jpg"))).context("cannot link a picture")?;
+    }
+    let (mut ours, mut alone) = (Turns::default(), Turns::default());
+    for _ in 0..TURNS {
+        for (turns, fuse) in [(&mut ours, true), (&mut alone, false)] {
+            let out = folder.join("out");
+            let began = Instant::now();
+            if fuse {
+                aquafuse(&[
+                    "fuse",
+                    &text(&photos),
+                    &water(folder),
+                    "-o",
+                    &text(&out),
+                    "--threads",
+                    "1",
+                    "--quiet",
+                ])?;
+            } else {
+                example(&["copy", &text(&photos), &text(&out)])?;
+            }
+            turns.add("folder", began.elapsed().as_secs_f64() * 1e3);
+            fs::remove_dir_all(&out)?;
+        }
+    }
+    Ok((alone.times("folder", (&ours, "folder")), PICTURES as f64 * 1e3 / ours.median("folder")))
+}
+
+/// A picture of a made-up place.
+fn made(folder: &Path, name: &str, (width, height): Size) -> Result<String> {
+    let path = text(&folder.join(name));
+    example(&["make", &path, &width.to_string(), &height.to_string()])?;
+    Ok(path)
+}
+
+fn water(folder: &Path) -> String {
+    text(&folder.join("a.water.json"))
+}
+
+fn example(arguments: &[&str]) -> Result<String> {
+    output(command(target().join("release/examples/footprint"), arguments))
+}
+
+fn aquafuse(arguments: &[&str]) -> Result<String> {
+    output(command(target().join("release/aquafuse"), arguments))
+}
+
+fn text(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}

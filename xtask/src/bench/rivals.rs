@@ -1,0 +1,71 @@
+//! Others in the same run: the pipeline in OpenCV, transfers of colour, augmentations, medians.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use super::Size;
+use super::turns::Turns;
+use crate::setup::{Tools, rivals_python};
+use crate::shell::{cargo, command, output, root, run as call, target};
+
+/// How the rivals beside the pipeline are called in the table, and what of ours they stand beside.
+pub(super) const OTHERS: [(&str, &str, &str); 8] = [
+    ("color-matcher-mkl", "color-matcher, mkl", "cached"),
+    ("color-matcher-reinhard", "color-matcher, reinhard", "cached"),
+    ("match-histograms", "scikit-image, match_histograms", "cached"),
+    ("color-jitter", "Albumentations, ColorJitter", "cached"),
+    ("random-fog", "Albumentations, RandomFog", "cached"),
+    ("opencv-median", "OpenCV, medianBlur of one channel, 7x7", "depth"),
+    ("imageproc", "imageproc, median_filter of one channel, 7x7", "depth"),
+    ("libblur", "libblur, median_blur of one channel, 7x7", "depth"),
+];
+const MEDIANS: &str = "benches/medians/Cargo.toml";
+
+/// The programs of the rivals.
+pub(super) struct Rivals {
+    pipeline: PathBuf,
+    others: PathBuf,
+}
+
+impl Rivals {
+    pub(super) fn set_up(tools: &Tools) -> Result<Self> {
+        call(cargo(&["build", "--release", "--quiet", "--locked", "--manifest-path", MEDIANS]))?;
+        Ok(Self { pipeline: tools.python.clone(), others: rivals_python()? })
+    }
+
+    /// One turn of the pipeline in OpenCV: `cached`, `estimated`, `smoothed`.
+    pub(super) fn pipeline(&self, turns: &mut Turns, pictures: &Path, frames: &str) -> Result<()> {
+        let [content, reference] = names(pictures);
+        let script = ["benches/opencv_pipeline.py", "time", &content, &reference, "--frames", frames];
+        turns.read(&output(command(&self.pipeline, &script))?);
+        Ok(())
+    }
+
+    /// One turn of [`OTHERS`].
+    pub(super) fn others(&self, turns: &mut Turns, pictures: &Path) -> Result<()> {
+        let [content, reference] = names(pictures);
+        turns.read(&output(command(
+            &self.others,
+            &["benches/rivals.py", &content, &reference, "--frames", "3"],
+        ))?);
+        let built =
+            std::env::var_os("CARGO_TARGET_DIR").map_or(root().join("benches/medians/target"), |_| target());
+        turns.read(&output(command(built.join("release/medians"), &[&content, "3"]))?);
+        Ok(())
+    }
+}
+
+/// The truth scene of seed 1 through its waters; made anew, for the scene's code may have changed.
+pub(super) fn pictures((width, height): Size) -> Result<PathBuf> {
+    let folder = target().join(format!("bench/{width}x{height}"));
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let size = [width.to_string(), height.to_string()];
+    let program = target().join("release/examples/scene");
+    call(command(program, &["1", &size[0], &size[1], &folder.to_string_lossy()]))?;
+    Ok(folder)
+}
+
+fn names(pictures: &Path) -> [String; 2] {
+    ["blue.ppm", "green.ppm"].map(|name| pictures.join(name).to_string_lossy().into_owned())
+}

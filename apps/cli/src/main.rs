@@ -16,6 +16,7 @@ mod output;
 mod progress;
 mod reading;
 mod restore;
+mod scene;
 mod signals;
 mod simulate;
 mod water;
@@ -52,6 +53,7 @@ enum Command {
     Water(water::Water),
     Fit(fit::Fit),
     Simulate(simulate::Simulate),
+    Scene(scene::Scene),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -74,6 +76,8 @@ Examples:
   aquafuse depth reef.jpg -o depth.png
   aquafuse fit pairs/ -o mine.toml --depth-kind metres
                                                      a depth model from pictures with known depth
+  aquafuse scene train reef/ -o reef.ply --water learn
+                                                     a scene in 3D, and the water in it
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),
@@ -111,6 +115,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Water(water) => water.run(common),
         Command::Fit(fit) => fit.run(common.quiet),
         Command::Simulate(simulate) => simulate.run(common),
+        Command::Scene(scene) => scene.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }

@@ -25,8 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let degree = u8::try_from(number(6, 0)?)?;
     let folder = arguments.get(5).map(PathBuf::from);
 
-    let views = truth::views(1, Size { width, height }, VIEWS);
-    let pictures: Vec<Image<f32>> = views.iter().map(|view| view.scene.clear.clone()).collect();
+    let views = truth::views(1, Size { width, height }, VIEWS, 2);
+    let pictures: Vec<Image<f32>> = views.iter().map(|view| view.clear()).collect();
     let begin = points::splats(&truth::points(&views, &pictures, every), degree);
     let shots = views.iter().zip(&pictures).enumerate().filter(|(i, _)| i % HELD != 0);
     let shots = shots.map(|(_, (view, picture))| Shot {

@@ -1,5 +1,7 @@
 //! Points on things, as structure from motion finds them, and the splats that training begins with.
 
+use crate::camera::Camera;
+use crate::random::Random;
 use crate::splats::Splats;
 
 /// A point of the scene.
@@ -26,6 +28,20 @@ pub fn splats(points: &[Point], degree: u8) -> Splats<f32> {
         splats.push(&row);
     }
     splats
+}
+
+/// Points by chance in the views of cameras, for a scene without any: on lines of sight, near ones as often as far ones.
+///
+/// `extent` is how far the cameras stand apart: things are taken to be half to twenty times as far from them.
+pub fn scattered(cameras: &[&Camera], extent: f64, count: usize, seed: u64) -> Vec<Point> {
+    let mut random = Random(seed);
+    let points = (0..count).filter_map(|_| {
+        let camera = cameras.get(random.below(cameras.len().max(1)))?;
+        let place = [random.unit() * camera.width as f64, random.unit() * camera.height as f64];
+        let distance = extent * 0.5 * 40.0_f64.powf(random.unit());
+        Some(Point { position: camera.point_at(place, distance), colour: [0.5; 3] })
+    });
+    points.collect()
 }
 
 /// The root of the mean square distance to the nearest neighbours of each point.

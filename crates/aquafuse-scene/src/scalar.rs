@@ -41,7 +41,7 @@ pub trait Scalar:
     /// Its square root.
     fn sqrt(self) -> Self;
 
-    /// e^x for x <= 0, in arithmetic that the compiler makes vectors of: `f32` within (2 + |x|) 1e-7 of the true value,
+    /// e^x for x <= 0, in arithmetic that the compiler makes vectors of: `f32` within (4 + |x|) 1e-7 of the true value,
     /// relatively, down to e^-87, and not less below; `f64` exact.
     fn falloff(self) -> Self;
 
@@ -103,11 +103,11 @@ impl Scalar for f32 {
         let binary = if binary > LEAST { binary } else { LEAST };
         let shifted = binary + SHIFT;
         let rest = binary - (shifted - SHIFT);
-        // 2^rest on [-1/2, 1/2]: the series of e^(rest ln 2), whose next term is below 2e-7.
-        let mut power = 1.540_353e-4_f32;
-        for coefficient in [1.333_355_8e-3, 9.618_129e-3, 5.550_411e-2, 0.240_226_5, 0.693_147_2, 1.0] {
-            power = power * rest + coefficient;
-        }
+        // 2^rest on [-1/2, 1/2]: 1 + rest q(rest), q through (2^r - 1) / r at the five Chebyshev nodes; 2e-7 off at most.
+        // Summed in pairs, which wait less for one another.
+        let [a, b, c, d, e] = [0.693_147_2_f32, 0.240_223_5, 0.055_503_81, 0.009_666_368, 0.001_338_13];
+        let square = rest * rest;
+        let power = 1.0 + rest * ((a + b * rest) + square * ((c + d * rest) + e * square));
         let whole = shifted.to_bits().wrapping_sub(SHIFT.to_bits());
         power * f32::from_bits(whole.wrapping_add(127) << 23)
     }
@@ -152,7 +152,7 @@ mod tests {
         for step in 0..8700_u16 {
             let x = -0.01 * f64::from(step);
             let (found, true_value) = (f32::of(x).falloff().get(), f32::of(x).get().exp());
-            assert!((found / true_value - 1.0).abs() < 1e-7 * (2.0 - x), "{x}: {found} {true_value}");
+            assert!((found / true_value - 1.0).abs() < 1e-7 * (4.0 - x), "{x}: {found} {true_value}");
         }
         assert_eq!(0.0_f32.falloff(), 1.0);
         assert!((-1e9_f32).falloff() < 1e-37);

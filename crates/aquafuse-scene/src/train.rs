@@ -39,11 +39,11 @@ pub struct Shot {
 /// use aquafuse_scene::train::{Options, Shot, Trainer, loss::Target};
 /// use aquafuse_scene::{points, truth};
 ///
-/// let views = truth::views(1, Size { width: 40, height: 30 }, 4);
-/// let pictures: Vec<_> = views.iter().map(|view| view.scene.clear.clone()).collect();
+/// let views = truth::views(1, Size { width: 40, height: 30 }, 4, 1);
+/// let pictures: Vec<_> = views.iter().map(|view| view.clear()).collect();
 /// let splats = points::splats(&truth::points(&views, &pictures, 16), 0);
-/// let shots = views.into_iter().map(|view| Shot {
-///     target: Target::new(40, 30, view.scene.clear.pixels()),
+/// let shots = views.into_iter().zip(&pictures).map(|(view, picture)| Shot {
+///     target: Target::new(40, 30, picture.pixels()),
 ///     camera: view.camera,
 /// });
 /// let mut trainer = Trainer::new(Options { iterations: 20, ..Options::default() }, shots.collect(), splats, None);
@@ -151,7 +151,7 @@ impl Trainer {
 }
 
 /// The greatest distance of a camera from the middle of all, and a tenth more: the size of a scene, as published.
-fn extent(cameras: &[&Camera]) -> f64 {
+pub fn extent(cameras: &[&Camera]) -> f64 {
     let positions: Vec<[f64; 3]> = cameras.iter().map(|camera| camera.position()).collect();
     let middle: [f64; 3] =
         std::array::from_fn(|i| positions.iter().map(|p| p[i]).sum::<f64>() / positions.len() as f64);

@@ -5,17 +5,33 @@
 
 use aquafuse::image::Image;
 use aquafuse::truth::{HALF_VIEW, OPEN_WATER, Pose, Scene, Size, View};
+use aquafuse::waterbody::Waterbody;
 
 use crate::camera::Camera;
+use crate::lens::shrunk;
 use crate::points::Point;
 
-/// A camera and what it sees through air, with distances.
+/// A camera and what it sees.
 #[derive(Clone, Debug)]
 pub struct TruthView {
     /// The camera.
     pub camera: Camera,
-    /// Its picture and depth.
+    /// The same camera on finer pixels, whose means are the picture's.
+    pub fine: Camera,
+    /// What it sees on those, through air, with distances.
     pub scene: Scene,
+}
+
+impl TruthView {
+    /// The picture taken through air.
+    pub fn clear(&self) -> Image<f32> {
+        shrunk(&self.scene.clear, self.camera.width, self.camera.height)
+    }
+
+    /// The picture taken through a water, its coefficients per metre.
+    pub fn seen_through(&self, water: &Waterbody) -> Image<f32> {
+        shrunk(&self.scene.seen_through(water), self.camera.width, self.camera.height)
+    }
 }
 
 /// Rows of cameras, one above the other.
@@ -28,7 +44,10 @@ const AHEAD: f32 = 5.0;
 const DOWN: f32 = 0.26;
 
 /// So many views of the place of a seed: cameras on two arcs, all looking at the same things some metres ahead.
-pub fn views(seed: u64, size: Size, count: usize) -> Vec<TruthView> {
+///
+/// Each pixel is the mean of `finer` x `finer` finer ones, > 0: as of a real sensor, whose pixels have a size. At 1, what is
+/// finer than a pixel sparkles from view to view, which no scene in 3D can explain.
+pub fn views(seed: u64, size: Size, count: usize, finer: usize) -> Vec<TruthView> {
     let a_row = count.div_ceil(ROWS).max(2);
     let pose = |i: usize| {
         let (row, column) = (i / a_row, i % a_row);
@@ -40,8 +59,12 @@ pub fn views(seed: u64, size: Size, count: usize) -> Vec<TruthView> {
         Pose { moved: [side, up, back], yaw: (-side).atan2(AHEAD - back), pitch: (up - target).atan2(level) }
     };
     let view = |i: usize| {
-        let pose = pose(i);
-        TruthView { camera: camera(&pose, size), scene: Scene::from(View::default(), seed, &pose, size) }
+        let (pose, fine) = (pose(i), Size { width: size.width * finer, height: size.height * finer });
+        TruthView {
+            camera: camera(&pose, size),
+            fine: camera(&pose, fine),
+            scene: Scene::from(View::default(), seed, &pose, fine),
+        }
     };
     (0..count).map(view).collect()
 }
@@ -68,7 +91,7 @@ fn camera(pose: &Pose, size: Size) -> Camera {
     }
 }
 
-/// Points on things as structure from motion would find them: every so many pixels of the views, with the colours that
+/// Points on things as structure from motion would find them: one in so many pixels of the views, with the colours that
 /// `pictures`, one a view, have there; none in open water.
 ///
 /// # Panics
@@ -77,15 +100,18 @@ fn camera(pose: &Pose, size: Size) -> Camera {
 pub fn points(views: &[TruthView], pictures: &[Image<f32>], every: usize) -> Vec<Point> {
     assert_eq!(views.len(), pictures.len(), "one picture a view");
     let of_view = |(number, (view, picture)): (usize, (&TruthView, &Image<f32>))| {
-        let width = view.camera.width;
+        assert_eq!(picture.size(), (view.camera.width, view.camera.height), "the picture of the view");
+        let width = view.fine.width;
+        let finer = width / view.camera.width;
+        let every = every * finer * finer;
         let distances = view.scene.depth.distances();
-        assert_eq!(picture.size(), (width, view.camera.height), "the picture of the view");
         // Another pixel of each view, so that no two see the same grid.
         let first = (number * 7919) % every;
         let point = |i: usize| {
             let place = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
-            let position = view.camera.point_at(place, f64::from(distances[i]));
-            Point { position, colour: picture.pixels()[i].map(f64::from) }
+            let position = view.fine.point_at(place, f64::from(distances[i]));
+            let pixel = i / width / finer * view.camera.width + i % width / finer;
+            Point { position, colour: picture.pixels()[pixel].map(f64::from) }
         };
         let hit: Vec<Point> = (first..distances.len())
             .step_by(every)
@@ -105,7 +131,7 @@ mod tests {
     #[test]
     fn what_one_camera_sees_another_sees_at_the_distance_reckoned() {
         let size = Size { width: 80, height: 60 };
-        let views = views(3, size, 4);
+        let views = views(3, size, 4, 1);
         let (mut agreeing, mut asked) = (0, 0);
         let (from, to) = (&views[0], &views[1]);
         for (i, z) in from.scene.depth.distances().into_iter().enumerate().filter(|(_, z)| *z < OPEN_WATER) {
@@ -124,7 +150,7 @@ mod tests {
 
     #[test]
     fn no_camera_stands_in_a_thing() {
-        for view in views(1, Size { width: 40, height: 30 }, 28) {
+        for view in views(1, Size { width: 40, height: 30 }, 28, 1) {
             assert!(view.scene.depth.distances().iter().all(|&z| z > 0.3));
         }
     }

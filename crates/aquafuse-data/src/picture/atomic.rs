@@ -21,7 +21,16 @@ impl<W: Write + Seek> Output for W {}
 ///
 /// [`FileError`] when the file exists and may not be replaced, or the system refuses.
 pub fn write_text(path: &Path, text: &str, overwrite: bool) -> Result<(), FileError> {
-    write_atomically(path, overwrite, |out| out.write_all(text.as_bytes()))
+    write_bytes(path, text.as_bytes(), overwrite)
+}
+
+/// Writes bytes as a file, whole or not at all.
+///
+/// # Errors
+///
+/// As [`write_text`].
+pub fn write_bytes(path: &Path, bytes: &[u8], overwrite: bool) -> Result<(), FileError> {
+    write_atomically(path, overwrite, |out| out.write_all(bytes))
 }
 
 /// Writes a file through a temporary one in the same folder, which then takes its name.

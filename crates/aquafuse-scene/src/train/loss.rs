@@ -209,46 +209,44 @@ impl<T: Scalar> Work for Blur<'_, T> {
         let mut padded = vec![T::ZERO; width + 2 * REACH];
         for (row, out) in self.plane.chunks_exact(width).zip(self.scratch.chunks_exact_mut(width)) {
             padded[REACH..][..width].copy_from_slice(row);
-            weigh(out, |tap, x| padded[tap + x], &self.bell, 0..TAPS);
+            weigh(out, |tap| &padded[tap..], &self.bell, 0..TAPS);
         }
         for (y, out) in self.plane.chunks_exact_mut(width).enumerate() {
             let taps = REACH.saturating_sub(y)..(rows + REACH - y).min(TAPS);
             let first = (y + taps.start - REACH) * width;
             let above = &self.scratch[first..first + taps.len() * width];
             let begin = taps.start;
-            weigh(out, |tap, x| above[(tap - begin) * width + x], &self.bell, taps);
+            weigh(out, |tap| &above[(tap - begin) * width..], &self.bell, taps);
         }
     }
 }
 
 /// Pixels that are summed at a time, in registers.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 
-/// Sums what `value` gives for each tap, weighed.
+/// Sums the window's lines, weighed: `line` gives for each tap the numbers that lie on one another.
 #[inline(always)]
-fn weigh<T: Scalar>(
+fn weigh<'a, T: Scalar>(
     out: &mut [T],
-    value: impl Fn(usize, usize) -> T,
+    line: impl Fn(usize) -> &'a [T],
     bell: &[T; TAPS],
     taps: std::ops::Range<usize>,
 ) {
-    for (block, out) in out.chunks_mut(BLOCK).enumerate() {
-        let left = block * BLOCK;
+    let width = out.len();
+    let (blocks, rest) = out.as_chunks_mut::<BLOCK>();
+    for (block, out) in blocks.iter_mut().enumerate() {
         let mut sums = [T::ZERO; BLOCK];
-        if out.len() == BLOCK {
-            for tap in taps.clone() {
-                for k in 0..BLOCK {
-                    sums[k] += bell[tap] * value(tap, left + k);
-                }
-            }
-        } else {
-            for tap in taps.clone() {
-                for k in 0..out.len() {
-                    sums[k] += bell[tap] * value(tap, left + k);
-                }
+        for tap in taps.clone() {
+            let line = &line(tap)[block * BLOCK..][..BLOCK];
+            for k in 0..BLOCK {
+                sums[k] += bell[tap] * line[k];
             }
         }
-        out.copy_from_slice(&sums[..out.len()]);
+        *out = sums;
+    }
+    let left = width - rest.len();
+    for (k, out) in rest.iter_mut().enumerate() {
+        *out = taps.clone().fold(T::ZERO, |sum, tap| sum + bell[tap] * line(tap)[left + k]);
     }
 }
 

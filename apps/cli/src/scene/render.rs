@@ -60,7 +60,7 @@ impl Render {
         let Trained { splats, medium } = Trained::read(&self.splats)?;
         let medium = self.medium(medium, common)?;
         let cameras = read_cameras(&self.scene)?;
-        let names: Vec<PathBuf> = cameras.taken.iter().map(|one| flat(&one.name)).collect();
+        let names: Vec<String> = cameras.taken.iter().map(|one| flat(&one.name)).collect();
         if names.iter().collect::<BTreeSet<_>>().len() < names.len() {
             return Err(Failure::usage(anyhow!(
                 "{} has pictures that differ in their extension alone; rename one of each",
@@ -78,8 +78,8 @@ impl Render {
             let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
             let camera = camera.scaled_to(side(camera.width), side(camera.height));
             let drawn = render(&splats, MOST_DEGREE, &camera, &medium).drawing;
-            let path = self.output.join(name);
-            Picture::new(picture(&drawn).to_samples::<u8>()).write(&path.with_extension("png"), &writing)?;
+            let path = self.output.join(format!("{name}.png"));
+            Picture::new(picture(&drawn).to_samples::<u8>()).write(&path, &writing)?;
             if self.depth {
                 let known = distances(&drawn).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
                 let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
@@ -108,9 +108,21 @@ impl Render {
     }
 }
 
-/// A picture's name without folders and extension, so that all outputs stand in one folder.
-fn flat(name: &Path) -> PathBuf {
-    let parts: Vec<_> =
-        name.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect();
-    parts.join("__").into()
+/// A picture's name without folders and extension, so that all outputs stand in one folder. What follows an earlier dot
+/// is no extension.
+fn flat(name: &Path) -> String {
+    let parts: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();
+    let whole = parts.join("__");
+    whole.rsplit_once('.').map_or(whole.as_str(), |(stem, _)| stem).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_keep_all_but_their_extension() {
+        assert_eq!(flat("left/frame_08.500.jpg".as_ref()), "left__frame_08.500");
+        assert_eq!(flat("frame".as_ref()), "frame");
+    }
 }

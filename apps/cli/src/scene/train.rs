@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
+use aquafuse::image::Encoded;
 use aquafuse::metrics::{psnr, ssim};
 use aquafuse_data::analysis::{DepthSource, analyse};
 use aquafuse_data::picture::{FileError, Picture, remove_stale_parts, shown, write_bytes};
@@ -219,7 +220,7 @@ fn first_guess(shown: &[&Shown], points: &[points::Point], extent: f64) -> Resul
     let (mut estimates, mut distances) = (Vec::new(), Vec::new());
     for one in shown {
         let whole = Picture::new(one.picture.to_samples::<u8>());
-        let found = analyse(&whole, &DepthSource::default())?;
+        let found = analyse::<Encoded>(&whole, &DepthSource::default())?;
         let lens = Lens { camera: one.camera.clone(), distortion: [0.0; 4] };
         let known = unit_of(&found.depth, &lens, points);
         // Without points: things stand some extents away.

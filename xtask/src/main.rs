@@ -1,5 +1,5 @@
 //! The project's habits, one command each: `cargo xtask check | test | truth | readings | depth | published | hostile |
-//! memory | corpus | soak | bench`.
+//! memory | corpus | soak | bench | scene`.
 
 mod bench;
 mod checks;
@@ -28,6 +28,7 @@ cargo xtask COMMAND
   memory     [PICTURES] what a run over 1,000 pictures of 24 megapixels holds, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
+  scene      splats trained on a truth scene, with the water inside, into docs/results.md
   bench      a whole frame against the same algorithm in OpenCV, into docs/results.md
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         ["soak", minutes] if minutes.parse::<u64>().is_ok() => {
             soak::run_for(minutes.parse().unwrap_or(soak::DEFAULT_MINUTES))
         }
+        ["scene"] => results::scene(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");

@@ -202,13 +202,17 @@ fn cost(size: Size, every: usize) -> String {
     let shot = Shot { camera: camera.clone(), target: target.clone() };
     let mut trainer =
         Trainer::new(Options { iterations: 100_000, ..Options::default() }, vec![shot], begin, None);
-    (0..TIMED).for_each(|_| drop(trainer.step()));
+    for _ in 0..TIMED {
+        trainer.step();
+    }
     let timed = |work: &mut dyn FnMut()| {
         let began = processor_seconds();
         (0..TIMED).for_each(|_| work());
         1e3 * (processor_seconds() - began) / f64::from(TIMED)
     };
-    let whole = timed(&mut || drop(trainer.step()));
+    let whole = timed(&mut || {
+        trainer.step();
+    });
     let splats = trainer.splats();
     let drawn = render(splats, 0, camera, &Medium::Air);
     let (_, gradient) = aquafuse_scene::train::loss::loss(&drawn.drawing, &target, 0.2);

@@ -12,11 +12,11 @@ mod tiles;
 use aquafuse::simd::widest;
 use rayon::prelude::*;
 
-use crate::camera::{Camera, View};
-use crate::medium::{Between, Medium, PARAMETERS};
+use crate::camera::Camera;
+use crate::medium::{Medium, PARAMETERS};
 use crate::scalar::Scalar;
 use crate::splats::Splats;
-use project::{Footprint, Sums};
+use project::{Footprint, Sight, Sums};
 use raster::{Draw, Planes, Source, Strip, Undraw};
 use tiles::{SIDE, Tiles};
 
@@ -76,9 +76,7 @@ pub struct Rendered<T> {
     /// The picture.
     pub drawing: Drawing<T>,
     width: usize,
-    degree: u8,
-    view: View<T>,
-    between: Between<T>,
+    sight: Sight<T>,
     background: [T; 3],
     /// In order of distance.
     footprints: Vec<Footprint<T>>,
@@ -100,8 +98,8 @@ pub struct Gradient<T> {
 
 /// Draws the splats as the camera sees them through the medium, with harmonics up to `degree`.
 pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Rendered<T> {
-    let (view, between) = (camera.view::<T>(), medium.between());
     let degree = degree.min(splats.degree());
+    let sight = Sight { view: camera.view::<T>(), between: medium.between(), degree };
     let (width, height) = (camera.width, camera.height);
     let in_view = |footprint: &Footprint<T>| {
         let [x, y] = footprint.mean.map(T::get);
@@ -114,9 +112,9 @@ pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium
         .par_chunks(row_width * SHARE)
         .enumerate()
         .flat_map_iter(|(share, rows)| {
-            let (view, between) = (&view, &between);
+            let sight = &sight;
             rows.chunks_exact(row_width).enumerate().filter_map(move |(i, row)| {
-                project::project((share * SHARE + i) as u32, row, degree, view, between).filter(in_view)
+                project::project((share * SHARE + i) as u32, row, sight).filter(in_view)
             })
         })
         .collect();
@@ -129,9 +127,7 @@ pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium
     let mut rendered = Rendered {
         drawing: Drawing::zeros(0, 0),
         width,
-        degree,
-        view,
-        between,
+        sight,
         background: medium.background(),
         footprints,
         ranks,
@@ -195,8 +191,7 @@ impl<T: Scalar> Rendered<T> {
                         sums.add(&entries[place as usize]);
                     }
                     *drift = Some(project::drift(footprint, &sums));
-                    let (degree, view, between) = (self.degree, &self.view, &self.between);
-                    project::back(row, degree, view, between, footprint, &sums, written, &mut water);
+                    project::back(row, &self.sight, footprint, &sums, written, &mut water);
                 }
                 water
             })

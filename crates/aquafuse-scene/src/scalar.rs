@@ -105,7 +105,8 @@ impl Scalar for f32 {
         let rest = binary - (shifted - SHIFT);
         // 2^rest on [-1/2, 1/2]: 1 + rest q(rest), q through (2^r - 1) / r at the five Chebyshev nodes; 2e-7 off at most.
         // Summed in pairs, which wait less for one another.
-        let [a, b, c, d, e] = [0.693_147_2_f32, 0.240_223_5, 0.055_503_81, 0.009_666_368, 0.001_338_13];
+        let [a, b, c, d, e] =
+            [std::f32::consts::LN_2, 0.240_223_5, 0.055_503_81, 0.009_666_368, 0.001_338_13];
         let square = rest * rest;
         let power = 1.0 + rest * ((a + b * rest) + square * ((c + d * rest) + e * square));
         let whole = shifted.to_bits().wrapping_sub(SHIFT.to_bits());

@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn points_tell_the_unit_of_relative_depth() {
         let views = truth::views(2, Size { width: 80, height: 60 }, 2, 1);
-        let pictures: Vec<_> = views.iter().map(|view| view.clear()).collect();
+        let pictures: Vec<_> = views.iter().map(truth::TruthView::clear).collect();
         let points = truth::points(&views[1..], &pictures[1..], 20);
         // The true depth, said to be relative to 40 units.
         let distances = views[1].scene.depth.distances();

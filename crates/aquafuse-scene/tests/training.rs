@@ -76,7 +76,7 @@ fn neither_threads_nor_a_stop_change_a_bit() {
     let pictures = place.seen(TruthView::clear);
     let water = Some(Water::new([0.1, 0.3, 0.4], [0.2; 3], [0.2; 3]));
     let new = || Trainer::new(options(240), place.shots(&pictures), place.splats(&pictures), water.clone());
-    let run = |trainer: &mut Trainer, steps: u32| (0..steps).for_each(|_| drop(trainer.step()));
+    let run = |trainer: &mut Trainer, steps: u32| (0..steps).for_each(|_| _ = trainer.step());
 
     let mut whole = new();
     run(&mut whole, 130);

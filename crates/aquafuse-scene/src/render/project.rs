@@ -54,6 +54,21 @@ impl<T: Scalar> Sums<T> {
     }
 }
 
+/// How splats are looked at.
+#[derive(Clone, Debug)]
+pub(crate) struct Sight<T> {
+    pub(crate) view: View<T>,
+    pub(crate) between: Between<T>,
+    /// Harmonics beyond this degree are left out.
+    pub(crate) degree: u8,
+}
+
+/// Whether one is more than the other; not so where a number has gone wrong.
+#[inline(always)]
+fn is_more<T: Scalar>(one: T, other: T) -> bool {
+    one > other
+}
+
 /// What both ways share.
 struct Placed<T> {
     /// From the camera's position to the splat, in the scene's axes.
@@ -82,7 +97,7 @@ impl<T: Scalar> Placed<T> {
     fn new(row: &[T], view: &View<T>) -> Option<Self> {
         let position: [T; 3] = part(row, POSITION);
         let seen: [T; 3] = std::array::from_fn(|i| dot(view.rotation[i], position) + view.translation[i]);
-        if !(seen[2] > T::of(NEAREST)) {
+        if !is_more(seen[2], T::of(NEAREST)) {
             return None;
         }
         let inverse = T::ONE / seen[2];
@@ -111,8 +126,7 @@ impl<T: Scalar> Placed<T> {
             dot(axes[1], axes[1]) + T::of(DILATION),
         ];
         let determinant = covariance[0] * covariance[2] - covariance[1] * covariance[1];
-        // Also false where a number has gone wrong.
-        if !(determinant > T::ZERO) {
+        if !is_more(determinant, T::ZERO) {
             return None;
         }
         let offset: [T; 3] = std::array::from_fn(|i| position[i] - view.position[i]);
@@ -155,22 +169,17 @@ fn colour<T: Scalar>(row: &[T], degree: u8, direction: [T; 3]) -> [T; 3] {
     colour
 }
 
-/// The splat of this row as the view has it; none if it cannot be seen. Harmonics beyond `degree` are left out.
-pub(crate) fn project<T: Scalar>(
-    splat: u32,
-    row: &[T],
-    degree: u8,
-    view: &View<T>,
-    between: &Between<T>,
-) -> Option<Footprint<T>> {
+/// The splat of this row as it is seen; none if it cannot be.
+pub(crate) fn project<T: Scalar>(splat: u32, row: &[T], sight: &Sight<T>) -> Option<Footprint<T>> {
+    let Sight { view, between, degree } = sight;
     let placed = Placed::new(row, view)?;
     let opacity = row[OPACITY].sigmoid();
     // Where opacity e^-power falls to the faintest: the square of that many deviations.
     let square = T::of(2.0 * (opacity.get() / FAINTEST).ln());
-    if !(square > T::ZERO) {
+    if !is_more(square, T::ZERO) {
         return None;
     }
-    let own = colour(row, degree, placed.direction()).map(|v| v.at_least(T::ZERO));
+    let own = colour(row, *degree, placed.direction()).map(|v| v.at_least(T::ZERO));
     let [xx, _, yy] = placed.covariance;
     Some(Footprint {
         splat,
@@ -193,14 +202,14 @@ pub(crate) fn drift<T: Scalar>(footprint: &Footprint<T>, sums: &Sums<T>) -> [T; 
 /// Writes the gradient of a splat's numbers into `gradient`, and adds the water's to `water`.
 pub(crate) fn back<T: Scalar>(
     row: &[T],
-    degree: u8,
-    view: &View<T>,
-    between: &Between<T>,
+    sight: &Sight<T>,
     footprint: &Footprint<T>,
     sums: &Sums<T>,
     gradient: &mut [T],
     water: &mut [T; PARAMETERS],
 ) {
+    let Sight { view, between, degree } = sight;
+    let degree = *degree;
     let Some(placed) = Placed::new(row, view) else { return };
     let half = T::of(0.5);
     gradient[OPACITY] = sums.moments[0] * (T::ONE - footprint.opacity);

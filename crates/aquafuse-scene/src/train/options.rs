@@ -50,15 +50,15 @@ impl Rates {
         }
     }
 
-    /// Ours for a few thousand steps: twice to ten times the published ones. On a truth scene 600 steps come about 2 dB
-    /// nearer than with those (`cargo xtask scene`).
+    /// Ours for a few thousand steps: four to ten times the published ones, but for opacity. `docs/results.md` has both side
+    /// by side.
     pub fn quick() -> Self {
         Self {
             position: [1.6e-3, 1.6e-5],
-            scale: 0.01,
-            rotation: 0.004,
+            scale: 0.02,
+            rotation: 0.008,
             opacity: 0.05,
-            colour: 0.01,
+            colour: 0.02,
             water: 0.005,
         }
     }

@@ -1,5 +1,5 @@
 //! The project's habits, one command each: `cargo xtask check | test | test-arm64 | truth | readings | depth | published |
-//! hostile | memory | multiply | corpus | soak | instructions | bench`.
+//! hostile | memory | multiply | corpus | soak | instructions | bench | scene`.
 
 mod arm64;
 mod bench;
@@ -33,6 +33,7 @@ cargo xtask COMMAND
   multiply   [PICTURES] a data set of 10,000 small pictures multiplied, and killed 50 times, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
+  scene      splats trained on a truth scene, with the water inside, into docs/results.md
   instructions
              of each kernel, counted by valgrind, into benches/instructions.tsv
   bench      whole frames against the same in OpenCV, and others, into BENCHMARKS.md
@@ -67,6 +68,7 @@ fn main() -> ExitCode {
         }
         ["test-arm64"] => arm64::run(),
         ["instructions"] => instructions::renew(),
+        ["scene"] => results::scene(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");

@@ -51,6 +51,18 @@ pub(crate) fn readings() -> Result<()> {
     Ok(())
 }
 
+/// `cargo xtask scene`: how near views of a trained scene come, what is found of its water, what a step costs.
+pub(crate) fn scene() -> Result<()> {
+    say("Training on a truth scene (some minutes)");
+    let example = ["run", "--release", "--quiet", "--package", "aquafuse-scene", "--example", "scene_table"];
+    let text = output(cargo(&example))?;
+    println!("{text}");
+    for (name, table) in sections(&text)? {
+        write_section(RESULTS, name, table)?;
+    }
+    Ok(())
+}
+
 /// What an example prints between marks, by the names of the marks.
 fn sections(text: &str) -> Result<Vec<(&str, &str)>> {
     let mut found = Vec::new();

@@ -20,6 +20,7 @@ mod progress;
 mod reading;
 mod replay;
 mod restore;
+mod scene;
 mod signals;
 mod simulate;
 mod verify;
@@ -62,6 +63,7 @@ enum Command {
     Replay(replay::Replay),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    Scene(scene::Scene),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -88,6 +90,8 @@ Examples:
                                                      a depth model from pictures with known depth
   aquafuse evaluate fusion --contents photos/ --references waters/ -o report.html
                                                      what fusion does to pictures, in figures
+  aquafuse scene train reef/ -o reef.ply --water learn
+                                                     a scene in 3D, and the water in it
 
 Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),
@@ -130,6 +134,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Replay(replay) => replay.run(common),
         Command::Evaluate(evaluate) => evaluate.run(common),
         Command::Bench(bench) => bench.run(common),
+        Command::Scene(scene) => scene.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }

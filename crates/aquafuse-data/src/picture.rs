@@ -15,8 +15,8 @@ use std::path::Path;
 
 use aquafuse::image::{Image, TopEdge};
 
-pub use atomic::{abandon_parts, remove_stale_parts, write_text};
-pub(crate) use atomic::{write_atomically, write_bytes};
+pub(crate) use atomic::write_atomically;
+pub use atomic::{abandon_parts, remove_stale_parts, write_bytes, write_text};
 pub use error::FileError;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use exif::try_exif;

@@ -91,7 +91,7 @@ pub mod formation;
 pub mod fusion;
 pub mod image;
 pub mod metrics;
-mod simd;
+pub mod simd;
 pub mod smooth;
 pub mod stream;
 pub mod truth;

@@ -63,15 +63,18 @@ impl Level {
 ///
 /// A trait and no closure, because its one method can be `#[inline(always)]`, as all that it calls must be: what the
 /// compiler does not inline, it does not compile once more.
-pub(crate) trait Work {
+pub trait Work {
+    /// What comes of it.
     type Output;
+
+    /// Does it; `#[inline(always)]` in every implementation.
     fn run(self) -> Self::Output;
 }
 
 /// Does `work`, compiled once more for the vectors of this processor. It is the same code, and arithmetic is never
 /// rearranged for the sake of vectors, so that no bit changes.
 #[inline]
-pub(crate) fn widest<W: Work>(work: W) -> W::Output {
+pub fn widest<W: Work>(work: W) -> W::Output {
     widest_by(Level::best(), work)
 }
 

@@ -34,6 +34,20 @@ pub struct Size {
 /// its backscatter, and the picture there is the veiling light.
 pub const OPEN_WATER: f32 = render::FAR;
 
+/// The tangent of half the angle that a picture is wide: its focal length is `width / (2 HALF_VIEW)` pixels.
+pub const HALF_VIEW: f32 = render::HALF_VIEW;
+
+/// Where a camera stands in a place and looks, for more than one picture of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Metres to the right of, above and ahead of where the place's own camera stands.
+    pub moved: [f32; 3],
+    /// How far it looks to the right of straight ahead, radians.
+    pub yaw: f32,
+    /// How far it looks down, radians.
+    pub pitch: f32,
+}
+
 /// What kind of place it is, and where the camera looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct View {
@@ -99,9 +113,34 @@ impl Scene {
     ///
     /// When `size` has no pixels.
     pub fn of(view: View, seed: u64, size: Size) -> Self {
-        assert!(size.width > 0 && size.height > 0, "a scene needs pixels, not {size:?}");
         let place = layout::Place::new(view, seed);
-        let seen: Vec<render::Seen> = render::render(&place, size);
+        let own = Pose { pitch: place.pitch, ..Pose::default() };
+        Self::seen(&place, &own, size)
+    }
+
+    /// The place of this seed as another camera sees it.
+    ///
+    /// # Panics
+    ///
+    /// When `size` has no pixels.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::truth::{Pose, Scene, Size, View};
+    ///
+    /// let size = Size { width: 48, height: 32 };
+    /// let turned = Pose { yaw: 3.1, ..Pose::default() };
+    /// let [ahead, behind] = [Pose::default(), turned].map(|pose| Scene::from(View::default(), 7, &pose, size));
+    /// assert_ne!(ahead, behind);
+    /// ```
+    pub fn from(view: View, seed: u64, pose: &Pose, size: Size) -> Self {
+        Self::seen(&layout::Place::new(view, seed), pose, size)
+    }
+
+    fn seen(place: &layout::Place, pose: &Pose, size: Size) -> Self {
+        assert!(size.width > 0 && size.height > 0, "a scene needs pixels, not {size:?}");
+        let seen: Vec<render::Seen> = render::render(place, pose, size);
         let samples = seen.iter().flat_map(|seen| seen.colour).collect();
         let distances = seen.iter().map(|seen| seen.distance).collect();
         let clear = Image::from_raw(size.width, size.height, samples).expect("one colour a pixel");
@@ -127,6 +166,19 @@ mod tests {
         let scene = Scene::new(3, SMALL);
         assert_eq!(scene, Scene::new(3, SMALL));
         assert_ne!(scene, Scene::new(4, SMALL));
+    }
+
+    #[test]
+    fn what_two_cameras_see_of_a_place_is_at_one_distance_from_it() {
+        // One camera stands a metre behind the other, both look straight ahead: along the middle of the picture
+        // things are a metre farther.
+        let size = Size { width: 61, height: 41 };
+        let depth = |ahead: f32| {
+            let pose = Pose { moved: [0.0, 0.3, ahead], ..Pose::default() };
+            Scene::from(View::default(), 5, &pose, size).depth.at(30, 20)
+        };
+        let (near, far) = (depth(0.0), depth(-1.0));
+        assert!(near < 20.0 && (far - near - 1.0).abs() < 0.02, "{near} {far}");
     }
 
     #[test]

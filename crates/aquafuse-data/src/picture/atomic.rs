@@ -25,7 +25,11 @@ pub fn write_text(path: &Path, text: &str, overwrite: bool) -> Result<(), FileEr
 }
 
 /// Writes bytes as a file, whole or not at all.
-pub(crate) fn write_bytes(path: &Path, bytes: &[u8], overwrite: bool) -> Result<(), FileError> {
+///
+/// # Errors
+///
+/// As [`write_text`].
+pub fn write_bytes(path: &Path, bytes: &[u8], overwrite: bool) -> Result<(), FileError> {
     write_atomically(path, overwrite, |out| out.write_all(bytes))
 }
 

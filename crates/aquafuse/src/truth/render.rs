@@ -1,11 +1,11 @@
 //! Camera, ray marching and light: what is seen of a place through air.
 
-use super::Size;
 use super::floor::CREST;
 use super::geometry::{Ray, Vec3, smooth_step, vec3};
 use super::layout::Place;
 use super::noise::{cells, noise};
 use super::thing::Thing;
+use super::{Pose, Size};
 use crate::image::{Encoding, Linear};
 
 /// Distance of open water, metres: at β = .08 a metre, e^(-βz) is .0003 of the range and no byte shows it.
@@ -13,7 +13,7 @@ pub(super) const FAR: f32 = 100.0;
 /// Nothing is looked for beyond; towards it the floor fades into the dark.
 const HORIZON: f32 = 26.0;
 /// Tangent of half the horizontal field of view (70°).
-const HALF_VIEW: f32 = 0.70;
+pub(super) const HALF_VIEW: f32 = 0.70;
 /// Rays a pixel, placed on a turned grid; the first one gives the depth.
 const RAYS: [[f32; 2]; 3] = [[0.5, 0.5], [0.17, 0.78], [0.83, 0.22]];
 const MAX_STEPS: usize = 160;
@@ -28,8 +28,8 @@ pub(super) struct Seen {
 }
 
 /// All pixels, row by row.
-pub(super) fn render(place: &Place, size: Size) -> Vec<Seen> {
-    let row = |y: usize| (0..size.width).map(move |x| pixel(place, size, x, y));
+pub(super) fn render(place: &Place, pose: &Pose, size: Size) -> Vec<Seen> {
+    let row = |y: usize| (0..size.width).map(move |x| pixel(place, pose, size, x, y));
     #[cfg(feature = "threads")]
     {
         use rayon::prelude::*;
@@ -39,11 +39,11 @@ pub(super) fn render(place: &Place, size: Size) -> Vec<Seen> {
     (0..size.height).flat_map(row).collect()
 }
 
-fn pixel(place: &Place, size: Size, x: usize, y: usize) -> Seen {
+fn pixel(place: &Place, pose: &Pose, size: Size, x: usize, y: usize) -> Seen {
     let mut light = Vec3::default();
     let mut distance = FAR;
     for (i, [dx, dy]) in RAYS.into_iter().enumerate() {
-        let ray = camera_ray(place, size, x as f32 + dx, y as f32 + dy);
+        let ray = camera_ray(place, pose, size, x as f32 + dx, y as f32 + dy);
         let hit = march(place, &ray, HORIZON);
         if let (0, Some(hit)) = (i, &hit) {
             distance = hit.t;
@@ -62,13 +62,17 @@ fn film(light: f32) -> f32 {
     if light < 0.6 { light } else { 0.6 + 0.4 * (1.0 - (-(light - 0.6) / 0.4).exp()) }
 }
 
-fn camera_ray(place: &Place, size: Size, x: f32, y: f32) -> Ray {
+fn camera_ray(place: &Place, pose: &Pose, size: Size, x: f32, y: f32) -> Ray {
     let (width, height) = (size.width as f32, size.height as f32);
     let right = (2.0 * x / width - 1.0) * HALF_VIEW;
     let up = (1.0 - 2.0 * y / height) * HALF_VIEW * height / width;
-    let (sin, cos) = place.pitch.sin_cos();
-    let direction = vec3(right, up * cos - sin, up * sin + cos).normalised();
-    Ray { origin: vec3(0.0, place.floor.height(0.0, 0.0) + place.eye, 0.0), direction }
+    let (sin, cos) = pose.pitch.sin_cos();
+    let level = vec3(right, up * cos - sin, up * sin + cos);
+    let (sin, cos) = pose.yaw.sin_cos();
+    let direction = vec3(level.x * cos + level.z * sin, level.y, level.z * cos - level.x * sin).normalised();
+    let [right, up, ahead] = pose.moved;
+    let eye = vec3(0.0, place.floor.height(0.0, 0.0) + place.eye, 0.0);
+    Ray { origin: eye + vec3(right, up, ahead), direction }
 }
 
 struct Hit<'a> {

@@ -1,0 +1,128 @@
+//! `aquafuse scene render`: a trained scene as its cameras see it, through any water.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
+use aquafuse::image::Encoded;
+use aquafuse_data::depth_file;
+use aquafuse_data::picture::{Picture, WriteOptions, remove_stale_parts, shown};
+use aquafuse_scene::compare::{distances, picture};
+use aquafuse_scene::files::read_cameras;
+use aquafuse_scene::medium::Medium;
+use aquafuse_scene::render::render;
+use aquafuse_scene::splats::MOST_DEGREE;
+use clap::Args;
+
+use super::splats_file::{Trained, known};
+use crate::common::Common;
+use crate::failure::Failure;
+use crate::output;
+use crate::progress::Progress;
+use crate::water_argument::{WaterArguments, WaterSource};
+
+/// Draw a trained scene as its cameras see it.
+#[derive(Args)]
+#[command(after_help = "\
+Through the water that was learned unless --water says otherwise. A unit of the scene counts as a metre.
+
+Examples:
+  aquafuse scene render reef.ply reef/ -o views/
+  aquafuse scene render reef.ply reef/ -o dewatered/ --water none
+  aquafuse scene render reef.ply reef/ -o coast/ --water preset:jerlov-3C --depth")]
+pub(crate) struct Render {
+    /// A trained scene.
+    splats: PathBuf,
+    /// The folder with its cameras.
+    scene: PathBuf,
+    /// Folder to write into, NAME.png for each camera; made if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// What it is seen through: `none` for air, or a picture, NAME.water.json or preset:NAME.
+    #[arg(long, value_name = "WATER")]
+    water: Option<PathBuf>,
+    #[command(flatten)]
+    waters: WaterArguments,
+    /// Distances too, NAME.depth.tiff in units of the scene; 0 where nothing is opaque.
+    #[arg(long)]
+    depth: bool,
+    /// Pictures have this many pixels on their longer side.
+    #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=16384))]
+    longest: u32,
+    /// Replace pictures that exist.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl Render {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let Trained { splats, medium } = Trained::read(&self.splats)?;
+        let medium = self.medium(medium, common)?;
+        let cameras = read_cameras(&self.scene)?;
+        let names: Vec<String> = cameras.taken.iter().map(|one| flat(&one.name)).collect();
+        if names.iter().collect::<BTreeSet<_>>().len() < names.len() {
+            return Err(Failure::usage(anyhow!(
+                "{} has pictures that differ in their extension alone; rename one of each",
+                shown(&self.scene)
+            )));
+        }
+        output::make_folder(&self.output)?;
+        remove_stale_parts(&self.output);
+        let writing = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+        let progress = Progress::new(common.quiet);
+        progress.start(names.len());
+        for (one, name) in cameras.taken.iter().zip(&names) {
+            let camera = &one.lens.camera;
+            let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
+            let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
+            let camera = camera.scaled_to(side(camera.width), side(camera.height));
+            let drawn = render(&splats, MOST_DEGREE, &camera, &medium).drawing;
+            let path = self.output.join(format!("{name}.png"));
+            Picture::new(picture(&drawn).to_samples::<u8>()).write(&path, &writing)?;
+            if self.depth {
+                let known = distances(&drawn).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
+                let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
+                depth_file::write(
+                    &path.with_extension("depth.tiff"),
+                    &map.map_err(Failure::work)?,
+                    &writing,
+                )?;
+            }
+            progress.done(shown(&path).to_string());
+        }
+        progress.finish();
+        let text = format!("{}: {} views of {} splats\n", shown(&self.output), names.len(), splats.len());
+        if common.quiet { Ok(()) } else { output::print(&text) }
+    }
+
+    fn medium(&self, trained: Medium<f32>, common: &Common) -> Result<Medium<f32>, Failure> {
+        let Some(said) = &self.water else { return Ok(trained) };
+        if said == Path::new("none") {
+            return Ok(Medium::Air);
+        }
+        let source = WaterSource::parse(said)?;
+        let mut file = self.waters.read::<Encoded>(&source, DepthModel::default(), &common.reading)?;
+        file.estimate = self.waters.per(DepthKind::Metres, &file)?;
+        Ok(known(&file))
+    }
+}
+
+/// A picture's name without folders and extension, so that all outputs stand in one folder. What follows an earlier dot
+/// is no extension.
+fn flat(name: &Path) -> String {
+    let parts: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();
+    let whole = parts.join("__");
+    whole.rsplit_once('.').map_or(whole.as_str(), |(stem, _)| stem).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_keep_all_but_their_extension() {
+        assert_eq!(flat("left/frame_08.500.jpg".as_ref()), "left__frame_08.500");
+        assert_eq!(flat("frame".as_ref()), "frame");
+    }
+}

@@ -1,0 +1,153 @@
+//! Where a picture was taken from, and how the camera draws.
+
+use crate::scalar::Scalar;
+
+/// A pinhole camera with its pose.
+///
+/// Axes are those of COLMAP and OpenCV: x to the right, y down, z ahead. A point p of the scene is `R p + t` for the
+/// camera, and is drawn at `(fx x/z + cx, fy y/z + cy)`, where the middle of the first pixel is (0.5, 0.5).
+/// Lens distortion is taken out of pictures when they are loaded, so that there is none here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Columns of its pictures, > 0.
+    pub width: usize,
+    /// Rows of its pictures, > 0.
+    pub height: usize,
+    /// fx and fy, in pixels, > 0.
+    pub focal: [f64; 2],
+    /// cx and cy, in pixels from the outer corner of the first.
+    pub centre: [f64; 2],
+    /// R, a rotation, rows first.
+    pub rotation: [[f64; 3]; 3],
+    /// t, in units of the scene.
+    pub translation: [f64; 3],
+}
+
+impl Camera {
+    /// Where it stands, -Rᵀ t.
+    pub fn position(&self) -> [f64; 3] {
+        std::array::from_fn(|i| -(0..3).map(|row| self.rotation[row][i] * self.translation[row]).sum::<f64>())
+    }
+
+    /// A point of the scene as the camera has it.
+    pub fn to_camera(&self, point: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|row| dot(self.rotation[row], point) + self.translation[row])
+    }
+
+    /// The point of the scene that lies `distance` along the line of sight of a place on the picture.
+    pub fn point_at(&self, place: [f64; 2], distance: f64) -> [f64; 3] {
+        let ray =
+            [(place[0] - self.centre[0]) / self.focal[0], (place[1] - self.centre[1]) / self.focal[1], 1.0];
+        let along = distance / dot(ray, ray).sqrt();
+        let position = self.position();
+        std::array::from_fn(|i| {
+            position[i] + along * (0..3).map(|row| self.rotation[row][i] * ray[row]).sum::<f64>()
+        })
+    }
+
+    /// The rotation of a unit quaternion w, x, y, z, rows first.
+    pub fn rotation_of(quaternion: [f64; 4]) -> [[f64; 3]; 3] {
+        rotation(quaternion)
+    }
+
+    /// The same view drawn on so many columns and rows.
+    #[must_use]
+    pub fn scaled_to(&self, width: usize, height: usize) -> Self {
+        let scale = [width as f64 / self.width as f64, height as f64 / self.height as f64];
+        Self {
+            width,
+            height,
+            focal: [self.focal[0] * scale[0], self.focal[1] * scale[1]],
+            centre: [self.centre[0] * scale[0], self.centre[1] * scale[1]],
+            ..self.clone()
+        }
+    }
+
+    /// The same camera in the numbers a scene is reckoned in.
+    pub(crate) fn view<T: Scalar>(&self) -> View<T> {
+        let of = |values: [f64; 3]| values.map(T::of);
+        let half = [0.5 * self.width as f64 / self.focal[0], 0.5 * self.height as f64 / self.focal[1]];
+        let sides = [self.width as f64, self.height as f64];
+        let limit = |axis: usize| {
+            let beyond = MARGIN * half[axis];
+            let (low, high) = (
+                -self.centre[axis] / self.focal[axis] - beyond,
+                (sides[axis] - self.centre[axis]) / self.focal[axis] + beyond,
+            );
+            [T::of(low), T::of(high)]
+        };
+        View {
+            focal: self.focal.map(T::of),
+            centre: self.centre.map(T::of),
+            rotation: self.rotation.map(of),
+            translation: of(self.translation),
+            position: of(self.position()),
+            limits: [limit(0), limit(1)],
+        }
+    }
+}
+
+/// How far beyond the edge of the picture, in half pictures, a splat's own place is used to flatten it. Farther out
+/// the flattening, which is right at a point only, would blow splats up that just reach in; published: .3.
+const MARGIN: f64 = 0.3;
+
+/// A camera as projection needs it.
+#[derive(Clone, Debug)]
+pub(crate) struct View<T> {
+    pub(crate) focal: [T; 2],
+    pub(crate) centre: [T; 2],
+    pub(crate) rotation: [[T; 3]; 3],
+    pub(crate) translation: [T; 3],
+    pub(crate) position: [T; 3],
+    /// The least and greatest x/z and y/z at which splats are flattened.
+    pub(crate) limits: [[T; 2]; 2],
+}
+
+/// The product of two directions.
+#[inline(always)]
+pub(crate) fn dot<T: Scalar>(a: [T; 3], b: [T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The rotation of a unit quaternion w, x, y, z, rows first.
+#[inline(always)]
+pub(crate) fn rotation<T: Scalar>([w, x, y, z]: [T; 4]) -> [[T; 3]; 3] {
+    let two = T::ONE + T::ONE;
+    let one = T::ONE;
+    [
+        [one - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y)],
+        [two * (x * y + w * z), one - two * (x * x + z * z), two * (y * z - w * x)],
+        [two * (x * z - w * y), two * (y * z + w * x), one - two * (x * x + y * y)],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turned() -> Camera {
+        Camera {
+            width: 40,
+            height: 30,
+            focal: [50.0, 45.0],
+            centre: [19.0, 16.0],
+            rotation: Camera::rotation_of([0.8, 0.36, -0.48, 0.0]),
+            translation: [0.3, -1.0, 2.0],
+        }
+    }
+
+    #[test]
+    fn a_point_on_a_line_of_sight_is_drawn_where_the_line_was_asked_for() {
+        let camera = turned();
+        let seen = camera.to_camera(camera.point_at([7.5, 22.5], 3.0));
+        assert!((dot(seen, seen).sqrt() - 3.0).abs() < 1e-12);
+        assert!((50.0 * seen[0] / seen[2] + 19.0 - 7.5).abs() < 1e-12);
+        assert!((45.0 * seen[1] / seen[2] + 16.0 - 22.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_camera_is_its_own_origin() {
+        let camera = turned();
+        assert!(camera.to_camera(camera.position()).iter().all(|v| v.abs() < 1e-12));
+    }
+}

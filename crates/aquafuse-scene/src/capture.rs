@@ -1,0 +1,110 @@
+//! A scene's folder: pictures with their cameras, straightened and ready to train on.
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::image::Image;
+use aquafuse_data::picture::{FileError, Picture, ReadOptions, shown};
+
+use crate::camera::Camera;
+use crate::files::{Cameras, SceneFileError, read_cameras};
+use crate::lens::{Lens, shrunk};
+use crate::points::Point;
+
+/// One picture of a scene.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// Its name in the folder of pictures.
+    pub name: PathBuf,
+    /// The pinhole that would have taken `picture`.
+    pub camera: Camera,
+    /// The picture without the distortion of its lens, perhaps smaller than the file's.
+    pub picture: Image<f32>,
+}
+
+/// A scene as it was taken.
+#[derive(Clone, Debug)]
+pub struct Capture {
+    /// Pictures with a pose, sorted by name.
+    pub shown: Vec<Shown>,
+    /// Points on things; none where the model has none.
+    pub points: Vec<Point>,
+}
+
+/// A scene's folder could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CaptureError {
+    /// The cameras.
+    #[error(transparent)]
+    Cameras(#[from] SceneFileError),
+    /// A picture.
+    #[error(transparent)]
+    Picture(#[from] FileError),
+    /// A picture has another shape than its camera says.
+    #[error(
+        "{} is {}x{} pixels, but its camera has {}x{}: use the pictures that the model was made of, or ones scaled evenly",
+        shown(path),
+        found.0,
+        found.1,
+        expected.0,
+        expected.1
+    )]
+    Shape {
+        /// The picture.
+        path: PathBuf,
+        /// Its size.
+        found: (usize, usize),
+        /// What the camera has.
+        expected: (usize, usize),
+    },
+}
+
+/// The folder of a scene's pictures.
+pub fn pictures_of(scene: &Path) -> PathBuf {
+    let images = scene.join("images");
+    if images.is_dir() { images } else { scene.to_owned() }
+}
+
+/// Reads the pictures of a scene, each no longer than `longest` pixels on its longer side.
+///
+/// # Errors
+///
+/// [`CaptureError`] when cameras or a picture cannot be read, or do not fit each other.
+pub fn read(
+    scene: &Path,
+    pictures: &Path,
+    longest: usize,
+    reading: &ReadOptions,
+) -> Result<Capture, CaptureError> {
+    let Cameras { taken, points, .. } = read_cameras(scene)?;
+    let mut shown = Vec::with_capacity(taken.len());
+    for one in taken {
+        let path = pictures.join(&one.name);
+        let picture = Picture::open(&path, reading)?.decode()?;
+        let image = picture.bytes().to_unit();
+        let (camera, picture) =
+            straightened(&one.lens, &image, longest).ok_or_else(|| CaptureError::Shape {
+                path,
+                found: image.size(),
+                expected: (one.lens.camera.width, one.lens.camera.height),
+            })?;
+        shown.push(Shown { name: one.name, camera, picture });
+    }
+    Ok(Capture { shown, points })
+}
+
+/// A picture without its lens, as large as asked for; none if it has another shape than the lens draws.
+fn straightened(lens: &Lens, image: &Image<f32>, longest: usize) -> Option<(Camera, Image<f32>)> {
+    let (width, height) = image.size();
+    let Camera { width: known_width, height: known_height, .. } = lens.camera;
+    // Within a pixel of one shape: sides were rounded when it was scaled.
+    if (width * known_height).abs_diff(height * known_width) > known_width.max(known_height) {
+        return None;
+    }
+    let lens = Lens { camera: lens.camera.scaled_to(width, height), ..lens.clone() };
+    let straight = lens.undistorted(image);
+    let scale = (longest as f64 / width.max(height) as f64).min(1.0);
+    let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
+    let (small_width, small_height) = (side(width), side(height));
+    Some((lens.camera.scaled_to(small_width, small_height), shrunk(&straight, small_width, small_height)))
+}

@@ -1,0 +1,173 @@
+//! The cameras and points of a scene, whichever program found them.
+
+use std::path::{Component, Path, PathBuf};
+
+use super::{SceneFileError, bytes, colmap_binary, colmap_text, transforms};
+use crate::camera::Camera;
+use crate::lens::Lens;
+use crate::points::Point;
+
+/// A picture and the lens it was taken through.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Taken {
+    /// The picture's name relative to the folder of pictures: it does not lead out of it.
+    pub name: PathBuf,
+    /// Camera, pose and distortion.
+    pub lens: Lens,
+}
+
+/// What structure from motion found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cameras {
+    /// Pictures with a pose, sorted by name.
+    pub taken: Vec<Taken>,
+    /// Points on things; none where the model has none.
+    pub points: Vec<Point>,
+    /// The folder that holds the model, within the one that was named: what goes along when a scene is copied.
+    pub model: PathBuf,
+}
+
+/// Where a COLMAP model may stand in a scene's folder.
+const PLACES: [&str; 4] = ["", "sparse/0", "sparse", "colmap_text"];
+
+/// Reads the cameras of a scene's folder: a COLMAP model, binary before text, or `transforms.json`.
+///
+/// # Errors
+///
+/// [`SceneFileError`] when there is none, or one cannot be read.
+pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
+    for place in PLACES {
+        let model = folder.join(place);
+        let there = |name: &str| model.join(name).is_file();
+        let mut cameras = if there("cameras.bin") {
+            colmap_binary::read(&model)?
+        } else if there("cameras.txt") {
+            colmap_text::read(&model)?
+        } else {
+            continue;
+        };
+        cameras.taken.sort_by(|a, b| a.name.cmp(&b.name));
+        return checked(Cameras { model: PathBuf::from(place), ..cameras }, folder);
+    }
+    let path = folder.join("transforms.json");
+    if !path.is_file() {
+        return Err(SceneFileError::NoCameras { folder: folder.to_owned() });
+    }
+    let mut taken = transforms::read(&path, &bytes::read(&path)?)?;
+    taken.sort_by(|a, b| a.name.cmp(&b.name));
+    checked(Cameras { taken, points: Vec::new(), model: PathBuf::new() }, folder)
+}
+
+fn checked(cameras: Cameras, folder: &Path) -> Result<Cameras, SceneFileError> {
+    if cameras.taken.is_empty() {
+        let cause = "no picture has a pose. Run structure from motion on more, or on sharper, pictures";
+        return Err(SceneFileError::content(&folder.join(&cameras.model), cause));
+    }
+    Ok(cameras)
+}
+
+/// The most columns or rows of a picture.
+const MOST_PIXELS: u64 = 1 << 20;
+
+/// A camera's numbers before its pose is known.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Intrinsics {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) focal: [f64; 2],
+    pub(super) centre: [f64; 2],
+    pub(super) distortion: [f64; 4],
+}
+
+/// COLMAP's models that we undistort: name, number in binary files, and count of parameters.
+const MODELS: [(&str, u32, usize); 5] = [
+    ("SIMPLE_PINHOLE", 0, 3),
+    ("PINHOLE", 1, 4),
+    ("SIMPLE_RADIAL", 2, 4),
+    ("RADIAL", 3, 5),
+    ("OPENCV", 4, 8),
+];
+
+/// Name and count of parameters of a model by its name or its number.
+pub(super) fn model(is: impl Fn(&str, u32) -> bool) -> Result<(&'static str, usize), String> {
+    let found = MODELS.iter().find(|(name, number, _)| is(name, *number));
+    let names = MODELS.map(|(name, ..)| name).join(", ");
+    found.map(|&(name, _, count)| (name, count)).ok_or_else(|| {
+        format!(
+            "a camera model that is none of {names}; run `colmap image_undistorter`, which writes PINHOLE"
+        )
+    })
+}
+
+impl Intrinsics {
+    /// The camera of a model of COLMAP.
+    pub(super) fn colmap(name: &str, width: u64, height: u64, parameters: &[f64]) -> Result<Self, String> {
+        let (focal, centre, distortion) = match (name, parameters) {
+            ("SIMPLE_PINHOLE", &[f, cx, cy]) => ([f, f], [cx, cy], [0.0; 4]),
+            ("PINHOLE", &[fx, fy, cx, cy]) => ([fx, fy], [cx, cy], [0.0; 4]),
+            ("SIMPLE_RADIAL", &[f, cx, cy, k]) => ([f, f], [cx, cy], [k, 0.0, 0.0, 0.0]),
+            ("RADIAL", &[f, cx, cy, k1, k2]) => ([f, f], [cx, cy], [k1, k2, 0.0, 0.0]),
+            ("OPENCV", &[fx, fy, cx, cy, k1, k2, p1, p2]) => ([fx, fy], [cx, cy], [k1, k2, p1, p2]),
+            _ => return Err(format!("a camera {name} with {} parameters", parameters.len())),
+        };
+        Self::new(width, height, focal, centre, distortion)
+    }
+
+    /// The camera of these numbers; a sentence about what is wrong with them otherwise.
+    pub(super) fn new(
+        width: u64,
+        height: u64,
+        focal: [f64; 2],
+        centre: [f64; 2],
+        distortion: [f64; 4],
+    ) -> Result<Self, String> {
+        let side = |length: u64| usize::try_from(length).ok().filter(|_| (1..=MOST_PIXELS).contains(&length));
+        let (Some(width), Some(height)) = (side(width), side(height)) else {
+            return Err(format!("a picture of {width}x{height} pixels; sides are 1 to {MOST_PIXELS}"));
+        };
+        if !focal.iter().all(|f| f.is_finite() && *f > 0.0) {
+            return Err(format!("a focal length of {focal:?}, but it is > 0"));
+        }
+        if !centre.iter().chain(&distortion).all(|v| v.is_finite() && v.abs() < 1e9) {
+            return Err("a parameter of a camera that is no number".into());
+        }
+        Ok(Self { width, height, focal, centre, distortion })
+    }
+
+    /// The lens of this camera with a pose, given as COLMAP does: a quaternion w, x, y, z of any length, and t.
+    pub(super) fn posed(&self, quaternion: [f64; 4], translation: [f64; 3]) -> Result<Lens, String> {
+        let [w, x, y, z] = quaternion;
+        let length = w.hypot(x).hypot(y.hypot(z));
+        if !(length.is_finite() && length > 1e-9) {
+            return Err(format!("a rotation of {quaternion:?}, but a quaternion has a length"));
+        }
+        self.turned(Camera::rotation_of(quaternion.map(|q| q / length)), translation)
+    }
+
+    /// The lens of this camera with a pose as a rotation and t.
+    pub(super) fn turned(&self, rotation: [[f64; 3]; 3], translation: [f64; 3]) -> Result<Lens, String> {
+        if !translation.iter().all(|t| t.is_finite() && t.abs() < 1e9) {
+            return Err(format!("a place of {translation:?}, which is nowhere"));
+        }
+        let Self { width, height, focal, centre, distortion } = self.clone();
+        Ok(Lens { camera: Camera { width, height, focal, centre, rotation, translation }, distortion })
+    }
+}
+
+/// A picture's name as a path that stays in its folder; a sentence about what is wrong with it otherwise.
+pub(super) fn inside(name: &str) -> Result<PathBuf, String> {
+    let path = Path::new(name);
+    let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    if name.is_empty() || !stays || name.contains('\0') {
+        return Err(format!("a picture named {name:?}, which leads out of its folder"));
+    }
+    Ok(path.components().filter(|part| matches!(part, Component::Normal(_))).collect())
+}
+
+/// A point that may be used; a sentence about what is wrong with it otherwise.
+pub(super) fn point(position: [f64; 3], colour: [u8; 3]) -> Result<Point, String> {
+    if !position.iter().all(|v| v.is_finite() && v.abs() < 1e9) {
+        return Err(format!("a point at {position:?}, which is nowhere"));
+    }
+    Ok(Point { position, colour: colour.map(|v| f64::from(v) / 255.0) })
+}

@@ -1,0 +1,43 @@
+//! Scenes in 3D from underwater pictures, on a CPU: Gaussian splatting with the water inside.
+//!
+//! # Where do I start?
+//!
+//! [`train::Trainer`] has a whole run in its example: pictures with [cameras](camera), [points] to begin with, steps.
+//! [`render::render`] draws what came of it, through the water that was learned, through none, or through any other
+//! ([`medium::Medium`]).
+//!
+//! # The way of a scene
+//!
+//! | module | from → to |
+//! |---|---|
+//! | [`files`], [`capture`] | a folder of COLMAP or NeRF → cameras, points, pictures without their [lens] |
+//! | [`points`] | points → the [splats] training begins with |
+//! | [`render`] | splats, camera, [medium] → picture, distances, what comes through; and the way back, exact |
+//! | [`train`] | pictures → splats, and the water between |
+//! | [`compare`] | two scenes → how alike their pictures and surfaces are |
+//! | [`shared_water`] | pictures and points → one water in the scene's unit |
+//! | [`truth`] | a place of which everything is known, seen by many cameras |
+//!
+//! The method is that of B. Kerbl et al., "3D Gaussian Splatting for Real-Time Radiance Field Rendering" (2023); where
+//! water goes in is told in [`medium`]. Numbers are [`scalar::Scalar`]: `f32` at work, `f64` where gradients are held
+//! against finite differences. No output depends on the number of threads.
+//!
+//! # Out of scope
+//!
+//! Finding cameras (COLMAP does), lenses beyond OPENCV's, the command line. Distances are along the line of sight, in
+//! units of the scene, which COLMAP chooses as it likes.
+
+pub mod camera;
+pub mod capture;
+pub mod compare;
+pub mod files;
+pub mod lens;
+pub mod medium;
+pub mod points;
+mod random;
+pub mod render;
+pub mod scalar;
+pub mod shared_water;
+pub mod splats;
+pub mod train;
+pub mod truth;

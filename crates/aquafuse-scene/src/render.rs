@@ -1,0 +1,231 @@
+//! From splats to a picture, and from the picture's gradient back to that of the splats.
+//!
+//! The steps are those of Kerbl et al.: each splat is projected to an ellipse (`project.rs`), ellipses are sorted by
+//! distance and listed for the tiles they touch (`tiles.rs`), and each tile is drawn front to back (`raster.rs`).
+//! Threads share out splats and rows of tiles; sums are taken in one order, so that their number changes no bit.
+
+mod harmonics;
+pub(crate) mod project;
+mod raster;
+mod tiles;
+
+use aquafuse::simd::widest;
+use rayon::prelude::*;
+
+use crate::camera::Camera;
+use crate::medium::{Medium, PARAMETERS};
+use crate::scalar::Scalar;
+use crate::splats::Splats;
+use project::{Footprint, Sight, Sums};
+use raster::{Draw, Planes, Source, Strip, Undraw};
+use tiles::{SIDE, Tiles};
+
+/// Splats that one thread takes at a time.
+const SHARE: usize = 256;
+/// Stands for a splat that is not seen.
+const UNSEEN: u32 = u32::MAX;
+
+/// Five planes of a picture, rows from the top: what was drawn, or a gradient with respect to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing<T> {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green, blue.
+    pub colour: [Vec<T>; 3],
+    /// Distances along the line of sight, each weighed with how much is seen of its splat: divided by 1 - `through` it is
+    /// their mean.
+    pub distance: Vec<T>,
+    /// The share of light from behind all splats that comes through.
+    pub through: Vec<T>,
+}
+
+impl<T: Scalar> Drawing<T> {
+    /// Zeros.
+    pub fn zeros(width: usize, height: usize) -> Self {
+        let plane = vec![T::ZERO; width * height];
+        Self {
+            width,
+            height,
+            colour: [plane.clone(), plane.clone(), plane.clone()],
+            distance: plane.clone(),
+            through: plane,
+        }
+    }
+
+    /// Colours pixel by pixel.
+    pub fn pixels(&self) -> impl Iterator<Item = [T; 3]> {
+        let [r, g, b] = &self.colour;
+        r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b])
+    }
+
+    fn strip(&self, row: usize) -> Planes<'_, T> {
+        let range = row * SIDE * self.width..(((row + 1) * SIDE).min(self.height)) * self.width;
+        Planes {
+            colour: self.colour.each_ref().map(|plane| &plane[range.clone()]),
+            distance: &self.distance[range.clone()],
+            through: &self.through[range],
+        }
+    }
+}
+
+/// A picture that was drawn, with what the way back needs.
+#[derive(Clone, Debug)]
+pub struct Rendered<T> {
+    /// The picture.
+    pub drawing: Drawing<T>,
+    width: usize,
+    sight: Sight<T>,
+    background: [T; 3],
+    /// In order of distance.
+    footprints: Vec<Footprint<T>>,
+    /// The footprint of each splat.
+    ranks: Vec<u32>,
+    tiles: Tiles,
+}
+
+/// The gradient of a loss.
+#[derive(Clone, Debug)]
+pub struct Gradient<T> {
+    /// Of the splats, row by row; zeros for those that were not seen.
+    pub splats: Splats<T>,
+    /// Of the parameters of a learned water.
+    pub water: [T; PARAMETERS],
+    /// Of each splat's place on the picture, per pixel, what density control asks for; none where it was not seen.
+    pub drift: Vec<Option<[T; 2]>>,
+}
+
+/// Draws the splats as the camera sees them through the medium, with harmonics up to `degree`.
+pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Rendered<T> {
+    let degree = degree.min(splats.degree());
+    let sight = Sight { view: camera.view::<T>(), between: medium.between(), degree };
+    let (width, height) = (camera.width, camera.height);
+    let in_view = |footprint: &Footprint<T>| {
+        let [x, y] = footprint.mean.map(T::get);
+        let [rx, ry] = footprint.reach.map(T::get);
+        x + rx > 0.0 && y + ry > 0.0 && x - rx < width as f64 && y - ry < height as f64
+    };
+    let row_width = splats.width();
+    let mut footprints: Vec<Footprint<T>> = splats
+        .rows()
+        .par_chunks(row_width * SHARE)
+        .enumerate()
+        .flat_map_iter(|(share, rows)| {
+            let sight = &sight;
+            rows.chunks_exact(row_width).enumerate().filter_map(move |(i, row)| {
+                project::project((share * SHARE + i) as u32, row, sight).filter(in_view)
+            })
+        })
+        .collect();
+    footprints.sort_by(|a, b| a.distance.get().total_cmp(&b.distance.get()).then(a.splat.cmp(&b.splat)));
+    let mut ranks = vec![UNSEEN; splats.len()];
+    for (rank, footprint) in footprints.iter().enumerate() {
+        ranks[footprint.splat as usize] = rank as u32;
+    }
+    let tiles = Tiles::new(width, height, &footprints);
+    let mut rendered = Rendered {
+        drawing: Drawing::zeros(0, 0),
+        width,
+        sight,
+        background: medium.background(),
+        footprints,
+        ranks,
+        tiles,
+    };
+    let mut drawing = Drawing::zeros(width, height);
+    let strip = SIDE * width;
+    let [r, g, b] = &mut drawing.colour;
+    let colours = r.par_chunks_mut(strip).zip(g.par_chunks_mut(strip)).zip(b.par_chunks_mut(strip));
+    let others = drawing.distance.par_chunks_mut(strip).zip(drawing.through.par_chunks_mut(strip));
+    colours.zip(others).enumerate().for_each(|(row, (((r, g), b), (distance, through)))| {
+        let strip = Strip { colour: [r, g, b], distance, through };
+        widest(Draw { source: rendered.source(row), strip });
+    });
+    rendered.drawing = drawing;
+    rendered
+}
+
+impl<T: Scalar> Rendered<T> {
+    /// How many splats are in view.
+    pub fn seen(&self) -> usize {
+        self.footprints.len()
+    }
+
+    fn source(&self, row: usize) -> Source<'_, T> {
+        Source {
+            footprints: &self.footprints,
+            tiles: &self.tiles,
+            width: self.width,
+            row,
+            background: self.background,
+        }
+    }
+
+    /// From the gradient of a loss with respect to the drawing to that of the splats it was made of, and of the water.
+    ///
+    /// # Panics
+    ///
+    /// When `splats` are not those that were drawn, or the sizes differ.
+    pub fn back(&self, splats: &Splats<T>, medium: &Medium<T>, gradient: &Drawing<T>) -> Gradient<T> {
+        assert_eq!(self.ranks.len(), splats.len(), "the splats that were drawn");
+        let mut entries = vec![Sums::<T>::default(); self.tiles.entries.len()];
+        let of_background = self.undraw(gradient, &mut entries);
+
+        let row_width = splats.width();
+        let mut of_splats = splats.zeros();
+        let mut drift = vec![None; splats.len()];
+        let shares = splats.rows().par_chunks(row_width * SHARE);
+        let written = of_splats.rows_mut().par_chunks_mut(row_width * SHARE);
+        let ranks = self.ranks.par_chunks(SHARE).zip(drift.par_chunks_mut(SHARE));
+        let waters: Vec<[T; PARAMETERS]> = shares
+            .zip(written)
+            .zip(ranks)
+            .map(|((rows, written), (ranks, drift))| {
+                let mut water = [T::ZERO; PARAMETERS];
+                let rows = rows.chunks_exact(row_width).zip(written.chunks_exact_mut(row_width));
+                for (((row, written), &rank), drift) in rows.zip(ranks).zip(drift) {
+                    let Some(footprint) = self.footprints.get(rank as usize) else { continue };
+                    let mut sums = Sums::default();
+                    for &place in self.tiles.places_of(rank as usize) {
+                        sums.add(&entries[place as usize]);
+                    }
+                    *drift = Some(project::drift(footprint, &sums));
+                    project::back(row, &self.sight, footprint, &sums, written, &mut water);
+                }
+                water
+            })
+            .collect();
+        let mut water = [T::ZERO; PARAMETERS];
+        for share in waters {
+            for i in 0..PARAMETERS {
+                water[i] += share[i];
+            }
+        }
+        medium.background_back(of_background, &mut water);
+        Gradient { splats: of_splats, water, drift }
+    }
+
+    /// Fills the sums of each entry of the tiles' lists; gives the gradient of the background.
+    fn undraw(&self, gradient: &Drawing<T>, entries: &mut [Sums<T>]) -> [T; 3] {
+        let mut rest = entries;
+        let mut strips = Vec::with_capacity(self.tiles.down);
+        for row in 0..self.tiles.down {
+            let (strip, after) = rest.split_at_mut(self.tiles.row_range(row).len());
+            strips.push((row, strip));
+            rest = after;
+        }
+        let backgrounds: Vec<[T; 3]> = strips
+            .into_par_iter()
+            .map(|(row, sums)| {
+                widest(Undraw {
+                    source: self.source(row),
+                    drawn: self.drawing.strip(row),
+                    gradient: gradient.strip(row),
+                    sums,
+                })
+            })
+            .collect();
+        backgrounds.into_iter().fold([T::ZERO; 3], |sum, row| std::array::from_fn(|c| sum[c] + row[c]))
+    }
+}

@@ -1,0 +1,155 @@
+//! A run on disk: what is written between two steps goes on to the same end, bit by bit.
+//!
+//! Little-endian: a mark, the length of the options and they as JSON, then the state field by field, each list with its
+//! length before it.
+
+use super::adam::Moments;
+use super::density::Density;
+use super::state::State;
+use super::{Options, Shot, Trainer};
+use crate::medium::{PARAMETERS, Water};
+use crate::random::Random;
+use crate::splats::Splats;
+
+/// Says what the file is, and the version of what follows.
+const MARK: &[u8; 16] = b"aquafuse scene 1";
+
+/// Bytes are no checkpoint of this run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// They do not begin as a checkpoint does.
+    #[error("it is no checkpoint of this version; begin anew without it")]
+    Unknown,
+    /// They end too early, or go on where they should end.
+    #[error("it is damaged at byte {at}; begin anew without it")]
+    Damaged {
+        /// Where.
+        at: usize,
+    },
+    /// They belong to a run with other options.
+    #[error("it belongs to a run with other options; give those, or begin anew without it")]
+    OtherOptions,
+}
+
+impl Trainer {
+    /// The run as it is now.
+    pub fn checkpoint(&self) -> Vec<u8> {
+        let mut bytes = MARK.to_vec();
+        put_list(&mut bytes, options_text(&self.options).as_bytes(), |byte| [*byte]);
+        let state = &self.state;
+        bytes.extend(state.step.to_le_bytes());
+        bytes.extend(state.random.0.to_le_bytes());
+        put_list(&mut bytes, &state.queue, |view| view.to_le_bytes());
+        bytes.push(state.splats.degree());
+        put_list(&mut bytes, state.splats.rows(), |value| value.to_le_bytes());
+        put_moments(&mut bytes, &state.moments);
+        put_list(&mut bytes, &state.density.drift, |value| value.to_le_bytes());
+        put_list(&mut bytes, &state.density.seen, |value| value.to_le_bytes());
+        let water = state.water.as_slice();
+        bytes.push(u8::from(!water.is_empty()));
+        for (water, moments) in water {
+            put_list(&mut bytes, &water.raw, |value| value.to_le_bytes());
+            put_moments(&mut bytes, moments);
+        }
+        bytes
+    }
+
+    /// Goes on from a checkpoint of a run with the same options.
+    ///
+    /// # Errors
+    ///
+    /// [`CheckpointError`] when the bytes are none, or of other options.
+    ///
+    /// # Panics
+    ///
+    /// As [`Trainer::new`].
+    pub fn resume(options: Options, shots: Vec<Shot>, bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let rest = bytes.strip_prefix(MARK).ok_or(CheckpointError::Unknown)?;
+        let mut reader = Reader { rest, length: bytes.len() };
+        let text: Vec<u8> = reader.list(|[byte]: [u8; 1]| byte)?;
+        if text != options_text(&options).into_bytes() {
+            return Err(CheckpointError::OtherOptions);
+        }
+        let state = reader.state()?;
+        let views = shots.len();
+        if !reader.rest.is_empty() || state.queue.iter().any(|&view| view as usize >= views) {
+            return Err(reader.damaged());
+        }
+        Ok(Self::at(options, shots, state))
+    }
+}
+
+fn options_text(options: &Options) -> String {
+    serde_json::to_string(options).unwrap_or_default()
+}
+
+fn put_list<T, const N: usize>(bytes: &mut Vec<u8>, list: &[T], of: impl Fn(&T) -> [u8; N]) {
+    bytes.extend((list.len() as u64).to_le_bytes());
+    bytes.extend(list.iter().flat_map(of));
+}
+
+fn put_moments(bytes: &mut Vec<u8>, moments: &Moments) {
+    put_list(bytes, &moments.first, |value| value.to_le_bytes());
+    put_list(bytes, &moments.second, |value| value.to_le_bytes());
+}
+
+struct Reader<'a> {
+    rest: &'a [u8],
+    length: usize,
+}
+
+impl Reader<'_> {
+    fn damaged(&self) -> CheckpointError {
+        CheckpointError::Damaged { at: self.length - self.rest.len() }
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], CheckpointError> {
+        let (taken, rest) = self.rest.split_first_chunk().ok_or_else(|| self.damaged())?;
+        self.rest = rest;
+        Ok(*taken)
+    }
+
+    /// A list, whose length is held against what is left before memory is taken.
+    fn list<T, const N: usize>(&mut self, of: impl Fn([u8; N]) -> T) -> Result<Vec<T>, CheckpointError> {
+        let length = usize::try_from(u64::from_le_bytes(self.take()?)).unwrap_or(usize::MAX);
+        let taken = length.checked_mul(N).and_then(|bytes| self.rest.split_at_checked(bytes));
+        let (taken, rest) = taken.ok_or_else(|| self.damaged())?;
+        self.rest = rest;
+        Ok(taken.as_chunks::<N>().0.iter().map(|chunk| of(*chunk)).collect())
+    }
+
+    fn floats(&mut self, expected: usize) -> Result<Vec<f32>, CheckpointError> {
+        let list = self.list(f32::from_le_bytes)?;
+        if list.len() == expected { Ok(list) } else { Err(self.damaged()) }
+    }
+
+    fn moments(&mut self, expected: usize) -> Result<Moments, CheckpointError> {
+        Ok(Moments { first: self.floats(expected)?, second: self.floats(expected)? })
+    }
+
+    fn state(&mut self) -> Result<State, CheckpointError> {
+        let step = u32::from_le_bytes(self.take()?);
+        let random = Random(u64::from_le_bytes(self.take()?));
+        let queue = self.list(u32::from_le_bytes)?;
+        let [degree] = self.take()?;
+        let rows = self.list(f32::from_le_bytes)?;
+        let splats = Splats::from_rows(degree, rows).ok_or_else(|| self.damaged())?;
+        let moments = self.moments(splats.rows().len())?;
+        let drift = self.floats(splats.len())?;
+        let seen = self.list(u32::from_le_bytes)?;
+        if seen.len() != splats.len() {
+            return Err(self.damaged());
+        }
+        let water = match self.take()? {
+            [0] => None,
+            [1] => {
+                let raw = self.floats(PARAMETERS)?;
+                let raw = raw.try_into().map_err(|_| self.damaged())?;
+                Some((Water { raw }, self.moments(PARAMETERS)?))
+            }
+            _ => return Err(self.damaged()),
+        };
+        Ok(State { step, splats, moments, water, density: Density { drift, seen }, random, queue })
+    }
+}

@@ -1,0 +1,147 @@
+//! Training on a truth scene: it learns, it repeats itself, and it goes on where it was.
+
+use aquafuse::image::Image;
+use aquafuse::metrics::psnr;
+use aquafuse::truth::{Size, waters};
+use aquafuse_scene::compare::picture;
+use aquafuse_scene::files::ply_bytes;
+use aquafuse_scene::medium::{Medium, Water};
+use aquafuse_scene::render::render;
+use aquafuse_scene::splats::Splats;
+use aquafuse_scene::train::loss::Target;
+use aquafuse_scene::train::{CheckpointError, Options, Rates, Shot, Trainer};
+use aquafuse_scene::truth::{TruthView, views};
+use aquafuse_scene::{points, truth};
+
+const SIZE: Size = Size { width: 72, height: 54 };
+/// The view that is held back.
+const HELD: usize = 4;
+
+struct Place {
+    views: Vec<TruthView>,
+}
+
+impl Place {
+    fn new() -> Self {
+        Self { views: views(1, SIZE, 10, 1) }
+    }
+
+    fn seen(&self, through: impl Fn(&TruthView) -> Image<f32>) -> Vec<Image<f32>> {
+        self.views.iter().map(through).collect()
+    }
+
+    fn shots(&self, pictures: &[Image<f32>]) -> Vec<Shot> {
+        let kept = self.views.iter().zip(pictures).enumerate().filter(|(i, _)| *i != HELD);
+        let shot = |(_, (view, picture)): (usize, (&TruthView, &Image<f32>))| Shot {
+            camera: view.camera.clone(),
+            target: Target::new(SIZE.width, SIZE.height, picture.pixels()),
+        };
+        kept.map(shot).collect()
+    }
+
+    fn splats(&self, pictures: &[Image<f32>]) -> Splats<f32> {
+        points::splats(&truth::points(&self.views, pictures, 12), 1)
+    }
+
+    /// How near the view that was held back comes, in dB.
+    fn score(&self, trained: (&Splats<f32>, &Medium<f32>), picture_there: &Image<f32>) -> f64 {
+        let drawn = render(trained.0, 1, &self.views[HELD].camera, trained.1);
+        psnr(&picture(&drawn.drawing), picture_there).unwrap()
+    }
+}
+
+fn options(iterations: u32) -> Options {
+    Options { iterations, most_splats: 5000, ..Options::default() }
+}
+
+#[test]
+fn views_that_were_not_shown_come_nearer() {
+    let place = Place::new();
+    let pictures = place.seen(TruthView::clear);
+    let begin = place.splats(&pictures);
+    let mut trainer = Trainer::new(options(300), place.shots(&pictures), begin.clone(), None);
+    while !trainer.is_done() {
+        trainer.step();
+    }
+    let before = place.score((&begin, &Medium::Air), &pictures[HELD]);
+    let after = place.score((trainer.splats(), &trainer.medium()), &pictures[HELD]);
+    println!("{before:.2} dB before, {after:.2} dB after");
+    assert!(after > 20.0 && after > before + 6.0, "{before} {after}");
+    assert!(trainer.splats().len() > begin.len(), "splats were added");
+}
+
+#[test]
+fn neither_threads_nor_a_stop_change_a_bit() {
+    let place = Place::new();
+    let pictures = place.seen(TruthView::clear);
+    let water = Some(Water::new([0.1, 0.3, 0.4], [0.2; 3], [0.2; 3]));
+    let new = || Trainer::new(options(240), place.shots(&pictures), place.splats(&pictures), water.clone());
+    let run = |trainer: &mut Trainer, steps: u32| (0..steps).for_each(|_| _ = trainer.step());
+
+    let mut whole = new();
+    run(&mut whole, 130);
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let mut stopped = new();
+    alone.install(|| run(&mut stopped, 90));
+    let kept = stopped.checkpoint();
+    drop(stopped);
+    // Over a change of density, at step 100.
+    let mut resumed = Trainer::resume(options(240), place.shots(&pictures), &kept).unwrap();
+    alone.install(|| run(&mut resumed, 40));
+    assert_eq!(ply_bytes(resumed.splats()), ply_bytes(whole.splats()));
+    assert_eq!(resumed.checkpoint(), whole.checkpoint());
+
+    let refused =
+        |options, bytes: &[u8]| Trainer::resume(options, place.shots(&pictures), bytes).unwrap_err();
+    assert_eq!(refused(options(241), &kept), CheckpointError::OtherOptions);
+    assert_eq!(refused(options(240), b"splats"), CheckpointError::Unknown);
+    for end in (16..kept.len()).step_by(kept.len() / 60) {
+        assert!(matches!(refused(options(240), &kept[..end]), CheckpointError::Damaged { .. }), "{end}");
+    }
+}
+
+#[test]
+fn a_water_is_learned_and_taken_out() {
+    let place = Place::new();
+    let truth = waters()[0].water;
+    let pictures = place.seen(|view| view.seen_through(&truth));
+    // A first guess as far off as estimates are: B∞ by a tenth, the betas by a third.
+    let guess = Water::new([0.08, 0.30, 0.58], [0.14, 0.12, 0.10], [0.24, 0.09, 0.07]);
+    let rates = Rates { water: 0.01, ..Options::default().rates };
+    let mut trainer = Trainer::new(
+        Options { rates, ..options(500) },
+        place.shots(&pictures),
+        place.splats(&pictures),
+        Some(guess.clone()),
+    );
+    while !trainer.is_done() {
+        trainer.step();
+    }
+    let Medium::Learned(water) = trainer.medium() else { panic!("a water was to be learned") };
+    let off = |water: &Water<f32>| {
+        let true_veil = truth.veiling_light.rgb();
+        water
+            .veil()
+            .into_iter()
+            .zip(true_veil)
+            .map(|(found, truth)| (found - truth).abs())
+            .fold(0.0, f32::max)
+    };
+    println!("B∞ off by {:.3} before, {:.3} after; {water:?}", off(&guess), off(&water));
+    assert!(off(&water) < 0.045 && off(&water) < 0.5 * off(&guess), "{} {}", off(&guess), off(&water));
+
+    // Where things are, the place without its water is nearer to what it is than its picture.
+    let view = &place.views[HELD];
+    let drawn = render(trainer.splats(), 1, &view.camera, &Medium::Air);
+    let (dry, clear) = (picture(&drawn.drawing), view.clear());
+    let error = |image: &Image<f32>| -> f64 {
+        let near = view.scene.depth.distances();
+        let pixels = image.pixels().iter().zip(clear.pixels()).zip(near).filter(|(_, z)| *z < 8.0);
+        let (sum, count) = pixels.fold((0.0, 0.0), |(sum, count), ((a, b), _)| {
+            (sum + a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum::<f64>(), count + 3.0)
+        });
+        (sum / count).sqrt()
+    };
+    println!("RMSE to the clear place: {:.3} dewatered, {:.3} as seen", error(&dry), error(&pictures[HELD]));
+    assert!(error(&dry) < 0.6 * error(&pictures[HELD]));
+}

@@ -234,26 +234,23 @@ impl<E: Space> Augmentation<E> {
         let maker = make::Maker::new(self, depths);
         let work = |sample: &plan::Planned| {
             let known = known.get(&sample.key).cloned().unwrap_or_default();
-            let (entry, outcome) = match maker.make(sample, known, &journal) {
-                Ok(make::Made { entry, news: None, .. }) => {
-                    listener(Message::Kept { key: &sample.key });
-                    (entry, Outcome::Kept)
-                }
-                Ok(make::Made { entry, news: Some(news), failures }) => {
-                    let make::News { variants, vanished, verdict, lines } = news;
-                    let outcome = if failures.is_empty() { Outcome::Done } else { Outcome::Failed };
-                    for error in failures {
-                        listener(Message::Failed { key: &sample.key, error });
-                    }
-                    listener(Message::Done { key: &sample.key, variants, vanished, verdict, lines });
-                    (entry, outcome)
-                }
-                Err((mut entry, error)) => {
-                    entry.failed = Some(one_line(&error.to_string()));
-                    listener(Message::Failed { key: &sample.key, error });
-                    (entry, Outcome::Failed)
-                }
+            let make::Made { mut entry, news, failures } = maker.make(sample, known, &journal);
+            let outcome = match (&news, failures.is_empty()) {
+                (_, false) => Outcome::Failed,
+                (Some(_), true) => Outcome::Done,
+                (None, true) => Outcome::Kept,
             };
+            if let (None, Some(error)) = (&news, failures.first()) {
+                entry.failed = Some(one_line(&error.to_string()));
+            }
+            for error in failures {
+                listener(Message::Failed { key: &sample.key, error });
+            }
+            if let Some(make::News { variants, vanished, verdict, lines }) = news {
+                listener(Message::Done { key: &sample.key, variants, vanished, verdict, lines });
+            } else if outcome == Outcome::Kept {
+                listener(Message::Kept { key: &sample.key });
+            }
             entries.lock().unwrap_or_else(PoisonError::into_inner).insert(sample.key.clone(), entry);
             outcome
         };

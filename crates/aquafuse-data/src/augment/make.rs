@@ -24,7 +24,7 @@ pub(super) struct Made {
     pub(super) entry: Entry,
     /// What is new; none where all was there.
     pub(super) news: Option<News>,
-    /// What failed of a file that holds several pictures; the others are made.
+    /// What failed: the picture, or some of a file that holds several, whose others are made.
     pub(super) failures: Vec<FileError>,
 }
 
@@ -165,25 +165,20 @@ impl<'a, E: Space> Maker<'a, E> {
         Self { job, maps, budget: job.recipe.reading.budget() }
     }
 
-    /// Makes what is not there yet. An error comes with what is known of the picture nevertheless.
-    pub(super) fn make(
-        &self,
-        sample: &Planned,
-        known: Entry,
-        journal: &Journal,
-    ) -> Result<Made, (Entry, FileError)> {
+    /// Makes what is not there yet.
+    pub(super) fn make(&self, sample: &Planned, known: Entry, journal: &Journal) -> Made {
         if self.job.dataset.layout == Layout::Shards {
             return self.make_shard(sample, known, journal);
         }
         let mut entry = Entry::default();
         let made = self.make_into(&mut entry, sample, known, journal);
         match made {
-            Ok(news) => Ok(Made { entry, news, failures: Vec::new() }),
+            Ok(news) => Made { entry, news, failures: Vec::new() },
             Err(error) => {
                 // Without a place in the manifest it is listed when the run ends.
                 let failed = Line::Failed { key: sample.key.clone(), error: error.to_string() };
                 let _ = journal.add(&[failed]);
-                Err((entry, error))
+                Made { entry, news: None, failures: vec![error] }
             }
         }
     }

@@ -20,16 +20,19 @@ use crate::treatment::Space;
 
 impl<E: Space> Maker<'_, E> {
     /// Makes a shard, unless it is there as it would be made now. A picture that fails leaves the others as they are.
-    pub(super) fn make_shard(
+    pub(super) fn make_shard(&self, sample: &Planned, known: Entry, journal: &Journal) -> Made {
+        let made = self.make_shard_or_fail(sample, known, journal);
+        made.unwrap_or_else(|error| Made { entry: Entry::default(), news: None, failures: vec![error] })
+    }
+
+    fn make_shard_or_fail(
         &self,
         sample: &Planned,
         known: Entry,
         journal: &Journal,
-    ) -> Result<Made, (Entry, FileError)> {
+    ) -> Result<Made, FileError> {
         let input = self.job.dataset.root.join(&sample.key);
-        let about = input
-            .metadata()
-            .map_err(|error| (Entry::default(), FileError::Read { path: input.clone(), error }))?;
+        let about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
         let is_current = |old: &Container| {
             old.failed.is_empty() && old.source.bytes == about.len() && self.stands(&old.written, &about)
         };
@@ -40,12 +43,9 @@ impl<E: Space> Maker<'_, E> {
                 failures: Vec::new(),
             });
         }
-        let made = self.write_shard(&sample.key, &input).and_then(|(container, failures)| {
-            let line = Line::Container(Box::new(container.clone()));
-            journal.add(std::slice::from_ref(&line))?;
-            Ok((container, failures, line))
-        });
-        let (container, failures, line) = made.map_err(|error| (Entry::default(), error))?;
+        let (container, failures) = self.write_shard(&sample.key, &input)?;
+        let line = Line::Container(Box::new(container.clone()));
+        journal.add(std::slice::from_ref(&line))?;
         let news = News {
             variants: container.variants.len(),
             vanished: News::vanished(container.variants.iter()),

@@ -41,10 +41,10 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
         match found.sealed {
             Some(true) => {}
             Some(false) => {
-                check.wrong.push((path.clone(), "its own digest is another: it was changed".into()))
+                check.wrong.push((path.clone(), "its own digest is another: it was changed".into()));
             }
             None => {
-                check.wrong.push((path.clone(), "its run has not ended; the same command goes on".into()))
+                check.wrong.push((path.clone(), "its run has not ended; the same command goes on".into()));
             }
         }
         let mut files: Vec<(PathBuf, Result<&Written, String>)> = found

@@ -51,7 +51,8 @@ impl Tree {
                         self.files.insert(path);
                     }
                     _ => {
-                        self.faults.push(Fault::new(path, "a link that leads nowhere or out of the data set"))
+                        self.faults
+                            .push(Fault::new(path, "a link that leads nowhere or out of the data set"));
                     }
                 }
             } else {

@@ -1,5 +1,7 @@
 //! Training on a truth scene: it learns, it repeats itself, and it goes on where it was.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
 use aquafuse::image::Image;
 use aquafuse::metrics::psnr;
 use aquafuse::truth::{Size, waters};

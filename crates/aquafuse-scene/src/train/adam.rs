@@ -1,4 +1,4 @@
-//! Adam (Kingma and Ba 2015), over rows of splats or any few numbers.
+//! Adam (`kingma2015adam` in the bibliography), over rows of splats or any few numbers.
 
 use aquafuse::simd::{Work, widest};
 use rayon::prelude::*;

@@ -56,7 +56,7 @@ fn frames(tools: &Tools, rivals: &Rivals) -> Result<()> {
         let (pictures, frames) = (pictures(size)?, frames_of(size));
         let (mut ours, mut theirs) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
-            machine = Some(ours::turn(&mut ours, size, 1, &frames)?);
+            machine = Some(ours::turn(&mut ours, size, 1, &frames, ours::ALL)?);
             rivals.pipeline(&mut theirs, &pictures, &frames)?;
         }
         for (case, reference, smoothing) in CASES {
@@ -94,7 +94,7 @@ fn others(rivals: &Rivals) -> Result<()> {
     let (pictures, frames) = (pictures(FULL_HD)?, frames_of(FULL_HD));
     let (mut ours, mut theirs) = (Turns::default(), Turns::default());
     for _ in 0..TURNS {
-        ours::turn(&mut ours, FULL_HD, 1, &frames)?;
+        ours::turn(&mut ours, FULL_HD, 1, &frames, ours::CACHED)?;
         rivals.others(&mut theirs, &pictures)?;
     }
     let mut table =
@@ -119,8 +119,8 @@ fn scaling() -> Result<()> {
         say(&format!("{width} x {height} on two threads"));
         let (mut alone, mut together) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
-            ours::turn(&mut alone, size, 1, &frames_of(size))?;
-            ours::turn(&mut together, size, 2, &frames_of(size))?;
+            ours::turn(&mut alone, size, 1, &frames_of(size), ours::CACHED)?;
+            ours::turn(&mut together, size, 2, &frames_of(size), ours::CACHED)?;
         }
         let milliseconds = alone.median("cached");
         let a_pixel = 1e6 * milliseconds / (width * height) as f64;

@@ -9,7 +9,8 @@ use serde_json::Value;
 
 #[test]
 fn every_case_is_measured_and_its_figures_agree() {
-    let arguments = ["bench", "--json", "--size", "48x32", "--size", "33x17", "--frames", "1", "--threads", "1"];
+    let arguments =
+        ["bench", "--json", "--size", "48x32", "--size", "33x17", "--frames", "1", "--threads", "1"];
     let report: Value = serde_json::from_str(&Run::new().ok(&arguments).stdout).unwrap();
     assert_eq!(report["schema"], 1);
     assert!(report["machine"]["cores"].as_u64() >= Some(1));
@@ -27,7 +28,8 @@ fn every_case_is_measured_and_its_figures_agree() {
         let pixels = number(&case["width"]) * number(&case["height"]);
         assert!((number(&case["fps"]) * milliseconds / 1e3 - 1.0).abs() < 1e-9);
         assert!((number(&case["ns_per_pixel"]) * pixels / 1e6 / milliseconds - 1.0).abs() < 1e-9);
-        let stages = ["depth", "waterbody", "fusion", "bilateral"].map(|stage| number(&case["stages"][stage]));
+        let stages =
+            ["depth", "waterbody", "fusion", "bilateral"].map(|stage| number(&case["stages"][stage]));
         assert!(stages.iter().all(|stage| stage.is_finite()));
         assert_eq!((&case["threads"], &case["model"]), (&Value::from(1), &Value::from("aquafuse")));
     }

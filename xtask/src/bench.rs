@@ -14,7 +14,7 @@ use crate::results::write_section;
 use crate::setup::Tools;
 use crate::shell::{cargo, command, output, run as call, say};
 use published::Published;
-use rivals::{OTHERS, Rivals, pictures};
+use rivals::{OTHERS, Others, pictures};
 use turns::{TURNS, Turns};
 
 const PAGE: &str = "BENCHMARKS.md";
@@ -34,20 +34,28 @@ const CASES: [(&str, &str, &str); 3] = [
 ];
 const STAGES: [&str; 4] = ["depth", "waterbody", "fusion", "bilateral"];
 
-pub(crate) fn run(tools: &Tools) -> Result<()> {
+/// What can be measured by itself.
+pub(crate) const PARTS: [&str; 5] = ["frames", "others", "scaling", "footprint", "arm64"];
+
+/// Measures these of [`PARTS`].
+pub(crate) fn run(tools: &Tools, parts: &[&str]) -> Result<()> {
     say("Building");
     call(cargo(&["build", "--release", "--locked", "--package", "aquafuse-cli"]))?;
     call(cargo(&["build", "--release", "--locked", "--package", "aquafuse", "--example", "scene"]))?;
-    let rivals = Rivals::set_up(tools)?;
-    frames(tools, &rivals)?;
-    others(&rivals)?;
-    scaling()?;
-    footprint::write(PAGE)?;
-    crate::arm64::write_instructions(PAGE, &pictures((256, 256))?, &published()?)
+    for part in parts {
+        match *part {
+            "frames" => frames(tools)?,
+            "others" => others()?,
+            "scaling" => scaling()?,
+            "footprint" => footprint::write(PAGE)?,
+            _ => crate::arm64::write_instructions(PAGE, &pictures((256, 256))?, &published()?)?,
+        }
+    }
+    Ok(())
 }
 
 /// The pipeline against the same in OpenCV, its stages, and `restore`.
-fn frames(tools: &Tools, rivals: &Rivals) -> Result<()> {
+fn frames(tools: &Tools) -> Result<()> {
     let published = Published::read()?;
     let (mut rows, mut stages, mut restored) = (String::new(), String::new(), String::new());
     let mut machine = None;
@@ -56,8 +64,8 @@ fn frames(tools: &Tools, rivals: &Rivals) -> Result<()> {
         let (pictures, frames) = (pictures(size)?, frames_of(size));
         let (mut ours, mut theirs) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
-            machine = Some(ours::turn(&mut ours, size, 1, &frames)?);
-            rivals.pipeline(&mut theirs, &pictures, &frames)?;
+            machine = Some(ours::turn(&mut ours, size, 1, &frames, ours::ALL)?);
+            rivals::pipeline(tools, &mut theirs, &pictures, &frames)?;
         }
         for (case, reference, smoothing) in CASES {
             let (our, their) = (ours.median(case), theirs.median(case));
@@ -89,13 +97,14 @@ fn frames(tools: &Tools, rivals: &Rivals) -> Result<()> {
 }
 
 /// What others do to a picture, at the largest size of the paper.
-fn others(rivals: &Rivals) -> Result<()> {
+fn others() -> Result<()> {
     say("Other programs");
+    let rivals = Others::set_up()?;
     let (pictures, frames) = (pictures(FULL_HD)?, frames_of(FULL_HD));
     let (mut ours, mut theirs) = (Turns::default(), Turns::default());
     for _ in 0..TURNS {
-        ours::turn(&mut ours, FULL_HD, 1, &frames)?;
-        rivals.others(&mut theirs, &pictures)?;
+        ours::turn(&mut ours, FULL_HD, 1, &frames, ours::CACHED)?;
+        rivals.turn(&mut theirs, &pictures)?;
     }
     let mut table =
         String::from("| program | ms | beside ours | ms | times as fast |\n|---|---|---|---|---|\n");
@@ -119,8 +128,8 @@ fn scaling() -> Result<()> {
         say(&format!("{width} x {height} on two threads"));
         let (mut alone, mut together) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
-            ours::turn(&mut alone, size, 1, &frames_of(size))?;
-            ours::turn(&mut together, size, 2, &frames_of(size))?;
+            ours::turn(&mut alone, size, 1, &frames_of(size), ours::CACHED)?;
+            ours::turn(&mut together, size, 2, &frames_of(size), ours::CACHED)?;
         }
         let milliseconds = alone.median("cached");
         let a_pixel = 1e6 * milliseconds / (width * height) as f64;

@@ -36,7 +36,8 @@ cargo xtask COMMAND
   scene      splats trained on a truth scene, with the water inside, into docs/results.md
   instructions
              of each kernel, counted by valgrind, into benches/instructions.tsv
-  bench      whole frames against the same in OpenCV, and others, into BENCHMARKS.md
+  bench      [PARTS] whole frames against the same in OpenCV, and others, into BENCHMARKS.md; parts are frames, others,
+             scaling, footprint, arm64
 
 Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
 Tools are kept in AQUAFUSE_CACHE (default ~/.cache/aquafuse), Python packages under target/.
@@ -69,7 +70,10 @@ fn main() -> ExitCode {
         ["test-arm64"] => arm64::run(),
         ["instructions"] => instructions::renew(),
         ["scene"] => results::scene(),
-        ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools)),
+        ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools, &bench::PARTS)),
+        ["bench", ref parts @ ..] if parts.iter().all(|part| bench::PARTS.contains(part)) => {
+            setup::set_up().and_then(|tools| bench::run(&tools, parts))
+        }
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");
             return ExitCode::SUCCESS;

@@ -2,6 +2,7 @@
 
 mod machine;
 mod measure;
+mod table;
 
 use aquafuse::smooth::Smoothing;
 use aquafuse::truth::Size;
@@ -10,9 +11,11 @@ use serde::Serialize;
 
 use crate::common::Common;
 use crate::failure::Failure;
+use crate::fuse::settings::smoothing;
 use crate::output;
 use machine::Machine;
-use measure::{Case, Pictures, Reference, Speed};
+use measure::{Pictures, Reference};
+use table::{Case, Restoration};
 
 /// The sizes of the paper's table.
 const SIZES: [(usize, usize); 4] = [(256, 256), (512, 512), (1024, 1024), (1920, 1080)];
@@ -22,7 +25,8 @@ const LONGEST_SIDE: usize = 16_384;
 const HELP: &str = "\
 A frame is a picture of bytes in memory: its depth and water are estimated and it is fused with the model
 `aquafuse`, in the memory of the frame before. Cached: the reference's water is known; estimated: it is
-estimated for every frame as well. Times are medians. Stages are timed each by itself, in memory of their own.";
+estimated for every frame as well. The JSON also has the stages, each by itself and in memory of its own, and
+`restore`. Times are medians.";
 
 /// Measure how fast this machine is.
 ///
@@ -36,6 +40,12 @@ pub(crate) struct Bench {
     /// Frames of each case [default: what half a second allows, 5 at least].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
+    /// Only this: `cached` or `estimated` references [default: both].
+    #[arg(long, value_name = "WHICH")]
+    reference: Option<Reference>,
+    /// Only this smoothing [default: with and without].
+    #[arg(long, value_name = "HOW", value_parser = smoothing())]
+    smooth: Option<Smoothing>,
     /// Print JSON for programs.
     #[arg(long)]
     json: bool,
@@ -49,16 +59,6 @@ struct Report {
     restorations: Vec<Restoration>,
 }
 
-/// `restore`: depth and water estimated, the water taken out within its bounds.
-#[derive(Serialize)]
-struct Restoration {
-    width: usize,
-    height: usize,
-    threads: usize,
-    #[serde(flatten)]
-    speed: Speed,
-}
-
 impl Bench {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let machine = Machine::this();
@@ -68,37 +68,40 @@ impl Bench {
         }
         let default = SIZES.map(|(width, height)| Size { width, height });
         let sizes = if self.sizes.is_empty() { &default[..] } else { &self.sizes };
+        self.tell(&format!("{machine}\n\n{}", Case::HEADING))?;
         let mut report = Report { schema: 1, machine, results: Vec::new(), restorations: Vec::new() };
-        self.tell(&format!("{}\n\n{}", report.machine, Case::HEADING))?;
         for &size in sizes {
             let pictures = Pictures::new(size).map_err(Failure::work)?;
             for &threads in &threads {
-                let pool =
-                    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::work)?;
-                let stages = pool.install(|| pictures.stages(self.frames)).map_err(Failure::work)?;
-                for smooth in Smoothing::ALL {
-                    for reference in [Reference::Cached, Reference::Estimated] {
-                        let speed = pool.install(|| pictures.fused(reference, smooth, self.frames));
-                        let case = Case::new(
-                            size,
-                            threads,
-                            reference,
-                            smooth,
-                            speed.map_err(Failure::work)?,
-                            stages,
-                        );
-                        self.tell(&case.to_string())?;
-                        report.results.push(case);
-                    }
-                }
-                let speed = pool.install(|| pictures.restored(self.frames)).map_err(Failure::work)?;
-                let Size { width, height } = size;
-                report.restorations.push(Restoration { width, height, threads, speed });
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                pool.map_err(Failure::work)?.install(|| self.measure(&pictures, threads, &mut report))?;
             }
         }
         if self.json {
             let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
             return output::print(&format!("{json}\n"));
+        }
+        Ok(())
+    }
+
+    /// The cases of one size on so many threads, which this is called on.
+    fn measure(&self, pictures: &Pictures, threads: usize, report: &mut Report) -> Result<(), Failure> {
+        let stages = pictures.stages(self.frames).map_err(Failure::work)?;
+        for smooth in Smoothing::ALL.into_iter().filter(|one| self.smooth.is_none_or(|only| only == *one)) {
+            for reference in
+                Reference::ALL.into_iter().filter(|one| self.reference.is_none_or(|only| only == *one))
+            {
+                let speed = pictures.fused(reference, smooth, self.frames).map_err(Failure::work)?;
+                let case = Case::new(pictures.size(), threads, reference, smooth, speed, stages);
+                self.tell(&case.to_string())?;
+                report.results.push(case);
+            }
+        }
+        if self.smooth.is_none() && self.reference.is_none() {
+            let speed = pictures.restored(self.frames).map_err(Failure::work)?;
+            let restoration = Restoration::new(pictures.size(), threads, speed);
+            self.tell(&restoration.to_string())?;
+            report.restorations.push(restoration);
         }
         Ok(())
     }

@@ -45,16 +45,21 @@ struct Stages {
     bilateral: f64,
 }
 
+/// What of it is wanted.
+pub(super) const ALL: &[&str] = &[];
+pub(super) const CACHED: &[&str] = &["--reference", "cached", "--smooth", "none"];
+
 /// One turn at this size: frames `cached`, `estimated`, `smoothed`, `restored`, and the stages by name.
 pub(super) fn turn(
     turns: &mut Turns,
     (width, height): Size,
     threads: usize,
     frames: &str,
+    wanted: &[&str],
 ) -> Result<Machine> {
     let (size, threads) = (format!("{width}x{height}"), threads.to_string());
     let arguments = ["bench", "--json", "--size", &size, "--threads", &threads, "--frames", frames];
-    let said = output(command(target().join("release/aquafuse"), &arguments))?;
+    let said = output(command(target().join("release/aquafuse"), &[&arguments[..], wanted].concat()))?;
     let report: Report = serde_json::from_str(&said).context("`aquafuse bench --json` is not what it was")?;
     for Case { reference, smooth, stages, speed } in &report.results {
         let name = match (reference.as_str(), smooth.as_str()) {

@@ -22,35 +22,31 @@ pub(super) const OTHERS: [(&str, &str, &str); 8] = [
 ];
 const MEDIANS: &str = "benches/medians/Cargo.toml";
 
-/// The programs of the rivals.
-pub(super) struct Rivals {
-    pipeline: PathBuf,
-    others: PathBuf,
+/// One turn of the pipeline in OpenCV: `cached`, `estimated`, `smoothed`.
+pub(super) fn pipeline(tools: &Tools, turns: &mut Turns, pictures: &Path, frames: &str) -> Result<()> {
+    let [content, reference] = names(pictures);
+    let script = ["benches/opencv_pipeline.py", "time", &content, &reference, "--frames", frames];
+    turns.read(&output(command(&tools.python, &script))?);
+    Ok(())
 }
 
-impl Rivals {
-    pub(super) fn set_up(tools: &Tools) -> Result<Self> {
+/// The programs of [`OTHERS`].
+pub(super) struct Others {
+    python: PathBuf,
+}
+
+impl Others {
+    pub(super) fn set_up() -> Result<Self> {
         call(cargo(&["build", "--release", "--quiet", "--locked", "--manifest-path", MEDIANS]))?;
-        Ok(Self { pipeline: tools.python.clone(), others: rivals_python()? })
+        Ok(Self { python: rivals_python()? })
     }
 
-    /// One turn of the pipeline in OpenCV: `cached`, `estimated`, `smoothed`.
-    pub(super) fn pipeline(&self, turns: &mut Turns, pictures: &Path, frames: &str) -> Result<()> {
+    pub(super) fn turn(&self, turns: &mut Turns, pictures: &Path) -> Result<()> {
         let [content, reference] = names(pictures);
-        let script = ["benches/opencv_pipeline.py", "time", &content, &reference, "--frames", frames];
-        turns.read(&output(command(&self.pipeline, &script))?);
-        Ok(())
-    }
-
-    /// One turn of [`OTHERS`].
-    pub(super) fn others(&self, turns: &mut Turns, pictures: &Path) -> Result<()> {
-        let [content, reference] = names(pictures);
-        turns.read(&output(command(
-            &self.others,
-            &["benches/rivals.py", &content, &reference, "--frames", "3"],
-        ))?);
-        let built =
-            std::env::var_os("CARGO_TARGET_DIR").map_or(root().join("benches/medians/target"), |_| target());
+        let script = ["benches/rivals.py", &content, &reference, "--frames", "3"];
+        turns.read(&output(command(&self.python, &script))?);
+        let own = root().join("benches/medians/target");
+        let built = std::env::var_os("CARGO_TARGET_DIR").map_or(own, |_| target());
         turns.read(&output(command(built.join("release/medians"), &[&content, "3"]))?);
         Ok(())
     }

@@ -1,17 +1,17 @@
 //! Frames and stages, timed.
 
-use std::fmt;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use aquafuse::depth::{self, DepthMap};
 use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
-use aquafuse::fusion::{self, Bounded, Model};
+use aquafuse::fusion::{self, Bounded};
 use aquafuse::image::{Encoded, Image, SizeError};
 use aquafuse::smooth::{Smoothing, bilateral_into};
 use aquafuse::stream::{Options, Stream};
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::{self, Estimate};
+use clap::ValueEnum;
 use serde::Serialize;
 
 /// How long one case is tried if nobody says how often.
@@ -19,7 +19,7 @@ const TRIED: Duration = Duration::from_millis(500);
 const FEWEST_FRAMES: usize = 5;
 
 /// What is estimated for each frame.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Reference {
     /// The content.
@@ -28,26 +28,23 @@ pub(super) enum Reference {
     Estimated,
 }
 
-/// One measurement of whole frames.
-#[derive(Serialize)]
-pub(super) struct Case {
-    width: usize,
-    height: usize,
-    threads: usize,
-    reference: Reference,
-    smooth: &'static str,
-    model: &'static str,
-    #[serde(flatten)]
-    speed: Speed,
-    stages: Stages,
+impl Reference {
+    pub(super) const ALL: [Self; 2] = [Self::Cached, Self::Estimated];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Cached => "cached",
+            Self::Estimated => "estimated",
+        }
+    }
 }
 
 /// A median, in the units that people ask for.
 #[derive(Clone, Copy, Serialize)]
 pub(super) struct Speed {
-    ms_per_frame: f64,
-    fps: f64,
-    ns_per_pixel: f64,
+    pub(super) ms_per_frame: f64,
+    pub(super) fps: f64,
+    pub(super) ns_per_pixel: f64,
 }
 
 /// Milliseconds of each stage by itself.
@@ -59,50 +56,31 @@ pub(super) struct Stages {
     bilateral: f64,
 }
 
-impl Case {
-    pub(super) const HEADING: &str =
-        "     size        threads  reference  smoothing   ms a frame  frames/s  ns/pixel";
-
-    pub(super) fn new(
-        Size { width, height }: Size,
-        threads: usize,
-        reference: Reference,
-        smoothing: Smoothing,
-        speed: Speed,
-        stages: Stages,
-    ) -> Self {
-        let (smooth, model) = (smoothing.name(), Model::default().name());
-        Self { width, height, threads, reference, smooth, model, speed, stages }
-    }
-}
-
-impl fmt::Display for Case {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { width, height, threads, smooth, speed, .. } = self;
-        let reference = match self.reference {
-            Reference::Cached => "cached",
-            Reference::Estimated => "estimated",
-        };
-        let Speed { ms_per_frame, fps, ns_per_pixel } = speed;
-        write!(
-            f,
-            "{width:>6} x {height:<6} {threads:>7}  {reference:<9}  {smooth:<9} {ms_per_frame:>12.2} {fps:>9.1} \
-             {ns_per_pixel:>9.2}"
-        )
-    }
-}
-
 /// A place seen through two waters.
 pub(super) struct Pictures {
     content: Image<u8>,
     reference: Image<u8>,
 }
 
+/// Larger pictures repeat a place of this size: to make more of it would take minutes.
+const LARGEST_PLACE: Size = Size { width: 1920, height: 1080 };
+
 impl Pictures {
     pub(super) fn new(size: Size) -> Result<Self, SizeError> {
-        let (scene, [blue, green, ..]) = (Scene::new(1, size), waters());
-        let [content, reference] = [blue, green].map(|named| scene.seen_through(&named.water).to_samples());
-        Ok(Self { content, reference })
+        let (width, height) = (size.width.min(LARGEST_PLACE.width), size.height.min(LARGEST_PLACE.height));
+        let (scene, [blue, green, ..]) = (Scene::new(1, Size { width, height }), waters());
+        let [content, reference] = [blue, green].map(|named| {
+            let place: Image<u8> = scene.seen_through(&named.water).to_samples();
+            let rows: Vec<_> = place.rows().collect();
+            let row = |y: usize| rows[y % height].iter().cycle().take(size.width).flatten().copied();
+            Image::from_raw(size.width, size.height, (0..size.height).flat_map(row).collect())
+        });
+        Ok(Self { content: content?, reference: reference? })
+    }
+
+    pub(super) fn size(&self) -> Size {
+        let (width, height) = self.content.size();
+        Size { width, height }
     }
 
     /// Whole frames, one after the other.

@@ -95,7 +95,7 @@ pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
         .map(|name| Model::from_name(&name).unwrap_or_default())
 }
 
-fn smoothing() -> impl TypedValueParser<Value = Smoothing> {
+pub(crate) fn smoothing() -> impl TypedValueParser<Value = Smoothing> {
     PossibleValuesParser::new(Smoothing::ALL.map(Smoothing::name))
         .map(|name| Smoothing::from_name(&name).unwrap_or_default())
 }

@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use crate::bands;
 use crate::depth::LEVELS;
 use crate::image::Image;
 use crate::simd;
@@ -182,15 +183,10 @@ impl Grid {
         let (width, height) = image.size();
         let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
         let (columns, rows) = (borders(width, side), borders(height, side));
-        let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
-        let mut sums = ColumnSums::new(width);
-        for rows in rows.windows(2) {
-            sums.clear();
-            simd::widest(AddRows { sums: &mut sums, image, levels, rows: rows[0]..rows[1] });
-            cells.extend(
-                columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])),
-            );
-        }
+        let of = |rows: &[usize]| cells_of(image, levels, &columns, rows);
+        let middle = rows.len() / 2;
+        let (mut cells, below) = bands::both(levels.len(), || of(&rows[..=middle]), || of(&rows[middle..]));
+        cells.extend(below);
         Self { columns, rows, cells }
     }
 
@@ -217,6 +213,18 @@ impl Grid {
         steps.sort_by(f32::total_cmp);
         steps[1]
     }
+}
+
+/// The cells between these borders of columns and rows, row by row.
+fn cells_of(image: &Image<u8>, levels: &[u8], columns: &[usize], rows: &[usize]) -> Vec<Cell> {
+    let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
+    let mut sums = ColumnSums::new(image.width());
+    for rows in rows.windows(2) {
+        sums.clear();
+        simd::widest(AddRows { sums: &mut sums, image, levels, rows: rows[0]..rows[1] });
+        cells.extend(columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])));
+    }
+    cells
 }
 
 /// Where cells of about `side` begin and end along `length`: the same from both ends.

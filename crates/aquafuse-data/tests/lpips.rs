@@ -116,7 +116,7 @@ fn expected(a: &Image<u8>, b: &Image<u8>) -> f64 {
     let (kernel, weighed) = weights();
     let (width, height) = a.size();
     let features = |image: &Image<u8>, x: usize, y: usize| -> Vec<f64> {
-        let mut found = vec![0.0; FEATURES];
+        let mut found = [0.0; FEATURES];
         for (f, sum) in found.iter_mut().enumerate() {
             for (c, (dy, dx)) in (0..3).flat_map(|c| (0..9).map(move |k| (c, (k / 3, k % 3)))) {
                 let (px, py) = ((x + dx).wrapping_sub(1), (y + dy).wrapping_sub(1));

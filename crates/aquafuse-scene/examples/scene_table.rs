@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wet = place.seen(|view| view.seen_through(&blue.water));
     // As far off as first guesses are: B∞ by a tenth, the betas by a third.
     let guess = Water::new([0.08, 0.30, 0.58], [0.14, 0.12, 0.10], [0.24, 0.09, 0.07]);
-    let options = options(Rates { water: 0.01, ..quick }, 700, 24_000);
+    let options = options(quick, 700, 24_000);
     let run = place.run(&wet, &options, 24, Some(guess.clone()));
     println!("{}", place.row("blue water, learned", "quick", &run, &wet)?);
     println!("<!-- /scene -->");

@@ -69,6 +69,16 @@ impl<T: Scalar> Water<T> {
         std::array::from_fn(|c| self.raw[6 + c].exp())
     }
 
+    /// A colour seen at a distance as it is without this water, in [0, 1].
+    pub fn taken_out(&self, seen: [T; 3], distance: T) -> [T; 3] {
+        let (veil, growth, fading) = (self.veil(), self.backscatter(), self.attenuation());
+        std::array::from_fn(|c| {
+            let backscatter = veil[c] * (T::ONE - (-growth[c] * distance).exp());
+            let clear = (seen[c] - backscatter) * (fading[c] * distance).exp();
+            clear.at_least(T::ZERO).at_most(T::ONE)
+        })
+    }
+
     /// The same water for the rest of AquaFuse, per unit of the scene.
     ///
     /// # Errors
@@ -208,6 +218,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_water_that_is_taken_out_comes_back() {
+        let water = Water::<f64>::new([0.1, 0.4, 0.5], [0.3, 0.2, 0.15], [0.5, 0.2, 0.1]);
+        let colour = [0.8, 0.5, 0.2];
+        let seen = Medium::Learned(water.clone()).between().through(colour, 3.0);
+        let clear = water.taken_out(seen, 3.0);
+        assert!(clear.iter().zip(colour).all(|(a, b)| (a - b).abs() < 1e-12), "{clear:?}");
     }
 
     #[test]

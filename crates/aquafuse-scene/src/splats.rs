@@ -163,6 +163,14 @@ impl<T: Scalar> Splats<T> {
         part::<T, 3>(self.row(i), HARMONICS).map(|value| value * T::of(FLAT) + T::of(0.5))
     }
 
+    /// Gives it another colour; what depends on the direction stays.
+    pub(crate) fn paint(&mut self, i: usize, colour: [T; 3]) {
+        let width = self.width();
+        for (c, value) in colour.into_iter().enumerate() {
+            self.rows[i * width + HARMONICS + c] = (value - T::of(0.5)) / T::of(FLAT);
+        }
+    }
+
     /// The same in other numbers.
     pub fn cast<U: Scalar>(&self) -> Splats<U> {
         Splats { degree: self.degree, rows: self.rows.iter().map(|value| U::of(value.get())).collect() }

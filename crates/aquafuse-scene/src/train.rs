@@ -15,7 +15,7 @@ pub use checkpoint::CheckpointError;
 pub use options::{DensityOptions, Options, Rates};
 
 use crate::camera::Camera;
-use crate::medium::{Medium, Water};
+use crate::medium::{Medium, PARAMETERS, Water};
 use crate::render::render;
 use crate::splats::{HARMONICS, LOG_SCALE, OPACITY, ROTATION, Splats};
 use loss::{Loss, Target, loss};
@@ -63,12 +63,17 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// Begins with these splats; `water` is where a water that is to be learned begins, none for air.
+    /// Begins with these splats, whose colours are those of the pictures; `water` is where a water that is to be learned
+    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them.
     ///
     /// # Panics
     ///
     /// When there is no shot, or one whose camera has another size than its picture.
     pub fn new(options: Options, shots: Vec<Shot>, splats: Splats<f32>, water: Option<Water<f32>>) -> Self {
+        let splats = match &water {
+            Some(water) => without_water(splats, water, &shots),
+            None => splats,
+        };
         let state = State::new(splats, water, options.seed);
         Self::at(options, shots, state)
     }
@@ -102,7 +107,8 @@ impl Trainer {
         state.step += 1;
         state.moments.step(state.splats.rows_mut(), gradient.splats.rows(), &rates, state.step);
         if let Some((water, moments)) = &mut state.water {
-            let rates = [self.options.rates.water as f32; crate::medium::PARAMETERS];
+            let veil = self.options.rates.water as f32;
+            let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
         }
         if self.options.grows_after(state.step) {
@@ -148,6 +154,22 @@ impl Trainer {
     pub fn medium(&self) -> Medium<f32> {
         self.state.medium()
     }
+}
+
+/// The splats with a water taken out of their colours, as seen from half way between the nearest and the farthest camera.
+fn without_water(mut splats: Splats<f32>, water: &Water<f32>, shots: &[Shot]) -> Splats<f32> {
+    let cameras: Vec<[f64; 3]> = shots.iter().map(|shot| shot.camera.position()).collect();
+    for i in 0..splats.len() {
+        let position = splats.position(i).map(f64::from);
+        let apart = |camera: &[f64; 3]| (0..3).map(|a| (camera[a] - position[a]).powi(2)).sum::<f64>().sqrt();
+        let (near, far) = cameras
+            .iter()
+            .map(apart)
+            .fold((f64::MAX, 0.0_f64), |(near, far), distance| (near.min(distance), far.max(distance)));
+        let clear = water.taken_out(splats.colour(i), (0.5 * (near + far)) as f32);
+        splats.paint(i, clear);
+    }
+    splats
 }
 
 /// The greatest distance of a camera from the middle of all, and a tenth more: the size of a scene, as published.

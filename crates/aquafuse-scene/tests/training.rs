@@ -11,7 +11,7 @@ use aquafuse_scene::medium::{Medium, Water};
 use aquafuse_scene::render::render;
 use aquafuse_scene::splats::Splats;
 use aquafuse_scene::train::loss::Target;
-use aquafuse_scene::train::{CheckpointError, Options, Rates, Shot, Trainer};
+use aquafuse_scene::train::{CheckpointError, Options, Shot, Trainer};
 use aquafuse_scene::truth::{TruthView, views};
 use aquafuse_scene::{points, truth};
 
@@ -109,13 +109,8 @@ fn a_water_is_learned_and_taken_out() {
     let pictures = place.seen(|view| view.seen_through(&truth));
     // A first guess as far off as estimates are: B∞ by a tenth, the betas by a third.
     let guess = Water::new([0.08, 0.30, 0.58], [0.14, 0.12, 0.10], [0.24, 0.09, 0.07]);
-    let rates = Rates { water: 0.01, ..Options::default().rates };
-    let mut trainer = Trainer::new(
-        Options { rates, ..options(500) },
-        place.shots(&pictures),
-        place.splats(&pictures),
-        Some(guess.clone()),
-    );
+    let mut trainer =
+        Trainer::new(options(500), place.shots(&pictures), place.splats(&pictures), Some(guess.clone()));
     while !trainer.is_done() {
         trainer.step();
     }
@@ -129,8 +124,9 @@ fn a_water_is_learned_and_taken_out() {
             .map(|(found, truth)| (found - truth).abs())
             .fold(0.0, f32::max)
     };
-    println!("B∞ off by {:.3} before, {:.3} after; {water:?}", off(&guess), off(&water));
-    assert!(off(&water) < 0.045 && off(&water) < 0.5 * off(&guess), "{} {}", off(&guess), off(&water));
+    println!("{:?} {:?} {:?}", water.veil(), water.backscatter(), water.attenuation());
+    println!("B∞ off by {:.3} before, {:.3} after", off(&guess), off(&water));
+    assert!(off(&water) < 0.2 * off(&guess), "{} {}", off(&guess), off(&water));
 
     // Where things are, the place without its water is nearer to what it is than its picture.
     let view = &place.views[HELD];
@@ -145,5 +141,5 @@ fn a_water_is_learned_and_taken_out() {
         (sum / count).sqrt()
     };
     println!("RMSE to the clear place: {:.3} dewatered, {:.3} as seen", error(&dry), error(&pictures[HELD]));
-    assert!(error(&dry) < 0.6 * error(&pictures[HELD]));
+    assert!(error(&dry) < 0.7 * error(&pictures[HELD]));
 }

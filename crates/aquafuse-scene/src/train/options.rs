@@ -33,7 +33,8 @@ pub struct Rates {
     pub opacity: f64,
     /// Of the harmonic of degree 0; the others take a twentieth.
     pub colour: f64,
-    /// Of the parameters of a learned water: not published, for it is ours. Slower than colour, which follows it.
+    /// Of the logit of B∞, which open water in every picture tells, so that it must not wait until splats stand there; the
+    /// logarithms of the betas, which only the same thing near and far tells, take a sixth. Not published: ours.
     pub water: f64,
 }
 
@@ -46,7 +47,7 @@ impl Rates {
             rotation: 0.001,
             opacity: 0.05,
             colour: 0.0025,
-            water: 0.002,
+            water: 0.03,
         }
     }
 
@@ -59,7 +60,7 @@ impl Rates {
             rotation: 0.008,
             opacity: 0.05,
             colour: 0.02,
-            water: 0.005,
+            water: 0.03,
         }
     }
 }

@@ -99,6 +99,13 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
     assert!(score("wet/view_3.5.png", "dry/view_3.5.png") < 20.0);
     assert!(run.path("dry/view_3.5.depth.tiff").is_file() && run.path("coast/view_8.5.png").is_file());
 
+    // Trained anew without a water, the old one goes: it would be taken for that of the new splats.
+    run.fails(2, &["scene", "train", "reef", "-o", "reef.ply"]);
+    std::fs::copy(run.path("reef.ply"), run.path("old.ply")).unwrap();
+    std::fs::copy(run.path("reef.water.json"), run.path("old.water.json")).unwrap();
+    train("reef", "old.ply", &["--overwrite"]);
+    assert!(!run.path("old.water.json").exists());
+
     // Fused, the cameras go along, and it can be trained as the original was.
     scene(&run.path("green.png"), 3, "green");
     let said = run.ok(&["scene", "fuse", "reef", "green.png", "-o", "fused", "--model", "physical"]).stdout;

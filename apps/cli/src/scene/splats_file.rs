@@ -48,6 +48,7 @@ impl Trained {
         Ok(Self { splats, medium })
     }
 
+    /// Writes both, or the splats alone where there is no water; one that lay there was of the splats that are replaced.
     pub(crate) fn write(&self, path: &Path, from: &Path, overwrite: bool) -> Result<(), Failure> {
         let beside = water_beside(path);
         if let Medium::Learned(water) = &self.medium {
@@ -57,6 +58,10 @@ impl Trained {
                 estimate: Estimate::given(water.body().map_err(Failure::work)?),
             };
             file.write(&beside, overwrite)?;
+        } else if overwrite && beside.is_file() {
+            std::fs::remove_file(&beside).map_err(|error| {
+                Failure::work(anyhow!("cannot remove the old water {}: {error}", shown(&beside)))
+            })?;
         }
         Ok(write_ply(path, &self.splats, overwrite)?)
     }

@@ -108,10 +108,8 @@ impl Train {
     /// Refuses what can be refused before work begins.
     fn check(&self) -> Result<(), Failure> {
         check_name(&self.output)?;
-        let mut outputs = vec![self.output.clone()];
-        if self.water == WaterInside::Learn {
-            outputs.push(water_beside(&self.output));
-        }
+        // A water that lies there would be taken for that of the new splats, learned or not.
+        let outputs = [self.output.clone(), water_beside(&self.output)];
         if let Some(path) =
             outputs.into_iter().find(|path| !self.overwrite && path.symlink_metadata().is_ok())
         {

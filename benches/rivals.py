@@ -20,7 +20,6 @@ import albumentations
 import cv2
 import numpy as np
 from color_matcher import ColorMatcher
-from color_matcher.normalizer import Normalizer
 from skimage.exposure import match_histograms
 
 cv2.setNumThreads(1)
@@ -28,7 +27,7 @@ cv2.setNumThreads(1)
 
 def matched(content, reference, method):
     result = ColorMatcher(src=content, ref=reference, method=method).main()
-    return Normalizer(result).uint8_norm()
+    return np.clip(np.round(result), 0, 255).astype(np.uint8)
 
 
 def rivals(content, reference):

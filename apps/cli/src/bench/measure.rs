@@ -121,10 +121,14 @@ impl Pictures {
         let bounded = Bounded::new(&own, &estimate(&self.reference)?.1, fusion::Options::default());
         let mut fused = content.clone();
         Ok(Stages {
-            depth: median(frames, || Ok(drop(black_box(depth::estimate(content)))))?,
+            depth: median(frames, || {
+                black_box(depth::estimate(content));
+                Ok(())
+            })?,
             waterbody: median(frames, || {
-                waterbody::estimate::<Encoded>(content, &z, &Default::default())
-                    .map(|found| _ = black_box(found))
+                waterbody::estimate::<Encoded>(content, &z, &Default::default()).map(|found| {
+                    black_box(found);
+                })
             })?,
             fusion: median(frames, || {
                 fusion::fuse_into(content, &z, bounded.waters(), &bounded.options, &mut fused).map(drop)

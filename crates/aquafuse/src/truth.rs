@@ -170,15 +170,16 @@ mod tests {
 
     #[test]
     fn what_two_cameras_see_of_a_place_is_at_one_distance_from_it() {
-        // One camera stands a metre behind the other, both look straight ahead: along the middle of the picture
-        // things are a metre farther.
+        // One camera hangs half a metre above the other, both look straight down: in the middle of the picture the floor is
+        // half a metre farther.
         let size = Size { width: 61, height: 41 };
-        let depth = |ahead: f32| {
-            let pose = Pose { moved: [0.0, 0.3, ahead], ..Pose::default() };
+        let depth = |above: f32| {
+            let pose =
+                Pose { moved: [0.0, above, 0.0], pitch: std::f32::consts::FRAC_PI_2, ..Pose::default() };
             Scene::from(View::default(), 5, &pose, size).depth.at(30, 20)
         };
-        let (near, far) = (depth(0.0), depth(-1.0));
-        assert!(near < 20.0 && (far - near - 1.0).abs() < 0.02, "{near} {far}");
+        let (near, far) = (depth(0.5), depth(1.0));
+        assert!(near < 20.0 && (far - near - 0.5).abs() < 0.02, "{near} {far}");
     }
 
     #[test]

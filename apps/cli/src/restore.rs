@@ -18,7 +18,8 @@ const HELP: &str = "\
 Eq. 2 of the paper, I = (U - B) e^(beta_D z): the backscatter is taken off, then what has faded
 is strengthened, --max-gain times at most. It is as right as depth and water are. From colour
 alone expect a clearer picture, not true colours; with a depth map in metres expect more. What
-is far and faint has drowned in noise and stays dark.
+is far and faint has drowned in noise and stays dark. Where colours look burnt, --max-gain 2 is
+gentler.
 
 Example:
   aquafuse restore reef.jpg -o clear.png

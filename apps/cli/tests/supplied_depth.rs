@@ -56,6 +56,23 @@ fn supplied_depth_is_used_and_told() {
 }
 
 #[test]
+fn metres_taken_for_millimetres_are_doubted() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    depth_of_scene(&run.path("z.tiff"), 1);
+    let fuse = |kind: &str| {
+        let depth = ["--depth", "z.tiff", "--depth-kind", kind, "--overwrite"];
+        run.ok(&[&["fuse", "content.png", "preset:jerlov-3C", "-o", "out.png"][..], &depth].concat()).stdout
+    };
+    assert!(!fuse("metres").contains("thicker water"));
+    let said = fuse("millimetres");
+    assert!(
+        said.contains("content.png has thicker water than there is; are its values really millimetres"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_folder_takes_its_depth_from_a_folder() {
     let run = Run::new();
     run::scenes_folder(&run.path("photos"));

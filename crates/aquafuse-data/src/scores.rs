@@ -4,7 +4,7 @@ use aquafuse::image::Image;
 use aquafuse::metrics::{uciqe, uiqm};
 use serde::Serialize;
 
-/// Scores of one picture; for each, more is held to be better. All are fooled by oversaturation and noise.
+/// Scores of one picture; for each but lightness, more is held to be better. All are fooled by oversaturation and noise.
 ///
 /// # Examples
 ///
@@ -14,7 +14,7 @@ use serde::Serialize;
 ///
 /// let flat: Image<u8> = Image::from_raw(10, 10, [90, 90, 90].repeat(100))?;
 /// let found = Scores::of(&flat);
-/// assert_eq!((found.contrast, found.sharpness), (0.0, Some(0.0)));
+/// assert_eq!((found.contrast, found.sharpness, found.lightness), (0.0, Some(0.0), 90.0 / 255.0));
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -29,6 +29,8 @@ pub struct Scores {
     pub contrast: f64,
     /// UISM, the second part of UIQM.
     pub sharpness: Option<f64>,
+    /// Mean of all values, 0 black and 1 white: whether it came out darker.
+    pub lightness: f64,
 }
 
 impl Scores {
@@ -41,6 +43,14 @@ impl Scores {
             colour: colour.chroma_deviation,
             contrast: colour.luminance_contrast,
             sharpness: sharp.map(|parts| parts.sharpness),
+            lightness: mean(image),
         }
     }
+}
+
+/// Mean of all values.
+fn mean(image: &Image<u8>) -> f64 {
+    let all = image.as_raw();
+    let sum = all.iter().fold(0_u64, |sum, value| sum.saturating_add(u64::from(*value)));
+    sum as f64 / (255.0 * all.len() as f64)
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use aquafuse::depth::SuppliedReport;
+use aquafuse::depth::{SuppliedKind, SuppliedReport};
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::job::{Item, Report};
 use aquafuse_data::picture::shown;
@@ -14,6 +14,8 @@ use crate::inspect::reasons;
 
 /// More clipping than this share of the values is worth a word.
 const MUCH: f64 = 0.05;
+/// No water's backscatter grows faster than this in green, per metre: the thickest of Jerlov's has a third of it.
+const THICKEST: f32 = 20.0;
 /// Pictures named for each thing that is worth a word.
 const NAMED: usize = 5;
 
@@ -45,6 +47,19 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     for (item, supplied) in supplied.clone().filter(|(_, supplied)| supplied.looks_turned_round()).take(NAMED)
     {
         let _ = writeln!(text, "  WARNING: the depth map of {} {}", name(item), turned_round(&supplied));
+    }
+    let thick = reports.iter().filter_map(|(item, report)| {
+        let supplied = report.supplied?;
+        let is_metric = matches!(supplied.kind, SuppliedKind::Metres | SuppliedKind::Millimetres);
+        (is_metric && report.water.backscatter_coefficient[1] > THICKEST).then_some((item, supplied))
+    });
+    for (item, supplied) in thick.take(NAMED) {
+        let _ = writeln!(
+            text,
+            "  WARNING: by its depth map {} has thicker water than there is; are its values really {}?",
+            name(item),
+            supplied.kind.name()
+        );
     }
     let holes = supplied.filter(|(_, supplied)| supplied.invalid > 0);
     let with_share = |(item, supplied): (&Item, SuppliedReport)| {
@@ -89,12 +104,13 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
 /// A table of scores before and after: means over the pictures that have them.
 fn scores(text: &mut String, reports: &[(Item, Report)]) {
     type Score = fn(&Scores) -> Option<f64>;
-    const ALL: [(&str, Score); 5] = [
+    const ALL: [(&str, Score); 6] = [
         ("UCIQE", |scores| Some(scores.uciqe)),
         ("UIQM", |scores| scores.uiqm),
         ("colour", |scores| Some(scores.colour)),
         ("contrast", |scores| Some(scores.contrast)),
         ("sharpness", |scores| scores.sharpness),
+        ("lightness", |scores| Some(scores.lightness)),
     ];
     let all: Vec<[Scores; 2]> = reports.iter().filter_map(|(_, report)| report.scores).collect();
     if all.is_empty() {

@@ -201,6 +201,6 @@ impl<E: Space> Enhancement<E> {
 }
 
 fn values(image: &Image<u8>) -> [Option<f64>; 5] {
-    let Scores { uciqe, uiqm, colour, contrast, sharpness } = Scores::of(image);
+    let Scores { uciqe, uiqm, colour, contrast, sharpness, .. } = Scores::of(image);
     [Some(uciqe), uiqm, Some(colour), Some(contrast), sharpness]
 }

@@ -7,10 +7,10 @@ mod run;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::Instant;
 
-use run::{Run, scene};
+use run::{Chance, Run, killed_after, kills, scene};
 
 const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_datasets.py");
 
@@ -143,11 +143,6 @@ fn a_picture_that_fails_is_named_and_listed() {
     assert_eq!(files(&run.path("more")).keys().filter(|name| name.ends_with(".png")).count(), 6);
 }
 
-/// How many kills a run has to bear; `cargo xtask soak` asks for more.
-fn kills() -> usize {
-    std::env::var("AQUAFUSE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(20)
-}
-
 #[test]
 fn an_augmentation_killed_and_run_again_equals_one_clean_run() {
     let run = fish(12);
@@ -158,21 +153,14 @@ fn an_augmentation_killed_and_run_again_equals_one_clean_run() {
     let more = run.path("more");
     let clean = files(&more);
     fs::remove_dir_all(&more).unwrap();
-    let (mut killed, mut finished, mut chance) = (0, 0, 7_u64);
+    let (mut killed, mut finished, mut chance) = (0, 0, Chance(7));
     while killed < kills() {
-        chance = chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let mut child = run.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        std::thread::sleep(whole_run.mul_f64((chance >> 40) as f64 / f64::from(1 << 24)));
-        if child.try_wait().unwrap().is_none() {
-            child.kill().unwrap();
-            killed += 1;
-        }
-        let ended = child.wait().unwrap();
-        assert!(ended.success() || ended.code().is_none(), "it ended by itself with {ended}");
+        let is_killed = killed_after(run.command(&arguments), whole_run.mul_f64(chance.share()));
+        killed += usize::from(is_killed);
         let there = files(&more);
         let whole = |(name, bytes): (&String, &Vec<u8>)| name == "manifest.jsonl" || bytes == &clean[name];
         assert!(there.iter().all(whole), "a half file");
-        if ended.success() {
+        if !is_killed {
             assert!(there == clean, "gone on with, it is another");
             finished += 1;
             fs::remove_dir_all(&more).unwrap();

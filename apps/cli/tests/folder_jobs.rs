@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse_data::picture::{Picture, WriteOptions};
-use run::{Run, scene, scenes_folder};
+use run::{Chance, Run, killed_after, kills, scene, scenes_folder};
 
 const FUSE: [&str; 5] = ["fuse", "photos", "water.png", "-o", "fused"];
 
@@ -177,11 +177,6 @@ fn larger(count: usize) -> Run {
     run
 }
 
-/// How many kills a job has to bear; `cargo xtask soak` asks for more.
-fn kills() -> usize {
-    std::env::var("AQUAFUSE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(20)
-}
-
 #[test]
 fn killed_and_run_again_equals_one_clean_run() {
     let run = larger(16);
@@ -190,21 +185,14 @@ fn killed_and_run_again_equals_one_clean_run() {
     let whole_run = began.elapsed();
     let clean = pictures(&run.path("clean"));
     let folder = run.path("fused");
-    let (mut killed, mut finished, mut most_parts, mut chance) = (0, 0, 0, 1_u64);
+    let (mut killed, mut finished, mut most_parts, mut chance) = (0, 0, 0, Chance(1));
     while killed < kills() {
-        chance = chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let mut child = run.command(&FUSE).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        std::thread::sleep(whole_run.mul_f64((chance >> 40) as f64 / f64::from(1 << 24)));
-        if child.try_wait().unwrap().is_none() {
-            child.kill().unwrap();
-            killed += 1;
-        }
-        let ended = child.wait().unwrap();
-        assert!(ended.success() || ended.code().is_none(), "it ended by itself with {ended}");
+        let is_killed = killed_after(run.command(&FUSE), whole_run.mul_f64(chance.share()));
+        killed += usize::from(is_killed);
         let there = pictures(&folder);
         assert!(there.iter().all(|(name, bytes)| bytes == &clean[name]), "a half file");
         most_parts = most_parts.max(parts(&folder));
-        if ended.success() {
+        if !is_killed {
             assert_eq!((&there, parts(&folder)), (&clean, 0));
             finished += 1;
             std::fs::remove_dir_all(&folder).unwrap();

@@ -55,6 +55,34 @@ impl Run {
     }
 }
 
+/// How many kills a run has to bear; `cargo xtask soak` and `multiply` ask for more.
+pub(crate) fn kills() -> usize {
+    std::env::var("AQUAFUSE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(20)
+}
+
+/// Numbers from 0 to 1, the same in every run of the tests.
+pub(crate) struct Chance(pub(crate) u64);
+
+impl Chance {
+    pub(crate) fn share(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f64 / f64::from(1 << 24)
+    }
+}
+
+/// Starts a command and kills it after so long; whether it was killed, and not done before.
+pub(crate) fn killed_after(mut command: Command, wait: std::time::Duration) -> bool {
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(wait);
+    let is_killed = child.try_wait().unwrap().is_none();
+    if is_killed {
+        child.kill().unwrap();
+    }
+    let ended = child.wait().unwrap();
+    assert!(ended.success() || ended.code().is_none(), "it ended by itself with {ended}");
+    !ended.success()
+}
+
 /// Writes the picture of a truth scene in a water known by its name.
 pub(crate) fn scene(path: &Path, seed: u64, water: &str) {
     let water = waters().into_iter().find(|known| known.name == water).unwrap().water;

@@ -307,10 +307,23 @@ impl<'a, E: Space> Maker<'a, E> {
             && old.written.output == planned.output
             && old.source.bytes == input.len()
             && self.stands(&old.written, input)
+            && self.is_of_depth(old, &sample.key)
             && old.companions.len() == sample.companions.len()
             && companions.into_iter().all(|((companion, output), old)| {
                 old.output == *output && about(companion).is_ok_and(|about| self.stands(old, &about))
             })
+    }
+
+    /// Whether a variant is no older than the depth map that it was made with, if it has one.
+    fn is_of_depth(&self, old: &Variant, key: &str) -> bool {
+        match self.maps.source(key) {
+            Ok(DepthSource::Supplied { path, .. }) => {
+                path.metadata().is_ok_and(|about| self.stands(&old.written, &about))
+            }
+            Ok(DepthSource::Estimated(_)) => true,
+            // Making it again says what is wrong with its depth.
+            Err(_) => false,
+        }
     }
 
     fn is_original(&self, old: &Original, sample: &Planned, input: &Metadata) -> bool {

@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::Path;
 
-use aquafuse::depth::{DepthKind, DepthModel};
+use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
 use aquafuse::image::Encoded;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::Estimate;
@@ -164,6 +164,30 @@ fn what_changed_is_made_again_and_other_settings_are_refused() {
     let after = files(&out);
     assert_eq!(after.len(), before.len());
     assert!(verify(&out, None).unwrap().wrong.is_empty());
+}
+
+#[test]
+fn a_depth_map_that_changed_makes_its_variants_anew() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out, maps) = (place.path().join("fish"), place.path().join("out"), place.path().join("depth"));
+    dataset(&root);
+    let map = |name: &str, seed: u64| {
+        let depth = Scene::new(seed, Size { width: 48, height: 32 }).depth;
+        let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
+        crate::depth_file::write(&maps.join("images/train").join(name), &depth, &options).unwrap();
+    };
+    fs::create_dir_all(maps.join("images/train")).unwrap();
+    for (seed, name) in ["a.npy", "b.npy", "c.npy", "d.npy"].into_iter().enumerate() {
+        map(name, seed as u64);
+    }
+    let mut job = job(&root, &out);
+    job.recipe.depth = DepthPlan::Maps { folder: maps.clone(), kind: SuppliedKind::Metres };
+    assert_eq!((run(&job).done, run(&job).kept), (4, 4));
+    map("b.npy", 9);
+    let ended = run(&job);
+    assert_eq!((ended.done, ended.kept), (1, 3));
+    fs::remove_file(maps.join("images/train/b.npy")).unwrap();
+    assert_eq!(run(&job).failed, 1);
 }
 
 #[test]

@@ -112,7 +112,7 @@ fn mean_around<T: Sample, E: Encoding>(image: &Image<T, E>, x: usize, y: usize) 
             let column = mirrored(x as isize + dx, width);
             let other = &pixels[mirrored(y as isize + dy, height) * width + column];
             let off = |c: usize| u16::from(middle[c].to_byte().abs_diff(other[c].to_byte()));
-            let weight = u64::from(weight(off(0) + off(1) + off(2)));
+            let weight = weight::<0>(off(0) + off(1) + off(2)) as u64;
             total += weight;
             for c in 0..3 {
                 sums[c] += weight * other[c].to_steps();

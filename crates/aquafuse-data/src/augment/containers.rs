@@ -1,0 +1,178 @@
+//! A file that holds several pictures, multiplied as a whole: it is there or it is not.
+
+mod shards;
+#[cfg(feature = "parquet")]
+mod tables;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::journal::Journal;
+use super::make::{Made, Maker, News};
+use super::manifest::{Container, Entry, Line, Source, Written};
+use super::plan::Planned;
+use crate::dataset::Layout;
+use crate::digest::{hexadecimal, sha256};
+use crate::picture::{FileError, Format, Opened, Picture, ReadOptions};
+use crate::treatment::Space;
+
+/// A picture in a container.
+struct Held {
+    /// What its draws depend on: CONTAINER/NAME.
+    draws: String,
+    /// What the manifest calls it.
+    key: String,
+    /// What errors call it.
+    name: PathBuf,
+    bytes: Vec<u8>,
+}
+
+/// A variant of such a picture.
+struct Varied {
+    /// What follows the name of its picture: `__WATER__NUMBER`.
+    suffix: String,
+    bytes: Vec<u8>,
+}
+
+impl<E: Space> Maker<'_, E> {
+    /// Makes a container, unless it is there as it would be made now. A picture that fails leaves the others as they are.
+    pub(super) fn make_container(&self, sample: &Planned, known: Entry, journal: &Journal) -> Made {
+        let made = self.make_container_or_fail(sample, known, journal);
+        made.unwrap_or_else(|error| Made { entry: Entry::default(), news: None, failures: vec![error] })
+    }
+
+    fn make_container_or_fail(
+        &self,
+        sample: &Planned,
+        known: Entry,
+        journal: &Journal,
+    ) -> Result<Made, FileError> {
+        let input = self.job.dataset.root.join(&sample.key);
+        let about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
+        let is_current = |old: &Container| {
+            old.failed.is_empty() && old.source.bytes == about.len() && self.stands(&old.written, &about)
+        };
+        if let Some(old) = known.container.filter(|old| is_current(old)) {
+            return Ok(Made {
+                entry: Entry { container: Some(old), ..Entry::default() },
+                news: None,
+                failures: Vec::new(),
+            });
+        }
+        let mut container = Container {
+            key: sample.key.clone(),
+            source: Source { bytes: about.len(), sha256: String::new(), depth_sha256: None },
+            written: Written { output: sample.key.clone(), bytes: 0, sha256: String::new() },
+            variants: Vec::new(),
+            skipped: Vec::new(),
+            failed: Vec::new(),
+        };
+        let failures = self.write_container(&input, &mut container)?;
+        let line = Line::Container(Box::new(container.clone()));
+        journal.add(std::slice::from_ref(&line))?;
+        let news = News {
+            variants: container.variants.len(),
+            vanished: News::vanished(container.variants.iter()),
+            verdict: None,
+            lines: line.text(),
+        };
+        let entry = Entry { container: Some(Box::new(container)), ..Entry::default() };
+        Ok(Made { entry, news: Some(news), failures })
+    }
+
+    /// Writes it, and says in `container` what was made; the failures of single pictures come back.
+    fn write_container(&self, input: &Path, container: &mut Container) -> Result<Vec<FileError>, FileError> {
+        match self.job.dataset.layout {
+            #[cfg(feature = "parquet")]
+            Layout::Parquet => self.write_table(input, container),
+            _ => self.write_shard(input, container),
+        }
+    }
+
+    /// The variants of one picture: none where it is skipped. `output` names one in the container, by what follows the
+    /// picture's own name.
+    fn vary(
+        &self,
+        held: Held,
+        container: &mut Container,
+        output: &dyn Fn(&str) -> String,
+    ) -> Result<Vec<Varied>, FileError> {
+        let recipe = &self.job.recipe;
+        let opened = Picture::open_bytes(&held.name, held.bytes, &recipe.reading)?;
+        let read = recipe.read(opened, &self.maps.source(&held.draws)?, &self.budget)?;
+        if let Some(why) = recipe.skipped(read.found.estimate.quality) {
+            container.skipped.push((held.draws, why));
+            return Ok(Vec::new());
+        }
+        let (mut all, mut variants) = (Vec::new(), Vec::new());
+        for number in 0..recipe.per_image {
+            let draw = recipe.draws.draw(&held.draws, number, recipe.waters.len());
+            let water = recipe.waters.get(draw.water).expect("a draw is one of the waters");
+            // A name in a shard ends at its first dot.
+            let suffix = format!("__{}__{number}", water.slug().replace('.', "-"));
+            let path = output(&suffix);
+            let (bytes, treated) = recipe.variant(&read, water, draw, path.as_ref())?;
+            let about = Written { output: path, bytes: bytes.len() as u64, sha256: sha256(&bytes) };
+            variants.push(read.described(&held.key, number, draw, treated, about, Vec::new()));
+            all.push(Varied { suffix, bytes });
+        }
+        container.variants.extend(variants);
+        Ok(all)
+    }
+}
+
+/// The picture of a key in a container.
+pub(super) fn picture_of(
+    layout: Layout,
+    container: &Path,
+    key: &str,
+    options: &ReadOptions,
+) -> Result<Opened, FileError> {
+    let found = match layout {
+        #[cfg(feature = "parquet")]
+        Layout::Parquet => tables::picture_of(container, key, options)?,
+        _ => shards::picture_of(container, key, options)?,
+    };
+    let none =
+        || FileError::Damaged { path: container.to_owned(), cause: format!("there is no {key} in it") };
+    let (name, bytes) = found.ok_or_else(none)?;
+    Picture::open_bytes(&container.join(name), bytes, options)
+}
+
+/// The extension of a variant: that of its picture, if we write that format.
+fn written(extension: &str) -> &str {
+    if Format::written(format!("x.{extension}").as_ref()).is_some() { extension } else { "png" }
+}
+
+/// What is written, and its digest.
+struct Hashed<W> {
+    out: W,
+    digest: Sha256,
+    bytes: u64,
+}
+
+impl<W> Hashed<W> {
+    fn new(out: W) -> Self {
+        Self { out, digest: Sha256::new(), bytes: 0 }
+    }
+
+    /// Says of `written` what was.
+    fn describe(self, written: &mut Written) {
+        (written.sha256, written.bytes) = (hexadecimal(&self.digest.finalize()), self.bytes);
+    }
+}
+
+impl<W: Write> Write for Hashed<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.digest.update(bytes.get(..written).unwrap_or_default());
+        self.bytes = self.bytes.saturating_add(written as u64);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
+    }
+}

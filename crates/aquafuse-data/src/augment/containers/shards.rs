@@ -1,0 +1,120 @@
+//! One shard of a WebDataset, sample by sample.
+
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+use tar::Builder;
+
+use super::super::make::Maker;
+use super::super::manifest::Container;
+use super::{Hashed, Held, written};
+use crate::dataset::shards::{Group, Member, groups};
+use crate::dataset::{join, split};
+use crate::digest::hexadecimal;
+use crate::picture::{FileError, ReadOptions, one_line, open_file, write_atomically};
+use crate::treatment::Space;
+
+impl<E: Space> Maker<'_, E> {
+    /// Reads a shard sample by sample, and writes each with its variants.
+    pub(super) fn write_shard(
+        &self,
+        input: &Path,
+        container: &mut Container,
+    ) -> Result<Vec<FileError>, FileError> {
+        let path = self.job.output.join(&container.key);
+        let reading = &self.job.recipe.reading;
+        let (file, bytes) = open_file(input)?;
+        container.source.bytes = bytes;
+        let mut seen = Sha256::new();
+        let mut failures = Vec::new();
+        // What the shard's own reading says is no fault of the writing.
+        let mut unread = None;
+        let result = write_atomically(&path, true, |out| {
+            let mut builder = Builder::new(Hashed::new(out));
+            let read =
+                groups(input, BufReader::new(file), reading, &mut |bytes| seen.update(bytes), &mut |group| {
+                    let failed = |error: std::io::Error| FileError::Write {
+                        path: path.clone(),
+                        cause: error.to_string(),
+                    };
+                    if self.job.recipe.keep_originals {
+                        group
+                            .members
+                            .iter()
+                            .try_for_each(|member| member.append(&mut builder))
+                            .map_err(failed)?;
+                    }
+                    match self.group(&group, input, container) {
+                        Ok(members) => {
+                            members.iter().try_for_each(|member| member.append(&mut builder)).map_err(failed)
+                        }
+                        Err(error) => {
+                            let key = join(&container.key, &group.key);
+                            container.failed.push((key, one_line(&error.to_string())));
+                            failures.push(error);
+                            Ok(())
+                        }
+                    }
+                });
+            if let Err(error) = read {
+                unread = Some(error);
+                return Err(std::io::Error::other("its input cannot be read"));
+            }
+            builder.into_inner()?.describe(&mut container.written);
+            Ok(())
+        });
+        match unread {
+            Some(error) => return Err(error),
+            None => result?,
+        }
+        container.source.sha256 = hexadecimal(&seen.finalize());
+        Ok(failures)
+    }
+
+    /// The variants of one sample, each with all that is about it.
+    fn group(
+        &self,
+        group: &Group,
+        input: &Path,
+        container: &mut Container,
+    ) -> Result<Vec<Member>, FileError> {
+        let ambiguous = |cause| FileError::Damaged { path: input.join(&group.key), cause };
+        let Some(picture) = group.picture().map_err(ambiguous)? else { return Ok(Vec::new()) };
+        let (folder, stem) = split(&group.key);
+        let named = |suffix: &str, extension: &str| join(folder, &format!("{stem}{suffix}.{extension}"));
+        let draws = join(&container.key, &group.key);
+        let held = Held {
+            key: format!("{draws}.{}", picture.extension()),
+            draws,
+            name: input.join(&picture.path),
+            bytes: picture.bytes.clone(),
+        };
+        let own = written(picture.extension());
+        let variants = self.vary(held, container, &|suffix| named(suffix, own))?;
+        let of_one = |variant: super::Varied| {
+            let member = |member: &Member| match member.path == picture.path {
+                true => member.with(named(&variant.suffix, own), variant.bytes.clone()),
+                false => member.with(named(&variant.suffix, member.extension()), member.bytes.clone()),
+            };
+            group.members.iter().map(member).collect::<Vec<_>>()
+        };
+        Ok(variants.into_iter().flat_map(of_one).collect())
+    }
+}
+
+/// The picture of a key, SHARD/NAME.EXTENSION, in a shard: its name there, and its bytes.
+pub(super) fn picture_of(
+    shard: &Path,
+    key: &str,
+    options: &ReadOptions,
+) -> Result<Option<(PathBuf, Vec<u8>)>, FileError> {
+    let (file, _) = open_file(shard)?;
+    let mut found = None;
+    groups(shard, BufReader::new(file), options, &mut |_| {}, &mut |group| {
+        let own = group.members.into_iter().find(|member| key.ends_with(&format!("/{}", member.path)));
+        found = found.take().or(own);
+        Ok(())
+    })?;
+    Ok(found.map(|member| (member.path.into(), member.bytes)))
+}

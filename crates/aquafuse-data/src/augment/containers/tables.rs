@@ -1,0 +1,211 @@
+//! One table of Parquet, row by row: every variant is a row of its own, equal to its picture's but for the picture.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use arrow_array::{Array, ArrayRef, RecordBatch, StructArray, UInt64Array};
+use arrow_schema::ArrowError;
+use arrow_select::take::take_record_batch;
+use parquet::arrow::{ARROW_SCHEMA_META_KEY, ArrowWriter};
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::schema::types::ColumnPath;
+
+use super::super::make::Maker;
+use super::super::manifest::Container;
+use super::{Hashed, Held, written};
+use crate::dataset::tables::{Cell, Table, binary, cell, texts};
+use crate::dataset::{join, split, stem};
+use crate::digest::sha256_of;
+use crate::picture::{FileError, Format, ReadOptions, one_line, open_file, write_atomically};
+use crate::treatment::Space;
+
+/// Bytes of rows that are written as a group, so that no reader needs more.
+const GROUP: usize = 32 << 20;
+
+/// A row to write: which of those read it equals, and what stands in the place of its picture.
+struct Row {
+    of: u64,
+    instead: Option<(String, Vec<u8>)>,
+}
+
+impl<E: Space> Maker<'_, E> {
+    /// Reads a table row by row, and writes each with its variants.
+    pub(super) fn write_table(
+        &self,
+        input: &Path,
+        container: &mut Container,
+    ) -> Result<Vec<FileError>, FileError> {
+        let path = self.job.output.join(&container.key);
+        let (file, bytes) = open_file(input)?;
+        container.source.bytes = bytes;
+        container.source.sha256 = sha256_of(input)?;
+        let mut table = Table::open(input, file, &self.job.recipe.reading)?;
+        let mut failures = Vec::new();
+        // What the table's own reading says is no fault of the writing.
+        let mut unread = None;
+        let result = write_atomically(&path, true, |out| {
+            let mut hashed = Hashed::new(out);
+            let mut writer = ArrowWriter::try_new(&mut hashed, table.schema.clone(), Some(as_read(&table)))?;
+            let mut first = 0_u64;
+            loop {
+                let rows = match table.next() {
+                    Ok(Some(rows)) => rows,
+                    Ok(None) => break,
+                    Err(error) => {
+                        unread = Some(error);
+                        return Err(parquet::errors::ParquetError::General("it cannot be read".into()));
+                    }
+                };
+                let more = self.rows(&table, &rows, first, input, container, &mut failures);
+                writer.write(&with(&table, &rows, &more)?)?;
+                if writer.in_progress_size() > GROUP {
+                    writer.flush()?;
+                }
+                first = first.saturating_add(rows.num_rows() as u64);
+            }
+            writer.close()?;
+            hashed.describe(&mut container.written);
+            Ok(())
+        });
+        match unread {
+            Some(error) => return Err(error),
+            None => result?,
+        }
+        Ok(failures)
+    }
+
+    /// What becomes of some rows, of which the first is the table's `first`.
+    fn rows(
+        &self,
+        table: &Table,
+        rows: &RecordBatch,
+        first: u64,
+        input: &Path,
+        container: &mut Container,
+        failures: &mut Vec<FileError>,
+    ) -> Vec<Row> {
+        let mut all = Vec::new();
+        for of in 0..rows.num_rows() as u64 {
+            if self.job.recipe.keep_originals {
+                all.push(Row { of, instead: None });
+            }
+            let number = first.saturating_add(of);
+            let found = table.pictures(rows).and_then(|pictures| cell(pictures, row(of)));
+            let key = join(&container.key, &number.to_string());
+            let Some(found) = found else { continue };
+            match self.variants(found, &key, number, input, container) {
+                Ok(variants) => all.extend(variants.map(|instead| Row { of, instead: Some(instead) })),
+                Err(error) => {
+                    container.failed.push((key, one_line(&error.to_string())));
+                    failures.push(error);
+                }
+            }
+        }
+        all
+    }
+
+    /// The variants of the picture of one row, with their names.
+    fn variants(
+        &self,
+        found: Cell<'_>,
+        key: &str,
+        number: u64,
+        input: &Path,
+        container: &mut Container,
+    ) -> Result<impl Iterator<Item = (String, Vec<u8>)> + use<E>, FileError> {
+        let name = input.join(number.to_string());
+        let none = || FileError::Damaged {
+            path: name.clone(),
+            cause: "the row only names its picture; put the files into the table first".into(),
+        };
+        let bytes = found.bytes.ok_or_else(none)?;
+        let own_name = found.name.map_or("", |called| split(called).1);
+        let stem = if own_name.is_empty() { number.to_string() } else { stem(own_name).to_owned() };
+        let format = Format::of_content(bytes).map_or("png", Format::extension);
+        let extension = written(format);
+        let named = move |suffix: &str| format!("{stem}{suffix}.{extension}");
+        let held =
+            Held { draws: key.to_owned(), key: key.to_owned(), name: name.clone(), bytes: bytes.to_vec() };
+        let variants = self.vary(held, container, &named)?;
+        Ok(variants.into_iter().map(move |variant| (named(&variant.suffix), variant.bytes)))
+    }
+}
+
+/// A row of what was read at once.
+fn row(of: u64) -> usize {
+    usize::try_from(of).unwrap_or(usize::MAX)
+}
+
+/// As the table is compressed, and with what others wrote about it.
+fn as_read(table: &Table) -> WriterProperties {
+    let own = |note: &&parquet::file::metadata::KeyValue| note.key != ARROW_SCHEMA_META_KEY;
+    let notes = table.notes.iter().filter(own).cloned().collect();
+    let bytes = ColumnPath::from(vec![table.schema.field(table.column).name().clone(), "bytes".to_owned()]);
+    WriterProperties::builder()
+        .set_compression(table.compression)
+        .set_key_value_metadata(Some(notes))
+        // Pictures are neither alike nor in an order.
+        .set_column_dictionary_enabled(bytes.clone(), false)
+        .set_column_statistics_enabled(bytes, EnabledStatistics::None)
+        .build()
+}
+
+/// Rows equal to some that were read but for their pictures.
+fn with(table: &Table, rows: &RecordBatch, more: &[Row]) -> Result<RecordBatch, ArrowError> {
+    let of: UInt64Array = more.iter().map(|row| row.of).collect();
+    let taken = take_record_batch(rows, &of)?;
+    let Some(pictures) = table.pictures(&taken) else { return Ok(taken) };
+    let (fields, mut arrays, nulls) = pictures.clone().into_parts();
+    for (field, array) in fields.iter().zip(&mut arrays) {
+        let replaced: Option<ArrayRef> = match field.name().as_str() {
+            "bytes" => {
+                let value = |(at, row): (usize, &Row)| match &row.instead {
+                    Some((_, bytes)) => Some(bytes.as_slice()),
+                    None => cell(pictures, at).and_then(|cell| cell.bytes),
+                };
+                let values: Vec<Option<&[u8]>> = more.iter().enumerate().map(value).collect();
+                Some(binary(field.data_type(), &values))
+            }
+            "path" => {
+                let value = |(at, row): (usize, &Row)| match &row.instead {
+                    Some((name, _)) => Some(name.as_str()),
+                    None => cell(pictures, at).and_then(|cell| cell.name),
+                };
+                let values: Vec<Option<&str>> = more.iter().enumerate().map(value).collect();
+                texts(field.data_type(), &values)
+            }
+            _ => None,
+        };
+        if let Some(replaced) = replaced {
+            *array = replaced;
+        }
+    }
+    let mut columns = taken.columns().to_vec();
+    if let Some(column) = columns.get_mut(table.column) {
+        *column = Arc::new(StructArray::try_new(fields, arrays, nulls)?);
+    }
+    RecordBatch::try_new(taken.schema(), columns)
+}
+
+/// The picture of a key, TABLE/ROW, in a table: its name there, and its bytes.
+pub(super) fn picture_of(
+    path: &Path,
+    key: &str,
+    options: &ReadOptions,
+) -> Result<Option<(PathBuf, Vec<u8>)>, FileError> {
+    let Ok(wanted) = split(key).1.parse::<usize>() else { return Ok(None) };
+    let (file, _) = open_file(path)?;
+    let mut table = Table::open(path, file, options)?;
+    let mut first = 0_usize;
+    while let Some(rows) = table.next()? {
+        let after = first.saturating_add(rows.num_rows());
+        if wanted < after {
+            let found =
+                table.pictures(&rows).and_then(|pictures| cell(pictures, wanted.saturating_sub(first)));
+            let bytes = found.and_then(|cell| cell.bytes);
+            return Ok(bytes.map(|bytes| (PathBuf::from(wanted.to_string()), bytes.to_vec())));
+        }
+        first = after;
+    }
+    Ok(None)
+}

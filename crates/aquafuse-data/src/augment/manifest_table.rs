@@ -1,0 +1,84 @@
+//! The variants of a manifest as a table of Parquet: one row each, for programs that filter and join.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow_array::{
+    ArrayRef, BooleanArray, Float32Array, Float64Array, RecordBatch, StringArray, UInt32Array, UInt64Array,
+};
+use parquet::arrow::ArrowWriter;
+use parquet::errors::ParquetError;
+
+use super::manifest::{Entry, Header, Variant, Written};
+use crate::digest::sha256_of;
+use crate::picture::{FileError, write_atomically};
+
+/// Writes the table `name` into `folder`.
+pub(super) fn write<'a>(
+    folder: &Path,
+    name: String,
+    header: &Header,
+    entries: impl Iterator<Item = &'a Entry>,
+) -> Result<Written, FileError> {
+    let all: Vec<(&Variant, Option<&str>)> = entries.flat_map(Entry::all_variants).collect();
+    let path = folder.join(&name);
+    write_atomically(&path, true, |out| {
+        let rows = rows(header, &all)?;
+        let mut writer = ArrowWriter::try_new(out, rows.schema(), None)?;
+        writer.write(&rows)?;
+        writer.close().map(|_| ())
+    })?;
+    let failed = |error| FileError::Read { path: path.clone(), error };
+    let bytes = path.metadata().map_err(failed)?.len();
+    Ok(Written { output: name, bytes, sha256: sha256_of(&path)? })
+}
+
+fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch, ParquetError> {
+    fn texts<'a>(all: &[(&'a Variant, Option<&'a str>)], of: impl Fn(&'a Variant) -> &'a str) -> ArrayRef {
+        Arc::new(StringArray::from_iter_values(all.iter().map(|(variant, _)| of(variant))))
+    }
+    let water = |variant: &Variant| header.waters.get(variant.water).map(|water| water.name.as_str());
+    let reasons = all.iter().map(|(variant, _)| {
+        let words: Vec<&str> = variant.reasons.iter().map(|reason| reason.describe()).collect();
+        Some(words.join("; "))
+    });
+    let columns: Vec<(&str, ArrayRef)> = vec![
+        ("key", texts(all, |variant| &variant.key)),
+        ("number", Arc::new(all.iter().map(|(variant, _)| Some(variant.number)).collect::<UInt32Array>())),
+        ("output", texts(all, |variant| &variant.written.output)),
+        ("container", Arc::new(all.iter().map(|(_, container)| *container).collect::<StringArray>())),
+        (
+            "bytes",
+            Arc::new(all.iter().map(|(variant, _)| Some(variant.written.bytes)).collect::<UInt64Array>()),
+        ),
+        ("sha256", texts(all, |variant| &variant.written.sha256)),
+        (
+            "source_bytes",
+            Arc::new(all.iter().map(|(variant, _)| Some(variant.source.bytes)).collect::<UInt64Array>()),
+        ),
+        ("source_sha256", texts(all, |variant| &variant.source.sha256)),
+        (
+            "depth_sha256",
+            Arc::new(
+                all.iter()
+                    .map(|(variant, _)| variant.source.depth_sha256.as_deref())
+                    .collect::<StringArray>(),
+            ),
+        ),
+        ("water", Arc::new(all.iter().map(|(variant, _)| water(variant)).collect::<StringArray>())),
+        ("model", Arc::new(StringArray::from_iter_values(all.iter().map(|_| &header.settings.model)))),
+        ("theta", Arc::new(all.iter().map(|(variant, _)| Some(variant.theta)).collect::<Float32Array>())),
+        ("alpha", Arc::new(all.iter().map(|(variant, _)| Some(variant.alpha)).collect::<Float32Array>())),
+        ("verdict", texts(all, |variant| &variant.verdict)),
+        ("reasons", Arc::new(reasons.collect::<StringArray>())),
+        ("clipped", Arc::new(all.iter().map(|(variant, _)| Some(variant.clipped)).collect::<Float64Array>())),
+        (
+            "contrast_left",
+            Arc::new(all.iter().map(|(variant, _)| variant.contrast_left).collect::<Float64Array>()),
+        ),
+        ("instead", Arc::new(all.iter().map(|(variant, _)| Some(variant.instead)).collect::<BooleanArray>())),
+        ("seed", Arc::new(all.iter().map(|_| Some(header.settings.seed)).collect::<UInt64Array>())),
+        ("version", Arc::new(StringArray::from_iter_values(all.iter().map(|_| &header.version)))),
+    ];
+    Ok(RecordBatch::try_from_iter(columns)?)
+}

@@ -1,0 +1,161 @@
+//! Tables of Parquet, multiplied.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::sync::Arc;
+
+use aquafuse::image::Encoded;
+use arrow_array::builder::{Int64Builder, ListBuilder};
+use arrow_array::cast::AsArray;
+use arrow_array::types::Int64Type;
+use arrow_array::{Array, ArrayRef, RecordBatch, StructArray};
+use arrow_schema::{DataType, Field, Fields, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::file::properties::WriterProperties;
+
+use super::{files, job, making, run};
+use crate::augment::{replay, verify};
+use crate::dataset::Layout;
+use crate::dataset::tables::{Table, binary, cell, texts};
+use crate::picture::{ReadOptions, open_file};
+
+const NOTE: &str = r#"{"info": {"features": {"image": {"_type": "Image"}}}}"#;
+
+/// A table of three pictures, a row that only names one, a row without one, and two columns beside them.
+fn table(root: &Path, bytes: &DataType) {
+    fs::create_dir_all(root).unwrap();
+    let pictures: Vec<Vec<u8>> = (0..3).map(super::picture).collect();
+    let mut held: Vec<Option<&[u8]>> = pictures.iter().map(|bytes| Some(bytes.as_slice())).collect();
+    held.extend([None, None]);
+    let fields = Fields::from(vec![
+        Field::new("bytes", bytes.clone(), true),
+        Field::new("path", DataType::Utf8, true),
+    ]);
+    let names =
+        texts(&DataType::Utf8, &[Some("a.jpg"), None, Some("deep/c.v2.jpg"), Some("d.jpg"), None]).unwrap();
+    let image: ArrayRef = Arc::new(StructArray::new(fields, vec![binary(bytes, &held), names], None));
+    let mut boxes = ListBuilder::new(Int64Builder::new());
+    for row in 0..5_i64 {
+        boxes.append_value((0..row).map(|place| Some(10 * row + place)));
+    }
+    let boxes: ArrayRef = Arc::new(boxes.finish());
+    let label = texts(&DataType::Utf8, &[Some("fish"), None, Some("reef"), Some("sand"), None]).unwrap();
+    let columns = [("label", label), ("image", image), ("boxes", boxes)];
+    let fields: Vec<Field> =
+        columns.iter().map(|(name, column)| Field::new(*name, column.data_type().clone(), true)).collect();
+    let schema = Schema::new(fields).with_metadata([("huggingface".to_owned(), NOTE.to_owned())].into());
+    let rows =
+        RecordBatch::try_new(Arc::new(schema), columns.into_iter().map(|(_, column)| column).collect())
+            .unwrap();
+    let file = File::create(root.join("train-0.parquet")).unwrap();
+    let groups = WriterProperties::builder().set_max_row_group_row_count(Some(3)).build();
+    let mut writer = ArrowWriter::try_new(file, rows.schema(), Some(groups)).unwrap();
+    writer.write(&rows).unwrap();
+    writer.close().unwrap();
+}
+
+/// Name, bytes, label and boxes of every row.
+type Row = (Option<String>, Option<Vec<u8>>, Option<String>, Vec<i64>);
+
+fn rows(path: &Path) -> Vec<Row> {
+    let (file, _) = open_file(path).unwrap();
+    let mut table = Table::open(path, file, &ReadOptions::default()).unwrap();
+    assert!(table.notes.iter().any(|note| note.key == "huggingface" && note.value.as_deref() == Some(NOTE)));
+    let mut all = Vec::new();
+    while let Some(rows) = table.next().unwrap() {
+        let labels = rows.column_by_name("label").unwrap().as_string::<i32>();
+        let boxes = rows.column_by_name("boxes").unwrap().as_list::<i32>();
+        for row in 0..rows.num_rows() {
+            let found = cell(table.pictures(&rows).unwrap(), row);
+            let label = (!labels.is_null(row)).then(|| labels.value(row).to_owned());
+            let boxes = boxes.value(row).as_primitive::<Int64Type>().values().to_vec();
+            let name = found.and_then(|found| found.name).map(str::to_owned);
+            all.push((name, found.and_then(|found| found.bytes).map(<[u8]>::to_vec), label, boxes));
+        }
+    }
+    all
+}
+
+#[test]
+fn tables_are_multiplied_row_by_row_and_keep_every_other_column() {
+    for bytes in [DataType::Binary, DataType::LargeBinary, DataType::BinaryView] {
+        let place = tempfile::tempdir().unwrap();
+        let (root, out) = (place.path().join("set"), place.path().join("out"));
+        table(&root, &bytes);
+        let mut job = job(&root, &out);
+        job.conduct.manifest_table = true;
+        assert_eq!(job.dataset.layout, Layout::Parquet);
+        // The row that only names its picture fails, and is carried over, as is the one without.
+        assert_eq!(run(&job).failed, 1);
+        let manifest = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
+        assert!(manifest.contains("the row only names its picture"), "{manifest}");
+        let (before, after) = (rows(&root.join("train-0.parquet")), rows(&out.join("train-0.parquet")));
+        assert_eq!(after.len(), 5 + 3 * job.recipe.per_image as usize);
+        let names: Vec<&str> = after.iter().filter_map(|row| row.0.as_deref()).collect();
+        assert!(names[1].starts_with("a__") && names[1].ends_with("__0.jpg"), "{names:?}");
+        assert!(names[4].starts_with("1__") && names.contains(&"deep/c.v2.jpg"), "{names:?}");
+        let mut at = 0;
+        for old in &before {
+            assert_eq!(*old, after[at]);
+            let variants = if old.1.is_some() { 3 } else { 0 };
+            for new in &after[at + 1..=at + variants] {
+                assert_eq!((&new.2, &new.3), (&old.2, &old.3));
+                assert_ne!(new.1, old.1);
+            }
+            at += 1 + variants;
+        }
+        assert!(verify(&out, Some(&root)).unwrap().wrong.is_empty());
+
+        let again = place.path().join("again");
+        let only = Some("train-0.parquet/2");
+        let made = replay::<Encoded>(&out.join("manifest.jsonl"), &making(only, None, &again)).unwrap();
+        assert_eq!((made.equal.len(), made.failed.len()), (3, 0));
+        for (name, bytes) in files(&again) {
+            assert!(after.iter().any(|row| row.0.as_ref() == Some(&name) && row.1.as_ref() == Some(&bytes)));
+        }
+    }
+}
+
+#[test]
+fn a_manifest_is_a_table_too_and_is_no_data_set() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("set"), place.path().join("out"));
+    table(&root, &DataType::Binary);
+    let mut job = job(&root, &out);
+    job.conduct.manifest_table = true;
+    run(&job);
+    let file = File::open(out.join("manifest.parquet")).unwrap();
+    let reader = parquet::arrow::arrow_reader::ParquetRecordBatchReader::try_new(file, 64).unwrap();
+    let rows: Vec<RecordBatch> = reader.map(Result::unwrap).collect();
+    let count: usize = rows.iter().map(RecordBatch::num_rows).sum();
+    assert_eq!(count, 9);
+    let containers = rows[0].column_by_name("container").unwrap().as_string::<i32>();
+    assert_eq!(containers.value(0), "train-0.parquet");
+    let about = verify(&out, None).unwrap();
+    assert!(about.wrong.is_empty() && about.unlisted.is_empty(), "{about:?}");
+
+    fs::remove_file(out.join("train-0.parquet")).unwrap();
+    let again = crate::dataset::Dataset::open(&out, None);
+    assert!(again.unwrap_err().to_string().contains("holds no pictures"));
+}
+
+#[test]
+fn tables_that_are_damaged_or_hold_no_pictures_are_refused_by_name() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("set"), place.path().join("out"));
+    table(&root, &DataType::Binary);
+    let path = root.join("train-0.parquet");
+    let whole = fs::read(&path).unwrap();
+    for cut in [4, whole.len() / 2, whole.len() - 1] {
+        fs::write(&path, &whole[..cut]).unwrap();
+        assert_eq!((run(&job(&root, &out)).failed, files(&out).len()), (1, 1), "cut at {cut}");
+    }
+    let plain = texts(&DataType::Utf8, &[Some("no picture")]).unwrap();
+    let rows = RecordBatch::try_from_iter([("image", plain)]).unwrap();
+    let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
+    writer.write(&rows).unwrap();
+    writer.close().unwrap();
+    run(&job(&root, &out));
+    let manifest = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
+    assert!(manifest.contains("it has no column of pictures"), "{manifest}");
+}

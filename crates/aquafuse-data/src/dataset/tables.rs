@@ -1,0 +1,30 @@
+//! Parquet as Hugging Face lays out pictures: tables with a column of structs of `bytes` and `path`, and any others.
+
+#[cfg(feature = "parquet")]
+mod rows;
+
+#[cfg(feature = "fuzz-targets")]
+#[cfg(feature = "parquet")]
+pub(crate) use rows::try_parse;
+#[cfg(feature = "parquet")]
+pub(crate) use rows::{Cell, Table, binary, cell, texts};
+
+use super::tree::Tree;
+use super::{Dataset, Sample, split};
+
+/// Tables of ours are about pictures, and hold none.
+const MANIFEST: &str = "manifest.";
+
+fn tables(tree: &Tree) -> impl Iterator<Item = &str> {
+    tree.ending(".parquet").filter(|path| !split(path).1.starts_with(MANIFEST))
+}
+
+pub(super) fn evidence(tree: &Tree) -> Option<String> {
+    let path = tables(tree).next()?;
+    Some(format!("{path} is a table"))
+}
+
+/// Each table is a sample of the data set: it is made as a whole.
+pub(super) fn read(tree: &Tree, dataset: &mut Dataset) {
+    dataset.samples = tables(tree).map(|path| Sample::new(path, Vec::new())).collect();
+}

@@ -1,0 +1,186 @@
+//! The rows of a table, and the pictures in them.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use arrow_array::cast::AsArray;
+use arrow_array::{
+    Array, ArrayRef, BinaryArray, BinaryViewArray, LargeBinaryArray, LargeStringArray, RecordBatch,
+    StringArray, StringViewArray, StructArray,
+};
+use arrow_schema::{DataType, Field, SchemaRef};
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::basic::Compression;
+use parquet::file::metadata::KeyValue;
+use parquet::file::reader::ChunkReader;
+
+use crate::barrier::behind;
+use crate::picture::{FileError, ReadOptions, one_line};
+
+/// Rows that are read at once: pictures are large.
+const ROWS: usize = 4;
+
+/// A table, row by row.
+pub(crate) struct Table {
+    path: PathBuf,
+    reader: ParquetRecordBatchReader,
+    pub(crate) schema: SchemaRef,
+    /// Which column holds the pictures.
+    pub(crate) column: usize,
+    pub(crate) compression: Compression,
+    /// What programs have written about the table beside its schema.
+    pub(crate) notes: Vec<KeyValue>,
+}
+
+/// The picture of a row, in its bytes or as a file elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell<'a> {
+    pub(crate) bytes: Option<&'a [u8]>,
+    /// What it was called when it was a file.
+    pub(crate) name: Option<&'a str>,
+}
+
+impl Table {
+    /// Opens a table. Errors call it `path`.
+    pub(crate) fn open(path: &Path, file: File, options: &ReadOptions) -> Result<Self, FileError> {
+        Self::of(path, file, options)
+    }
+
+    fn of<R: ChunkReader + 'static>(path: &Path, from: R, options: &ReadOptions) -> Result<Self, FileError> {
+        let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
+        let opened = behind(|| ParquetRecordBatchReaderBuilder::try_new(from));
+        let builder = opened.ok_or_else(|| damaged(FELL.into()))?;
+        let builder = builder.map_err(|error| damaged(one_line(&error.to_string())))?;
+        let metadata = builder.metadata();
+        let largest = metadata.row_groups().iter().map(|group| group.total_byte_size()).max();
+        let largest = u64::try_from(largest.unwrap_or(0)).unwrap_or(u64::MAX);
+        if largest > options.most_memory {
+            let most = options.most_memory;
+            let cause = format!("a group of its rows has {largest} bytes, {most} are allowed (--max-memory)");
+            return Err(FileError::TooLarge { path: path.to_owned(), cause });
+        }
+        let schema = builder.schema().clone();
+        let column = column(&schema).map_err(damaged)?;
+        let first = metadata.row_groups().first();
+        let leaf = first.and_then(|group| {
+            let name = schema.field(column).name();
+            group.columns().iter().find(|leaf| leaf.column_path().parts().first() == Some(name))
+        });
+        let compression = leaf.map_or(Compression::SNAPPY, |leaf| leaf.compression());
+        let notes = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
+        let built = behind(|| builder.with_batch_size(ROWS).build());
+        let built = built.ok_or_else(|| damaged(FELL.into()))?;
+        let reader = built.map_err(|error| damaged(one_line(&error.to_string())))?;
+        Ok(Self { path: path.to_owned(), reader, schema, column, compression, notes })
+    }
+
+    /// The next rows.
+    pub(crate) fn next(&mut self) -> Result<Option<RecordBatch>, FileError> {
+        let damaged = |cause: String| FileError::Damaged { path: self.path.clone(), cause };
+        let next = behind(|| self.reader.next()).ok_or_else(|| damaged(FELL.into()))?;
+        next.transpose().map_err(|error| damaged(one_line(&error.to_string())))
+    }
+
+    /// The column of pictures of some rows.
+    pub(crate) fn pictures<'a>(&self, rows: &'a RecordBatch) -> Option<&'a StructArray> {
+        rows.columns().get(self.column)?.as_struct_opt()
+    }
+}
+
+const FELL: &str = "its reader fell over it";
+
+/// The column of pictures: the one there is, or the one of this name.
+fn column(schema: &SchemaRef) -> Result<usize, String> {
+    let is_picture = |field: &Field| match field.data_type() {
+        DataType::Struct(fields) => fields.iter().any(|field| {
+            let binary =
+                matches!(field.data_type(), DataType::Binary | DataType::LargeBinary | DataType::BinaryView);
+            field.name() == "bytes" && binary
+        }),
+        _ => false,
+    };
+    let found: Vec<(usize, &str)> = schema
+        .fields()
+        .iter()
+        .enumerate()
+        .filter(|(_, field)| is_picture(field))
+        .map(|(column, field)| (column, field.name().as_str()))
+        .collect();
+    match found[..] {
+        [(column, _)] => Ok(column),
+        [] => Err("it has no column of pictures: structs with `bytes`, as Hugging Face's Image".into()),
+        [(_, one), (_, other), ..] => {
+            found.iter().find(|(_, name)| *name == "image").map(|(column, _)| *column).ok_or_else(|| {
+                format!("{one} and {other} may both be the pictures; call the right column image")
+            })
+        }
+    }
+}
+
+/// The picture in a row of a column of pictures, if there is one.
+pub(crate) fn cell(pictures: &StructArray, row: usize) -> Option<Cell<'_>> {
+    if pictures.is_null(row) {
+        return None;
+    }
+    let bytes = pictures.column_by_name("bytes").and_then(|bytes| bytes_at(bytes, row));
+    let name = pictures.column_by_name("path").and_then(|names| text_at(names, row));
+    (bytes.is_some() || name.is_some()).then_some(Cell { bytes, name })
+}
+
+fn bytes_at(array: &ArrayRef, row: usize) -> Option<&[u8]> {
+    if array.is_null(row) {
+        return None;
+    }
+    match array.data_type() {
+        DataType::Binary => Some(array.as_binary_opt::<i32>()?.value(row)),
+        DataType::LargeBinary => Some(array.as_binary_opt::<i64>()?.value(row)),
+        _ => Some(array.as_binary_view_opt()?.value(row)),
+    }
+}
+
+fn text_at(array: &ArrayRef, row: usize) -> Option<&str> {
+    if array.is_null(row) {
+        return None;
+    }
+    match array.data_type() {
+        DataType::Utf8 => Some(array.as_string_opt::<i32>()?.value(row)),
+        DataType::LargeUtf8 => Some(array.as_string_opt::<i64>()?.value(row)),
+        _ => Some(array.as_string_view_opt()?.value(row)),
+    }
+}
+
+/// Bytes as a column of this kind of them.
+pub(crate) fn binary(kind: &DataType, values: &[Option<&[u8]>]) -> ArrayRef {
+    let values = values.iter().copied();
+    match kind {
+        DataType::LargeBinary => Arc::new(values.collect::<LargeBinaryArray>()),
+        DataType::BinaryView => Arc::new(values.collect::<BinaryViewArray>()),
+        _ => Arc::new(values.collect::<BinaryArray>()),
+    }
+}
+
+/// Texts as a column of this kind of them; none where it is a column of something else.
+pub(crate) fn texts(kind: &DataType, values: &[Option<&str>]) -> Option<ArrayRef> {
+    let values = values.iter().copied();
+    match kind {
+        DataType::Utf8 => Some(Arc::new(values.collect::<StringArray>())),
+        DataType::LargeUtf8 => Some(Arc::new(values.collect::<LargeStringArray>())),
+        DataType::Utf8View => Some(Arc::new(values.collect::<StringViewArray>())),
+        _ => None,
+    }
+}
+
+/// Reads a table for nothing but that: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_parse(name: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let options = ReadOptions { most_memory: 1 << 16, ..ReadOptions::default() };
+    let mut table = Table::of(name, bytes::Bytes::copy_from_slice(bytes), &options)?;
+    while let Some(rows) = table.next()? {
+        let pictures = table.pictures(&rows);
+        for row in 0..rows.num_rows() {
+            let _ = pictures.and_then(|pictures| cell(pictures, row));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,144 @@
+"""Does it help? A small segmenter is trained on truth scenes in two waters, and tested in a water it has not seen.
+
+    python experiment.py SCENES AQUAFUSE WORK [--seeds N] [--steps N]
+
+SCENES is the built example `labelled_scenes`, AQUAFUSE the command, WORK a folder to fill. It prints a table in Markdown:
+the mean intersection over union in the water not seen, for every way to multiply the pictures of training; every way
+trains for as many steps.
+"""
+
+import argparse
+import pathlib
+import subprocess
+
+import albumentations
+import cv2
+import numpy as np
+import network
+
+WATERS = ["blue", "green", "turbid", "clear", "deep"]
+# Pictures are made and multiplied large, and learned small.
+LARGE, SMALL = (320, 256), (80, 64)
+TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 16, 4
+WAYS = ["none", "ColorJitter", "ours, presets", "ours, presets, and ColorJitter", "ours, 3 unlabelled pictures"]
+RESAMPLINGS = 10_000
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scenes")
+    parser.add_argument("aquafuse")
+    parser.add_argument("work", type=pathlib.Path)
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--steps", type=int, default=400)
+    return parser.parse_args()
+
+
+def loaded(folder):
+    """Pictures and labels of a data set, small."""
+    pictures, labels = [], []
+    for path in sorted((folder / "images").iterdir()):
+        picture = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
+        mask = cv2.imread(str(folder / "masks" / path.name), cv2.IMREAD_GRAYSCALE)
+        pictures.append(cv2.resize(picture, SMALL, interpolation=cv2.INTER_AREA))
+        labels.append(cv2.resize(mask, SMALL, interpolation=cv2.INTER_NEAREST))
+    return np.stack(pictures), np.stack(labels).astype(np.int32)
+
+
+class Data:
+    """What is trained on and tested with when one of the waters is held out."""
+
+    def __init__(self, given, held_out):
+        at = WATERS.index(held_out)
+        seen = [WATERS[(at + step) % len(WATERS)] for step in (1, 2)]
+        work = given.work / held_out
+        scenes = lambda name, first, count, waters: self.scenes(given.scenes, work / name, first, count, waters)
+        train = scenes("train", 0, TRAINED, seen)
+        # Pictures of the new water without labels, of places that are not tested.
+        unlabelled = scenes("unlabelled", 5000, 3, [held_out])
+        self.test, self.home = loaded(scenes("test", 1000, TESTED, [held_out])), loaded(scenes("home", 1000, TESTED, seen))
+        self.plain = loaded(train)
+        presets = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
+        self.presets = self.multiplied(given.aquafuse, train, presets, work / "presets")
+        self.unlabelled = self.multiplied(given.aquafuse, train, [unlabelled / "images"], work / "unlabelled-more")
+
+    @staticmethod
+    def scenes(program, folder, first, count, waters):
+        if not folder.exists():
+            subprocess.run([program, folder, str(first), str(count), *map(str, LARGE), *waters], check=True)
+        return folder
+
+    @staticmethod
+    def multiplied(aquafuse, data, waters, output):
+        command = [aquafuse, "augment", data, *waters, "-o", output, "--keep-originals", "--quiet"]
+        # Variants of one water differ in how much of it there is.
+        command += ["--per-image", str(PER_IMAGE), "--with-replacement", "--theta-range", "0,60"]
+        subprocess.run(command, check=True)
+        return loaded(output)
+
+
+def batches(data, seed, jitter):
+    """Batches without end: any picture, turned round or not."""
+    random = np.random.default_rng(seed)
+    pictures, labels = data
+    change = albumentations.ColorJitter(brightness=0.4, contrast=0.4, saturation=0.4, hue=0.1, p=1.0, seed=seed) if jitter else None
+    while True:
+        chosen = random.integers(len(pictures), size=BATCH)
+        some, named = pictures[chosen], labels[chosen]
+        if change:
+            some = np.stack([change(image=picture)["image"] for picture in some])
+        flip = random.random(BATCH) < 0.5
+        some = np.where(flip[:, None, None, None], some[:, :, ::-1], some)
+        yield some, np.where(flip[:, None, None], named[:, :, ::-1], named)
+
+
+def interval(values):
+    """The middle 95 % of means of resampled values."""
+    random = np.random.default_rng(0)
+    means = random.choice(values, (RESAMPLINGS, len(values))).mean(1)
+    return np.quantile(means, [0.025, 0.975])
+
+
+def main():
+    given = arguments()
+    away = {way: {water: [] for water in WATERS} for way in WAYS}
+    home = {way: [] for way in WAYS}
+    for water in WATERS:
+        data = Data(given, water)
+        of = {
+            "none": (data.plain, False),
+            "ColorJitter": (data.plain, True),
+            "ours, presets": (data.presets, False),
+            "ours, presets, and ColorJitter": (data.presets, True),
+            "ours, 3 unlabelled pictures": (data.unlabelled, False),
+        }
+        for seed in range(given.seeds):
+            for way in WAYS:
+                pictures, jitter = of[way]
+                layers = network.trained(batches(pictures, seed, jitter), given.steps, seed)
+                away[way][water].append(network.mean_iou(layers, *data.test))
+                home[way].append(network.mean_iou(layers, *data.home))
+                print(f"{water}, seed {seed}, {way}: {away[way][water][-1]:.3f}, at home {home[way][-1]:.3f}", flush=True)
+    print(table(given, away, home))
+
+
+def table(given, away, home):
+    lines = [
+        f"Mean intersection over union of {network.CLASSES} classes in the water not seen; {TRAINED} pictures in two other waters, "
+        f"{given.steps} steps of {BATCH}, {given.seeds} seeds; the last two columns are over all waters and seeds.",
+        "",
+        "| multiplied by | " + " | ".join(WATERS) + " | beside none, 95 % of resampled means | in the waters of training |",
+        "|---" * (len(WATERS) + 3) + "|",
+    ]
+    everywhere = {way: np.concatenate([away[way][water] for water in WATERS]) for way in WAYS}
+    for way in WAYS:
+        means = [f"{np.mean(away[way][water]):.3f}" for water in WATERS]
+        gain = everywhere[way] - everywhere["none"]
+        low, high = interval(gain)
+        said = "" if way == "none" else f"{gain.mean():+.3f} ({low:+.3f} to {high:+.3f})"
+        lines.append(f"| {way} | " + " | ".join(means) + f" | {said} | {np.mean(home[way]):.3f} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()

@@ -77,13 +77,35 @@ pub enum Gaze {
     Down,
 }
 
-/// A place with its clear image and its depth.
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Kind {
+    /// Nothing: the veiling light alone.
+    OpenWater,
+    /// Sand or mud.
+    Floor,
+    /// A boulder.
+    Rock,
+    /// Corals and sponges.
+    Coral,
+    /// Sea grass.
+    Plant,
+    /// A fish.
+    Fish,
+    /// Concrete, piles and pipes.
+    Built,
+}
+
+/// A place with its clear image, its depth and what stands where.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// I, the place as seen through air, encoded.
     pub clear: Image<f32>,
     /// z, the distance along each line of sight in metres; [`OPEN_WATER`] where there is nothing to see.
     pub depth: DepthMap,
+    /// What each pixel shows, row by row: the truth of a segmentation.
+    pub kinds: Vec<Kind>,
 }
 
 impl Scene {
@@ -146,7 +168,8 @@ impl Scene {
         let clear = Image::from_raw(size.width, size.height, samples).expect("one colour a pixel");
         let depth = DepthMap::from_distances(size.width, size.height, DepthKind::Metres, distances)
             .expect("one finite distance a pixel");
-        Self { clear, depth }
+        let kinds = seen.iter().map(|seen| seen.kind).collect();
+        Self { clear, depth, kinds }
     }
 
     /// The picture a camera takes of this place through `water` (coefficients per metre).
@@ -197,6 +220,21 @@ mod tests {
             }
             let [value, ..] = seen.pixels()[0];
             assert!((value - named.water.veiling_light.rgb()[0]).abs() < 0.5 / 255.0);
+        }
+    }
+
+    #[test]
+    fn what_a_pixel_shows_agrees_with_how_far_it_is_and_what_stands_in_the_place() {
+        for (site, there, nowhere) in
+            [(Site::Reef, Kind::Coral, Kind::Built), (Site::Harbour, Kind::Built, Kind::Coral)]
+        {
+            let scene = Scene::of(View { site, gaze: Gaze::Ahead }, 2, SMALL);
+            let distances = scene.depth.distances();
+            for (kind, distance) in scene.kinds.iter().zip(distances) {
+                assert_eq!(*kind == Kind::OpenWater, distance == OPEN_WATER);
+            }
+            assert!(scene.kinds.contains(&there) && scene.kinds.contains(&Kind::Floor));
+            assert!(!scene.kinds.contains(&nowhere));
         }
     }
 

@@ -6,10 +6,11 @@ use super::floor::{Floor, MUD, SAND};
 use super::geometry::{Bunch, Rod, Vec3, vec3};
 use super::noise::Random;
 use super::thing::{Pattern, Shape, Thing};
-use super::{Gaze, Site, View};
+use super::{Gaze, Kind, Site, View};
 
 /// A place: the floor, what is on it, and how the camera and the sun stand.
 pub(super) struct Place {
+    site: Site,
     pub(super) floor: Floor,
     pub(super) things: Vec<Thing>,
     /// Height of the camera above the ground below it, metres.
@@ -68,6 +69,7 @@ impl Place {
             },
         };
         let mut place = Self {
+            site: view.site,
             floor,
             things: Vec::new(),
             eye: random.between(1.0, 1.5),
@@ -89,6 +91,18 @@ impl Place {
             place.eye *= random.between(1.0, 2.2);
         }
         place
+    }
+
+    /// What a thing of this place is.
+    pub(super) fn kind(&self, thing: &Thing) -> Kind {
+        match (&thing.shape, self.site) {
+            (Shape::Fish { .. }, _) => Kind::Fish,
+            (Shape::Leaves(_), _) => Kind::Plant,
+            (Shape::Rock { .. }, _) => Kind::Rock,
+            // A harbour's rods are piles and pipes.
+            (Shape::Block { .. }, _) | (Shape::Branches(_), Site::Harbour) => Kind::Built,
+            (Shape::Brain { .. } | Shape::Tubes(_) | Shape::Branches(_), _) => Kind::Coral,
+        }
     }
 
     /// A point on the floor.

@@ -5,7 +5,7 @@ use super::geometry::{Ray, Vec3, smooth_step, vec3};
 use super::layout::Place;
 use super::noise::{cells, noise};
 use super::thing::Thing;
-use super::{Pose, Size};
+use super::{Kind, Pose, Size};
 use crate::image::{Encoding, Linear};
 
 /// Distance of open water, metres: at β = .08 a metre, e^(-βz) is .0003 of the range and no byte shows it.
@@ -25,6 +25,8 @@ pub(super) struct Seen {
     pub(super) colour: [f32; 3],
     /// Distance along the ray.
     pub(super) distance: f32,
+    /// What the ray meets.
+    pub(super) kind: Kind,
 }
 
 /// All pixels, row by row.
@@ -41,19 +43,20 @@ pub(super) fn render(place: &Place, pose: &Pose, size: Size) -> Vec<Seen> {
 
 fn pixel(place: &Place, pose: &Pose, size: Size, x: usize, y: usize) -> Seen {
     let mut light = Vec3::default();
-    let mut distance = FAR;
+    let (mut distance, mut kind) = (FAR, Kind::OpenWater);
     for (i, [dx, dy]) in RAYS.into_iter().enumerate() {
         let ray = camera_ray(place, pose, size, x as f32 + dx, y as f32 + dy);
         let hit = march(place, &ray, HORIZON);
         if let (0, Some(hit)) = (i, &hit) {
             distance = hit.t;
+            kind = hit.thing.map_or(Kind::Floor, |thing| place.kind(thing));
         }
         // Where there is nothing, no light comes from it: open water is its backscatter alone.
         light = light + hit.map_or(Vec3::default(), |hit| shade(place, &ray, &hit));
     }
     let light = light * (1.0 / RAYS.len() as f32);
     let colour = [light.x, light.y, light.z].map(|v| Linear::to_encoded(film(v)).clamp(0.0, 1.0));
-    Seen { colour, distance }
+    Seen { colour, distance, kind }
 }
 
 /// Rolls off the highlights instead of cutting them.

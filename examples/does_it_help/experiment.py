@@ -9,6 +9,7 @@ trains for as many steps.
 
 import argparse
 import pathlib
+import shutil
 import subprocess
 
 import albumentations
@@ -18,8 +19,8 @@ import network
 
 WATERS = ["blue", "green", "turbid", "clear", "deep"]
 # Pictures are made and multiplied large, and learned small.
-LARGE, SMALL = (320, 256), (80, 64)
-TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 16, 4
+LARGE, SMALL = (144, 120), (48, 40)
+TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 4
 WAYS = ["none", "ColorJitter", "ours, presets", "ours, presets, and ColorJitter", "ours, 3 unlabelled pictures"]
 RESAMPLINGS = 10_000
 
@@ -30,7 +31,7 @@ def arguments():
     parser.add_argument("aquafuse")
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--steps", type=int, default=400)
+    parser.add_argument("--steps", type=int, default=300)
     return parser.parse_args()
 
 
@@ -52,20 +53,22 @@ class Data:
         at = WATERS.index(held_out)
         seen = [WATERS[(at + step) % len(WATERS)] for step in (1, 2)]
         work = given.work / held_out
-        scenes = lambda name, first, count, waters: self.scenes(given.scenes, work / name, first, count, waters)
-        train = scenes("train", 0, TRAINED, seen)
-        # Pictures of the new water without labels, of places that are not tested.
-        unlabelled = scenes("unlabelled", 5000, 3, [held_out])
-        self.test, self.home = loaded(scenes("test", 1000, TESTED, [held_out])), loaded(scenes("home", 1000, TESTED, seen))
+        train, home = (self.of_both(given.work / kind, seen, work / kind) for kind in ("train", "test"))
+        self.test, self.home = loaded(given.work / "test" / held_out), loaded(home)
         self.plain = loaded(train)
+        # Pictures of the new water without labels, of places that are not tested.
+        unlabelled = given.work / "unlabelled" / held_out
         presets = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
         self.presets = self.multiplied(given.aquafuse, train, presets, work / "presets")
         self.unlabelled = self.multiplied(given.aquafuse, train, [unlabelled / "images"], work / "unlabelled-more")
 
     @staticmethod
-    def scenes(program, folder, first, count, waters):
-        if not folder.exists():
-            subprocess.run([program, folder, str(first), str(count), *map(str, LARGE), *waters], check=True)
+    def of_both(scenes, waters, folder):
+        """A data set of all scenes, one in the first water, the next in the other."""
+        for kind in ("images", "masks"):
+            (folder / kind).mkdir(parents=True, exist_ok=True)
+            for number, path in enumerate(sorted((scenes / waters[0] / kind).iterdir())):
+                shutil.copy(scenes / waters[number % 2] / kind / path.name, folder / kind)
         return folder
 
     @staticmethod
@@ -101,6 +104,8 @@ def interval(values):
 
 def main():
     given = arguments()
+    for name, first, count in (("train", 0, TRAINED), ("test", 1000, TESTED), ("unlabelled", 5000, 3)):
+        subprocess.run([given.scenes, given.work / name, str(first), str(count), *map(str, LARGE)], check=True)
     away = {way: {water: [] for water in WATERS} for way in WAYS}
     home = {way: [] for way in WAYS}
     for water in WATERS:

@@ -38,6 +38,7 @@ Layouts, told by looking:
   voc      Annotations/NAME.xml for JPEGImages/NAME.jpg, masks and lists of names
   masks    masks/NAME.png for images/NAME.jpg
   shards   WebDataset: tar files; KEY.jpg and all else of that key
+  parquet  Hugging Face: tables with a column of pictures (built with --features parquet)
 
 Pixels stay where they are, so annotations stay true: labels and masks are copied byte for byte,
 of JSON and XML all but ids and names of files. Variants are named STEM__WATER__NUMBER and stand
@@ -122,9 +123,22 @@ pub(crate) struct Augment {
     /// Stop once more pictures than this have failed [default: go on].
     #[arg(long, value_name = "N")]
     max_errors: Option<usize>,
+    /// How the manifest is written beside manifest.jsonl, which always is: `parquet` adds a table with a row a variant.
+    #[arg(long, value_name = "AS", value_enum, default_value_t)]
+    manifest: Manifest,
     /// Print the manifest's lines as they come, for programs, instead of the summary.
     #[arg(long)]
     json: bool,
+}
+
+/// How the manifest is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Manifest {
+    /// Lines of JSON.
+    #[default]
+    Jsonl,
+    /// A table too.
+    Parquet,
 }
 
 /// What to do about bad annotations.
@@ -207,18 +221,18 @@ impl Augment {
                 threads: common.threads.and_then(|threads| NonZeroUsize::new(threads.into())),
                 most_failures: if self.fail_fast { Some(0) } else { self.max_errors },
                 overwrite: self.overwrite,
+                manifest_table: self.manifest == Manifest::Parquet,
             },
         };
-        if self.dry_run {
-            let (pictures, variants) = job.planned().map_err(failure)?;
-            return output::print(&summary::planned(&job, pictures, variants, bad));
-        }
         // What can be refused is, before a folder is made.
-        job.planned().map_err(failure)?;
+        let plan = job.plan().map_err(Failure::usage)?;
+        if self.dry_run {
+            return output::print(&summary::planned(&job, &plan, bad));
+        }
         output::make_folder(&self.output)?;
         let progress = Progress::new(common.quiet);
         let tally = Mutex::new(summary::Tally::default());
-        let ended = job.run(&|message| {
+        let ended = job.run(&plan, &|message| {
             match &message {
                 Message::Started { total } => progress.start(*total),
                 Message::Kept { key } => progress.done((*key).to_owned()),

@@ -13,6 +13,7 @@ use std::time::Instant;
 use run::{Chance, Run, killed_after, kills, scene};
 
 const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_datasets.py");
+const WRITER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/write_tables.py");
 
 /// A data set of YOLO with `pictures` pictures in two splits, and two waters beside it.
 fn fish(pictures: usize) -> Run {
@@ -237,9 +238,21 @@ fn the_readers_of_others_find_the_same_annotations() {
         }
     }
     shard.finish().unwrap();
-    for layout in ["coco", "voc", "masks", "shards"] {
+    let tables = cfg!(feature = "parquet");
+    if tables {
+        let python = std::env::var_os("AQUAFUSE_PYTHON").unwrap();
+        let writer =
+            Command::new(python).arg(WRITER).arg(run.path("parquet")).args(&pictures).output().unwrap();
+        assert!(writer.status.success(), "{}", String::from_utf8_lossy(&writer.stderr));
+    }
+    let layouts = ["coco", "voc", "masks", "shards"].into_iter().chain(tables.then_some("parquet"));
+    for layout in layouts {
         let output = format!("{layout}-more");
-        run.ok(&["augment", layout, "waters", "-o", &output, "--per-image", "2", "--keep-originals"]);
+        let mut arguments =
+            vec!["augment", layout, "waters", "-o", &output, "--per-image", "2", "--keep-originals"];
+        arguments.extend(tables.then_some(["--manifest", "parquet"]).into_iter().flatten());
+        run.ok(&arguments);
+        run.ok(&["verify", &output]);
         assert!(compare(layout, &run.path(layout), &run.path(&output)));
     }
 }

@@ -1,12 +1,13 @@
 """Reads a data set and what `aquafuse augment` made of it with the readers that people use, and compares annotations.
 
-    read_datasets.py yolo|coco|voc|masks|shards BEFORE AFTER
+    read_datasets.py yolo|coco|voc|masks|shards|parquet BEFORE AFTER
 
 Every picture of BEFORE must be in AFTER with its variants, STEM__WATER__NUMBER, of the same size, and each with the
 annotations of its picture.
 """
 
 import io
+import os
 import sys
 import tempfile
 from pathlib import Path
@@ -110,9 +111,31 @@ def shards(root):
     return found
 
 
+def parquet(root):
+    os.environ["HF_HUB_OFFLINE"] = "1"
+    import datasets
+
+    files = sorted(str(path) for path in root.glob("t*.parquet"))
+    data = datasets.load_dataset("parquet", data_files=files, split="train", cache_dir=tempfile.mkdtemp())
+    assert isinstance(data.features["image"], datasets.Image), data.features
+    names = [row["path"] for row in data.cast_column("image", datasets.Image(decode=False))["image"]]
+    found = {}
+    for name, row in zip(names, data):
+        picture = row.pop("image")
+        found[Path(name).stem] = (picture.size, row)
+    manifest = root / "manifest.parquet"
+    if manifest.exists():
+        import pyarrow.parquet
+
+        variants = pyarrow.parquet.read_table(manifest).to_pylist()
+        assert {Path(one["output"]).stem for one in variants} == {name for name in found if "__" in name}
+        assert all(len(one["sha256"]) == 64 and one["seed"] == 0 for one in variants)
+    return found
+
+
 def main():
     layout, before, after = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
-    read = {"yolo": yolo, "coco": coco, "voc": voc, "masks": masks, "shards": shards}[layout]
+    read = {"yolo": yolo, "coco": coco, "voc": voc, "masks": masks, "shards": shards, "parquet": parquet}[layout]
     old, new = read(before), read(after)
     sizes = {path.stem: size(path) for path in pictures(before)}
     for path in pictures(after):

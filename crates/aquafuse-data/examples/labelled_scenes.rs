@@ -1,8 +1,8 @@
-//! A data set of truth scenes in named waters, in the layout image + mask: each pixel of a mask says what is there.
+//! Truth scenes in each of the made-up waters, in the layout image + mask: each pixel of a mask says what is there.
 //!
-//! cargo run --release -p aquafuse-data --example labelled_scenes -- FOLDER FIRST COUNT WIDTH HEIGHT WATER...
+//! cargo run --release -p aquafuse-data --example labelled_scenes -- FOLDER FIRST COUNT WIDTH HEIGHT
 //!
-//! Scene after scene is seen through the next of the waters, or all of them through one.
+//! Writes `FOLDER/WATER/images/SEED.png` and `FOLDER/WATER/masks/SEED.png`.
 
 use std::error::Error;
 use std::path::Path;
@@ -14,33 +14,28 @@ use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, first, count, width, height, names @ ..] = &arguments[..] else {
-        return Err("usage: labelled_scenes FOLDER FIRST COUNT WIDTH HEIGHT WATER...".into());
+    let [folder, first, count, width, height] = &arguments[..] else {
+        return Err("usage: labelled_scenes FOLDER FIRST COUNT WIDTH HEIGHT".into());
     };
-    let known = waters();
-    let named = |name: &String| known.iter().find(|water| water.name == name).ok_or("no water of that name");
-    let through = names.iter().map(named).collect::<Result<Vec<_>, _>>()?;
-    if through.is_empty() {
-        return Err("name a water".into());
-    }
+    let folder = Path::new(folder);
     let size = Size { width: width.parse()?, height: height.parse()? };
-    let (images, masks) = (Path::new(folder).join("images"), Path::new(folder).join("masks"));
-    for folder in [&images, &masks] {
-        std::fs::create_dir_all(folder)?;
+    for (water, kind) in waters().iter().flat_map(|water| [(water, "images"), (water, "masks")]) {
+        std::fs::create_dir_all(folder.join(water.name).join(kind))?;
     }
     let (first, count): (u64, u64) = (first.parse()?, count.parse()?);
     (first..first + count).into_par_iter().try_for_each(|seed| -> Result<(), String> {
         let scene = Scene::new(seed, size);
-        let water = through[(seed - first) as usize % through.len()];
-        let name = format!("{seed:05}-{}.png", water.name);
         let mask = scene.kinds.iter().flat_map(|kind| [label(*kind); 3]).collect();
         let mask = Image::from_raw(size.width, size.height, mask).map_err(|error| error.to_string())?;
         let write = |image: Image<u8>, path: &Path| {
             let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
             Picture::new(image).write(path, &options).map_err(|error| error.to_string())
         };
-        write(scene.seen_through(&water.water).to_samples(), &images.join(&name))?;
-        write(mask, &masks.join(&name))
+        waters().iter().try_for_each(|named| {
+            let name = |kind: &str| folder.join(named.name).join(kind).join(format!("{seed:05}.png"));
+            write(scene.seen_through(&named.water).to_samples(), &name("images"))?;
+            write(mask.clone(), &name("masks"))
+        })
     })?;
     Ok(())
 }

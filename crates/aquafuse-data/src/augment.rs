@@ -3,15 +3,17 @@
 //! The objects stay where they are, so that boxes, outlines, key points, masks and captions of a picture are those of
 //! its variants too.
 
+mod containers;
 mod depth;
 mod draw;
 mod finish;
 mod journal;
 mod make;
 mod manifest;
+#[cfg(feature = "parquet")]
+mod manifest_table;
 mod plan;
 mod replay;
-mod shards;
 mod verify;
 mod water;
 
@@ -36,7 +38,7 @@ use crate::picture::{FileError, ReadOptions, one_line, remove_stale_parts, shown
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
 pub use depth::DepthPlan;
-pub use plan::PlanError;
+pub use plan::{Plan, PlanError};
 
 /// A data set to multiply.
 #[derive(Debug)]
@@ -89,6 +91,8 @@ pub struct Conduct {
     pub most_failures: Option<usize>,
     /// Begin anew where the folder holds what other settings made.
     pub overwrite: bool,
+    /// Write the manifest as a table of Parquet too; with the feature `parquet`.
+    pub manifest_table: bool,
 }
 
 /// A part of a data set: this one of so many, counted from 1.
@@ -120,6 +124,11 @@ impl Shard {
 
     fn manifest(self) -> String {
         format!("manifest{}.jsonl", self.infix())
+    }
+
+    #[cfg(feature = "parquet")]
+    fn manifest_table(self) -> String {
+        format!("manifest{}.parquet", self.infix())
     }
 }
 
@@ -200,17 +209,7 @@ pub enum AugmentError {
 }
 
 impl<E: Space> Augmentation<E> {
-    /// What would be made: pictures, and variants of them.
-    ///
-    /// # Errors
-    ///
-    /// [`AugmentError`] as for [`run`](Self::run), as far as can be told without writing.
-    pub fn planned(&self) -> Result<(usize, usize), AugmentError> {
-        let plan = self.plan()?;
-        Ok((plan.len(), plan.iter().map(|sample| sample.variants.len()).fold(0, usize::saturating_add)))
-    }
-
-    /// Makes what is not made yet, telling `listener` as it goes, and writes the manifest.
+    /// Makes what a [plan](Self::plan) of it says and is not made yet, telling `listener` as it goes, and writes the manifest.
     ///
     /// The files do not depend on threads, nor on how often the run was stopped.
     ///
@@ -218,12 +217,12 @@ impl<E: Space> Augmentation<E> {
     ///
     /// [`AugmentError`] when the work cannot begin, or the files about all pictures cannot be written. A picture that
     /// fails is no error: it is counted, and listed in the manifest.
-    pub fn run(&self, listener: &(dyn Fn(Message<'_>) + Sync)) -> Result<Summary, AugmentError> {
-        let plan = self.plan()?;
+    pub fn run(&self, plan: &Plan, listener: &(dyn Fn(Message<'_>) + Sync)) -> Result<Summary, AugmentError> {
+        let Plan(plan) = plan;
         let depths = depth::Maps::of(&self.recipe.depth, plan.iter().map(|sample| sample.key.as_str()))?;
         let header = self.recipe.header(&self.dataset);
         let (journal, known) = Journal::open(&self.output, self.shard, &header, self.conduct.overwrite)?;
-        for folder in plan::folders(&plan) {
+        for folder in plan::folders(plan) {
             let folder = self.output.join(folder);
             std::fs::create_dir_all(&folder)
                 .map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
@@ -255,7 +254,7 @@ impl<E: Space> Augmentation<E> {
             outcome
         };
         let Conduct { threads, most_failures, .. } = self.conduct;
-        let summary = Crew { threads, most_failures }.each(&plan, &work);
+        let summary = Crew { threads, most_failures }.each(plan, &work);
         if summary.left == 0 {
             let entries = entries.into_inner().unwrap_or_else(PoisonError::into_inner);
             let indices = self.write_indices(&entries)?;

@@ -10,6 +10,7 @@ mod index;
 mod inside;
 mod masks;
 pub(crate) mod shards;
+pub(crate) mod tables;
 mod tree;
 mod voc;
 mod yolo;
@@ -22,8 +23,8 @@ pub(crate) use inside::inside;
 pub(crate) use tree::Tree;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use {
-    coco::try_parse as try_coco, shards::try_parse as try_shards, voc::try_parse as try_voc,
-    yolo::try_parse as try_yolo,
+    coco::try_parse as try_coco, shards::try_parse as try_shards, tables::try_parse as try_tables,
+    voc::try_parse as try_voc, yolo::try_parse as try_yolo,
 };
 
 use crate::picture::{FileError, shown};
@@ -43,11 +44,14 @@ pub enum Layout {
     Shards,
     /// A picture a picture, in `masks/` where the picture stands in `images/`.
     Masks,
+    /// Parquet: tables with a column of pictures, as Hugging Face lays them out. Read with the feature `parquet`.
+    Parquet,
 }
 
 impl Layout {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Folder, Self::Coco, Self::Yolo, Self::Voc, Self::Masks, Self::Shards];
+    pub const ALL: [Self; 7] =
+        [Self::Folder, Self::Coco, Self::Yolo, Self::Voc, Self::Masks, Self::Shards, Self::Parquet];
 
     /// Its name on the command line and in manifests.
     pub fn name(self) -> &'static str {
@@ -58,12 +62,18 @@ impl Layout {
             Self::Voc => "voc",
             Self::Masks => "masks",
             Self::Shards => "shards",
+            Self::Parquet => "parquet",
         }
     }
 
     /// The layout of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|layout| layout.name() == name)
+    }
+
+    /// Whether a file of it holds many pictures, and is made as a whole.
+    pub fn holds_many(self) -> bool {
+        matches!(self, Self::Shards | Self::Parquet)
     }
 
     /// What in the data set speaks for this layout, in words; nothing speaks for [`Layout::Folder`] but pictures.
@@ -75,6 +85,7 @@ impl Layout {
             Self::Voc => voc::evidence(tree),
             Self::Masks => masks::evidence(tree),
             Self::Shards => shards::evidence(tree),
+            Self::Parquet => tables::evidence(tree),
         }
     }
 }
@@ -94,7 +105,7 @@ pub struct Dataset {
     pub faults: Vec<Fault>,
 }
 
-/// A picture of a data set, with the files that are about it alone; of [`Layout::Shards`] a tar file with all in it.
+/// A picture of a data set, with the files that are about it alone; or a file that [holds many](Layout::holds_many).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sample {
     /// The path of the picture, which names the sample.
@@ -155,6 +166,15 @@ pub enum DatasetError {
         /// The other one.
         other: String,
     },
+    /// Its layout is one that this build does not read.
+    #[error(
+        "{} holds tables of Parquet, which this build does not read; build it with --features parquet",
+        shown(root)
+    )]
+    NotBuilt {
+        /// The data set.
+        root: PathBuf,
+    },
     /// There is no picture in it.
     #[error(
         "{} holds no pictures of a data set of layout {layout}; name the folder above them, or the right --format",
@@ -197,6 +217,10 @@ impl Dataset {
             Layout::Voc => voc::read(&tree, &mut dataset)?,
             Layout::Masks => masks::read(&tree, &mut dataset),
             Layout::Shards => shards::read(&tree, &mut dataset),
+            Layout::Parquet if cfg!(not(feature = "parquet")) => {
+                return Err(DatasetError::NotBuilt { root: root.to_owned() });
+            }
+            Layout::Parquet => tables::read(&tree, &mut dataset),
         }
         dataset.samples.sort_by(|a, b| a.key.cmp(&b.key));
         for (sample, rank) in dataset.samples.iter_mut().zip(0..) {

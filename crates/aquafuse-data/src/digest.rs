@@ -9,6 +9,22 @@ pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
+/// The digest of a file, read piece by piece.
+#[cfg(feature = "parquet")]
+pub(crate) fn sha256_of(path: &std::path::Path) -> Result<String, crate::picture::FileError> {
+    let failed = |error| crate::picture::FileError::Read { path: path.to_owned(), error };
+    let mut file = std::fs::File::open(path).map_err(failed)?;
+    let mut digest = Sha256::new();
+    let mut piece = vec![0; 1 << 16];
+    loop {
+        let read = std::io::Read::read(&mut file, &mut piece).map_err(failed)?;
+        match piece.get(..read) {
+            Some(bytes) if read > 0 => digest.update(bytes),
+            _ => return Ok(hexadecimal(&digest.finalize())),
+        }
+    }
+}
+
 /// The digits of a digest.
 pub(crate) fn hexadecimal(digest: &[u8]) -> String {
     let mut digits = String::new();

@@ -63,7 +63,7 @@
 //! | [`sheet`] | pictures side by side with captions |
 //!
 //! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing; `lpips` adds
-//! [`evaluate::Lpips`] with a network from a file.
+//! [`evaluate::Lpips`] with a network from a file; `parquet` reads and writes data sets as tables.
 //!
 //! # Out of scope
 //!

@@ -11,11 +11,11 @@ use aquafuse::image::{Encoded, Sample as _};
 
 use crate::analysis::{DepthSource, analyse};
 use crate::augment::try_manifest;
-use crate::dataset::{try_coco, try_shards, try_voc, try_yolo};
+use crate::dataset::{try_coco, try_shards, try_tables, try_voc, try_yolo};
 use crate::depth_file;
 use crate::job;
 use crate::model_file::ModelFile;
-use crate::picture::{Format, Picture, Pixels, ReadOptions, try_exif};
+use crate::picture::{FileError, Format, Picture, Pixels, ReadOptions, try_exif};
 use crate::treatment::Treatment;
 use crate::water_file::WaterFile;
 
@@ -29,7 +29,7 @@ pub struct Target {
 }
 
 /// Every parser there is.
-pub const ALL: [Target; 20] = [
+pub const ALL: [Target; 21] = [
     Target { name: "bmp", run: |bytes| picture(Format::Bmp, bytes) },
     Target { name: "exif", run: try_exif },
     Target { name: "gif", run: |bytes| picture(Format::Gif, bytes) },
@@ -43,7 +43,8 @@ pub const ALL: [Target; 20] = [
     Target { name: "depth-png", run: |bytes| depth(b"\x89PNG", bytes) },
     Target { name: "depth-tiff", run: |bytes| depth(b"", bytes) },
     Target { name: "dataset-coco", run: |bytes| text(bytes, try_coco) },
-    Target { name: "dataset-shards", run: shards },
+    Target { name: "dataset-parquet", run: |bytes| files_of_many(bytes, try_tables) },
+    Target { name: "dataset-shards", run: |bytes| files_of_many(bytes, try_shards) },
     Target { name: "dataset-voc", run: |bytes| text(bytes, try_voc) },
     Target { name: "dataset-yolo", run: |bytes| text(bytes, try_yolo) },
     Target { name: "job-record", run: job::try_parse },
@@ -117,8 +118,8 @@ fn depth(magic: &[u8], bytes: &[u8]) {
     }
 }
 
-fn shards(bytes: &[u8]) {
-    if let Err(error) = try_shards(Path::new(NAME), bytes) {
+fn files_of_many(bytes: &[u8], parse: fn(&Path, &[u8]) -> Result<(), FileError>) {
+    if let Err(error) = parse(Path::new(NAME), bytes) {
         check_error(&error);
     }
 }

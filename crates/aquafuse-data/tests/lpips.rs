@@ -172,17 +172,75 @@ fn what_is_no_network_is_refused_by_cause() {
     }
 }
 
+/// The generator of PyTorch: `torch.manual_seed(seed)`, then `torch.rand`.
+struct Twister {
+    state: [u32; 624],
+    next: usize,
+}
+
+impl Twister {
+    fn new(seed: u32) -> Self {
+        let mut state = [seed; 624];
+        for i in 1..624 {
+            let before = state[i - 1] ^ (state[i - 1] >> 30);
+            state[i] = before.wrapping_mul(1_812_433_253).wrapping_add(i as u32);
+        }
+        Self { state, next: 624 }
+    }
+
+    fn number(&mut self) -> u32 {
+        if self.next == 624 {
+            for i in 0..624 {
+                let both = (self.state[i] & 1 << 31) | (self.state[(i + 1) % 624] & ((1 << 31) - 1));
+                let odd = if both & 1 == 1 { 0x9908_b0df } else { 0 };
+                self.state[i] = self.state[(i + 397) % 624] ^ (both >> 1) ^ odd;
+            }
+            self.next = 0;
+        }
+        let mut number = self.state[self.next];
+        self.next += 1;
+        number ^= number >> 11;
+        number ^= (number << 7) & 0x9d2c_5680;
+        number ^= (number << 15) & 0xefc6_0000;
+        number ^ (number >> 18)
+    }
+
+    /// The next pictures of a batch: plane after plane, from 0 to 1.
+    fn pictures(&mut self, count: usize, side: usize) -> Vec<Image<u8>> {
+        let mut one = || {
+            let mut bytes = vec![0; 3 * side * side];
+            for channel in 0..3 {
+                for place in 0..side * side {
+                    let value = (self.number() & ((1 << 24) - 1)) as f32 / (1 << 24) as f32;
+                    bytes[3 * place + channel] = (255.0 * value).round() as u8;
+                }
+            }
+            Image::from_raw(side, side, bytes).unwrap()
+        };
+        (0..count).map(|_| one()).collect()
+    }
+}
+
 #[test]
-fn with_weights_that_were_published_a_shade_is_nearer_than_flat_grey() {
+fn the_generator_is_the_one_that_everybody_has() {
+    // Of MT19937 seeded with 5489, the ten thousandth number (C++ standard, [rand.predef]).
+    let mut twister = Twister::new(5489);
+    let last = (0..10_000).map(|_| twister.number()).last();
+    assert_eq!(last, Some(4_123_659_995));
+}
+
+#[test]
+fn with_weights_that_were_published_the_distance_is_the_one_that_was_published() {
     let Some(path) = std::env::var_os("AQUAFUSE_LPIPS_WEIGHTS") else {
-        println!("skipped: AQUAFUSE_LPIPS_WEIGHTS names no network written by lpips/export.py");
+        println!("skipped: AQUAFUSE_LPIPS_WEIGHTS names no network of SqueezeNet written by lpips/export.py");
         return;
     };
     let lpips = Lpips::read(path.as_ref()).unwrap();
-    let sharp = picture(96, 96, 37);
-    let shaded: Vec<u8> = sharp.as_raw().iter().map(|value| value.saturating_add(6)).collect();
-    let shaded = Image::from_raw(96, 96, shaded).unwrap();
-    let grey = Image::from_raw(96, 96, vec![125; 3 * 96 * 96]).unwrap();
-    let near = lpips.distance(&sharp, &shaded).unwrap();
-    assert!(near > 0.0 && near < lpips.distance(&sharp, &grey).unwrap());
+    // TorchMetrics' documentation of LearnedPerceptualImagePatchSimilarity: seed 42, ten pictures of 100 x 100 and ten
+    // more, net_type='squeeze'. Ours are rounded to bytes.
+    let mut twister = Twister::new(42);
+    let (these, those) = (twister.pictures(10, 100), twister.pictures(10, 100));
+    let distances = these.iter().zip(&those).map(|(a, b)| lpips.distance(a, b).unwrap());
+    let mean = distances.sum::<f64>() / 10.0;
+    assert!((mean - 0.1024).abs() < 5e-4, "{mean}");
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use aquafuse::waterbody::Verdict;
-use aquafuse_data::augment::{Augmentation, Message};
+use aquafuse_data::augment::{Augmentation, Message, Plan};
 use aquafuse_data::dataset::Layout;
 use aquafuse_data::job::Summary;
 use aquafuse_data::picture::shown;
@@ -35,19 +35,16 @@ impl Tally {
 }
 
 /// What a run would make.
-pub(super) fn planned<E: Space>(
-    job: &Augmentation<E>,
-    pictures: usize,
-    variants: usize,
-    bad: usize,
-) -> String {
+pub(super) fn planned<E: Space>(job: &Augmentation<E>, plan: &Plan, bad: usize) -> String {
     let mut text = heading(job);
+    let (pictures, variants) = (plan.files(), plan.variants());
     let kept = if job.recipe.keep_originals { ", and carry them over" } else { "" };
     let _ = match job.dataset.layout {
-        Layout::Shards => writeln!(
+        layout if layout.holds_many() => writeln!(
             text,
-            "would make {} variants of each picture in {pictures} shards{kept}",
-            job.recipe.per_image
+            "would make {} variants of each picture in {pictures} {}{kept}",
+            job.recipe.per_image,
+            things(layout)
         ),
         _ => writeln!(text, "would make {variants} variants of {pictures} pictures{kept}"),
     };
@@ -58,7 +55,7 @@ pub(super) fn planned<E: Space>(
 /// What a run has made.
 pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary, bad: usize) -> String {
     let mut text = heading(job);
-    let things = if job.dataset.layout == Layout::Shards { "shards" } else { "pictures" };
+    let things = things(job.dataset.layout);
     if ended.kept > 0 {
         let _ = writeln!(text, "{} {things} were done already, by a run before this one", ended.kept);
     }
@@ -92,6 +89,15 @@ pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary
         }
     }
     text
+}
+
+/// What a layout's files are.
+fn things(layout: Layout) -> &'static str {
+    match layout {
+        Layout::Shards => "shards",
+        Layout::Parquet => "tables",
+        _ => "pictures",
+    }
 }
 
 fn heading<E: Space>(job: &Augmentation<E>) -> String {

@@ -83,6 +83,11 @@ impl<E: Space> Augmentation<E> {
         };
         let mut written: Vec<Written> =
             self.dataset.indices.iter().map(write).collect::<Result<_, FileError>>()?;
+        #[cfg(feature = "parquet")]
+        if self.conduct.manifest_table {
+            let (name, header) = (self.shard.manifest_table(), self.recipe.header(&self.dataset));
+            written.push(super::manifest_table::write(&self.output, name, &header, entries.values())?);
+        }
         written.sort_by(|a, b| a.output.cmp(&b.output));
         Ok(written)
     }

@@ -12,7 +12,7 @@ use super::manifest::{Entry, Line, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
 use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
 use crate::analysis::{Analysis, DepthSource, analyse};
-use crate::dataset::{Companion, Layout};
+use crate::dataset::Companion;
 use crate::digest::sha256;
 use crate::memory::{Budget, Reservation};
 use crate::picture::{FileError, Format, Opened, Picture, write_bytes};
@@ -167,8 +167,8 @@ impl<'a, E: Space> Maker<'a, E> {
 
     /// Makes what is not there yet.
     pub(super) fn make(&self, sample: &Planned, known: Entry, journal: &Journal) -> Made {
-        if self.job.dataset.layout == Layout::Shards {
-            return self.make_shard(sample, known, journal);
+        if self.job.dataset.layout.holds_many() {
+            return self.make_container(sample, known, journal);
         }
         let mut entry = Entry::default();
         let made = self.make_into(&mut entry, sample, known, journal);

@@ -215,6 +215,15 @@ impl Entry {
         original.chain(variants).chain(container)
     }
 
+    /// Every variant, with the key of the file that holds it where it is none itself.
+    pub(super) fn all_variants(&self) -> impl Iterator<Item = (&Variant, Option<&str>)> {
+        let own = self.variants.values().map(|variant| (variant, None));
+        let held = self.container.iter().flat_map(|container| {
+            container.variants.iter().map(|variant| (variant, Some(container.key.as_str())))
+        });
+        own.chain(held)
+    }
+
     /// What it says, as lines in their order.
     pub(super) fn lines(self, key: &str) -> Vec<Line> {
         let Self { original, container, variants, skipped, failed } = self;
@@ -251,13 +260,7 @@ impl Manifest {
 
     /// Every variant, with the key of the file that holds it where it is none itself.
     pub(super) fn variants(&self) -> impl Iterator<Item = (&Variant, Option<&str>)> {
-        self.entries.values().flat_map(|entry| {
-            let own = entry.variants.values().map(|variant| (variant, None));
-            let held = entry.container.iter().flat_map(|container| {
-                container.variants.iter().map(|variant| (variant, Some(container.key.as_str())))
-            });
-            own.chain(held)
-        })
+        self.entries.values().flat_map(Entry::all_variants)
     }
 
     /// Every file that it lists.

@@ -4,9 +4,25 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use super::{Augmentation, DepthPlan, Draw};
-use crate::dataset::{Companion, Layout, join, split, stem};
+use crate::dataset::{Companion, join, split, stem};
 use crate::picture::{Format, shown};
 use crate::treatment::Space;
+
+/// What is to be made of a data set, in full.
+#[derive(Clone, Debug)]
+pub struct Plan(pub(super) Vec<Planned>);
+
+impl Plan {
+    /// The files of the data set that take part.
+    pub fn files(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Variants of them; 0 where [files hold many](crate::dataset::Layout::holds_many), which are not opened yet.
+    pub fn variants(&self) -> usize {
+        self.0.iter().map(|sample| sample.variants.len()).fold(0, usize::saturating_add)
+    }
+}
 
 /// A picture, and what is to be made of it.
 #[derive(Clone, Debug)]
@@ -61,9 +77,16 @@ pub enum PlanError {
         /// Waters.
         waters: usize,
     },
-    /// Depth maps of pictures that stand in shards.
-    #[error("depth maps cannot be told apart for pictures in shards; unpack them, or leave --depth out")]
-    MapsOfShards,
+    /// Depth maps of pictures that stand in files of many.
+    #[error(
+        "depth maps cannot be told apart for pictures in shards or tables; unpack them, or leave --depth out"
+    )]
+    MapsOfMany,
+    /// A table is asked for of a build that writes none.
+    #[error(
+        "this build writes no Parquet; build it with --features parquet, or leave --manifest parquet out"
+    )]
+    NotBuilt,
     /// There is no water to draw.
     #[error("every water is doubtful, and doubtful ones are skipped; give others, or --on-doubtful flag")]
     NoWater,
@@ -84,21 +107,28 @@ pub enum PlanError {
 }
 
 impl<E: Space> Augmentation<E> {
-    /// What is to be made of each picture of the shard.
-    pub(super) fn plan(&self) -> Result<Vec<Planned>, super::AugmentError> {
+    /// What is to be made of each picture of the shard. Nothing is written.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanError`] when it cannot be made.
+    pub fn plan(&self) -> Result<Plan, PlanError> {
+        if cfg!(not(feature = "parquet")) && self.conduct.manifest_table {
+            return Err(PlanError::NotBuilt);
+        }
         let recipe = &self.recipe;
         let draws = &recipe.draws;
         if recipe.waters.is_empty() {
-            return Err(PlanError::NoWater.into());
+            return Err(PlanError::NoWater);
         }
         let fixed = draws.theta.0 == draws.theta.1 && draws.alpha.0 == draws.alpha.1;
         let many = usize::try_from(recipe.per_image).unwrap_or(usize::MAX);
         if fixed && !draws.with_replacement && many > recipe.waters.len() {
             let (per_image, waters) = (recipe.per_image, recipe.waters.len());
-            return Err(PlanError::Equal { per_image, waters }.into());
+            return Err(PlanError::Equal { per_image, waters });
         }
-        if self.dataset.layout == Layout::Shards && matches!(recipe.depth, DepthPlan::Maps { .. }) {
-            return Err(PlanError::MapsOfShards.into());
+        if self.dataset.layout.holds_many() && matches!(recipe.depth, DepthPlan::Maps { .. }) {
+            return Err(PlanError::MapsOfMany);
         }
         self.check_place()?;
         let slugs: Vec<String> = recipe.waters.iter().map(super::Water::slug).collect();
@@ -121,20 +151,20 @@ impl<E: Space> Augmentation<E> {
                 let companions = sample.companions.iter().map(companion).collect();
                 PlannedVariant { number, draw, output, companions }
             };
-            // What is in a shard is not known before it is read.
-            let many = if self.dataset.layout == Layout::Shards { 0 } else { recipe.per_image };
+            // What is in a file of many is not known before it is read.
+            let many = if self.dataset.layout.holds_many() { 0 } else { recipe.per_image };
             let variants: Vec<PlannedVariant> = (0..many).map(variant).collect();
             let own = recipe.keep_originals.then_some(&sample.key).into_iter();
             for output in own.chain(variants.iter().map(|variant| &variant.output)) {
                 if let Some(other) = owners.insert(output.clone(), &sample.key) {
                     let (one, other) = (sample.key.clone(), other.to_owned());
-                    return Err(PlanError::OneName { one, other, output: output.clone() }.into());
+                    return Err(PlanError::OneName { one, other, output: output.clone() });
                 }
             }
             let (key, companions) = (sample.key.clone(), sample.companions.clone());
             plan.push(Planned { key, companions, variants });
         }
-        Ok(plan)
+        Ok(Plan(plan))
     }
 
     /// Refuses an output that is not ours to fill.

@@ -8,7 +8,7 @@ use aquafuse::smooth::Smoothing;
 
 use super::manifest::{Header, Manifest, StoredDepth, Variant};
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
-use crate::dataset::inside;
+use crate::dataset::{Layout, inside};
 use crate::digest::sha256;
 use crate::picture::{FileError, Picture, ReadOptions, write_bytes};
 use crate::treatment::Space;
@@ -59,6 +59,8 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
         return Err(AugmentError::NoSuchKey { path: manifest.to_owned(), key: only.to_owned() });
     }
     let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|(variant, _)| variant.key.as_str()))?;
+    let layout = Layout::from_name(&found.header.layout);
+    let layout = layout.ok_or_else(|| AugmentError::Manifest { path: manifest.to_owned(), line: 1 })?;
     let budget = recipe.reading.budget();
     let mut replayed = Replayed::default();
     for (variant, container) in variants {
@@ -73,9 +75,9 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
                 .ok_or_else(|| named("it names a water that it does not hold"))?;
             let opened = match container {
                 None => Picture::open(&root.join(&key), &recipe.reading)?,
-                Some(shard) => {
-                    let shard = root.join(inside(shard).map_err(named)?);
-                    super::shards::picture_of(&shard, &key, &recipe.reading)?
+                Some(container) => {
+                    let container = root.join(inside(container).map_err(named)?);
+                    super::containers::picture_of(layout, &container, &key, &recipe.reading)?
                 }
             };
             let read = recipe.read(opened, &maps.source(&key)?, &budget)?;

@@ -1,3 +1,6 @@
+#[cfg(feature = "parquet")]
+mod tables;
+
 use std::fs;
 use std::path::Path;
 
@@ -59,7 +62,7 @@ fn job(root: &Path, output: &Path) -> Augmentation<Encoded> {
 
 fn run(job: &Augmentation<Encoded>) -> Summary {
     fs::create_dir_all(&job.output).unwrap();
-    job.run(&|_| {}).unwrap()
+    job.run(&job.plan().unwrap(), &|_| {}).unwrap()
 }
 
 /// Every file below a folder with what is in it.
@@ -157,7 +160,7 @@ fn what_changed_is_made_again_and_other_settings_are_refused() {
     assert_eq!(files(&out)["labels/train/a.txt"], b"0 0.5 0.5 0.9 0.9\n");
 
     job.recipe.draws.seed = 2;
-    let refused = job.run(&|_| {}).unwrap_err().to_string();
+    let refused = job.run(&job.plan().unwrap(), &|_| {}).unwrap_err().to_string();
     assert!(refused.contains("other settings") && refused.contains("--overwrite"), "{refused}");
     job.conduct.overwrite = true;
     run(&job);
@@ -265,14 +268,22 @@ fn outputs_that_are_not_ours_to_fill_are_refused() {
         (root.join("out"), "lie in one another"),
         (place.path().to_owned(), "lie in one another"),
     ] {
-        let refused = job(&root, &output).planned().unwrap_err().to_string();
+        let refused = job(&root, &output).plan().unwrap_err().to_string();
         assert!(refused.contains(said), "{refused}");
     }
     let mut equal = job(&root, &place.path().join("out"));
     equal.recipe.draws = Draws { theta: (45.0, 45.0), alpha: (1.0, 1.0), ..equal.recipe.draws };
-    assert!(equal.planned().unwrap_err().to_string().contains("some would be equal"));
+    assert!(equal.plan().unwrap_err().to_string().contains("some would be equal"));
     equal.recipe.draws.with_replacement = true;
-    assert_eq!(equal.planned().unwrap(), (4, 12));
+    let plan = equal.plan().unwrap();
+    assert_eq!((plan.files(), plan.variants()), (4, 12));
+}
+
+/// A picture as a file of JPEG holds it.
+fn picture(seed: u64) -> Vec<u8> {
+    let scene = Scene::new(seed, Size { width: 48, height: 32 });
+    let image = scene.seen_through(&waters()[1].water).to_samples::<u8>();
+    Picture::new(image).encode("a.jpg".as_ref(), 95).unwrap()
 }
 
 /// A shard of three pictures with a label and a mask each.
@@ -280,9 +291,7 @@ fn shard(root: &Path) {
     fs::create_dir_all(root).unwrap();
     let mut builder = tar::Builder::new(fs::File::create(root.join("train-000.tar")).unwrap());
     for seed in 0..3 {
-        let scene = Scene::new(seed, Size { width: 48, height: 32 });
-        let image = scene.seen_through(&waters()[1].water).to_samples::<u8>();
-        let picture = Picture::new(image).encode("a.jpg".as_ref(), 95).unwrap();
+        let picture = picture(seed);
         for (end, bytes) in [("jpg", picture), ("json", vec![b'0'; 700]), ("mask.png", vec![seed as u8; 5])] {
             let mut header = tar::Header::new_gnu();
             header.set_size(bytes.len() as u64);

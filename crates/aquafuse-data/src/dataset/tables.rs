@@ -15,7 +15,7 @@ use super::{Dataset, Sample, split};
 /// Tables of ours are about pictures, and hold none.
 const MANIFEST: &str = "manifest.";
 
-fn tables(tree: &Tree) -> impl Iterator<Item = &str> {
+fn tables(tree: &Tree) -> impl Iterator<Item = &String> {
     tree.ending(".parquet").filter(|path| !split(path).1.starts_with(MANIFEST))
 }
 

@@ -11,9 +11,9 @@ use parts::Part;
 pub use parts::{abandon_parts, remove_stale_parts};
 
 /// What a file is written through.
-pub(crate) trait Output: Write + Seek {}
+pub(crate) trait Output: Write + Seek + Send {}
 
-impl<W: Write + Seek> Output for W {}
+impl<W: Write + Seek + Send> Output for W {}
 
 /// Writes a text as a file, whole or not at all.
 ///

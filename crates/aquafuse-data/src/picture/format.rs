@@ -44,6 +44,19 @@ impl Format {
         Self::of(path).filter(|format| !matches!(format, Self::Bmp | Self::Gif))
     }
 
+    /// What the names of its files end in.
+    #[cfg(feature = "parquet")]
+    pub(crate) fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Jpeg => "jpg",
+            Self::Tiff => "tif",
+            Self::WebP => "webp",
+            Self::Bmp => "bmp",
+            Self::Gif => "gif",
+        }
+    }
+
     /// Whether files of this name are among the pictures of a folder. A GIF is as often a drawing or an
     /// animation: it is read where it is named itself.
     pub fn listed(path: &Path) -> bool {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arrow_array::{Array, ArrayRef, RecordBatch, StructArray, UInt64Array};
+use arrow_array::{ArrayRef, RecordBatch, StructArray, UInt64Array};
 use arrow_schema::ArrowError;
 use arrow_select::take::take_record_batch;
 use parquet::arrow::{ARROW_SCHEMA_META_KEY, ArrowWriter};
@@ -26,6 +26,24 @@ const GROUP: usize = 32 << 20;
 struct Row {
     of: u64,
     instead: Option<(String, Vec<u8>)>,
+}
+
+impl Row {
+    /// Its bytes, where `pictures` has those of the row that it equals.
+    fn bytes<'a>(&'a self, pictures: &'a StructArray, at: usize) -> Option<&'a [u8]> {
+        match &self.instead {
+            Some((_, bytes)) => Some(bytes),
+            None => cell(pictures, at)?.bytes,
+        }
+    }
+
+    /// Its picture's name, likewise.
+    fn name<'a>(&'a self, pictures: &'a StructArray, at: usize) -> Option<&'a str> {
+        match &self.instead {
+            Some((name, _)) => Some(name),
+            None => cell(pictures, at)?.name,
+        }
+    }
 }
 
 impl<E: Space> Maker<'_, E> {
@@ -159,19 +177,13 @@ fn with(table: &Table, rows: &RecordBatch, more: &[Row]) -> Result<RecordBatch, 
     for (field, array) in fields.iter().zip(&mut arrays) {
         let replaced: Option<ArrayRef> = match field.name().as_str() {
             "bytes" => {
-                let value = |(at, row): (usize, &Row)| match &row.instead {
-                    Some((_, bytes)) => Some(bytes.as_slice()),
-                    None => cell(pictures, at).and_then(|cell| cell.bytes),
-                };
-                let values: Vec<Option<&[u8]>> = more.iter().enumerate().map(value).collect();
+                let values: Vec<Option<&[u8]>> =
+                    more.iter().enumerate().map(|(at, row)| row.bytes(pictures, at)).collect();
                 Some(binary(field.data_type(), &values))
             }
             "path" => {
-                let value = |(at, row): (usize, &Row)| match &row.instead {
-                    Some((name, _)) => Some(name.as_str()),
-                    None => cell(pictures, at).and_then(|cell| cell.name),
-                };
-                let values: Vec<Option<&str>> = more.iter().enumerate().map(value).collect();
+                let values: Vec<Option<&str>> =
+                    more.iter().enumerate().map(|(at, row)| row.name(pictures, at)).collect();
                 texts(field.data_type(), &values)
             }
             _ => None,

@@ -11,6 +11,7 @@ use arrow_array::types::Int64Type;
 use arrow_array::{Array, ArrayRef, RecordBatch, StructArray};
 use arrow_schema::{DataType, Field, Fields, Schema};
 use parquet::arrow::ArrowWriter;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
 use super::{files, job, making, run};
@@ -43,12 +44,18 @@ fn table(root: &Path, bytes: &DataType) {
     let columns = [("label", label), ("image", image), ("boxes", boxes)];
     let fields: Vec<Field> =
         columns.iter().map(|(name, column)| Field::new(*name, column.data_type().clone(), true)).collect();
-    let schema = Schema::new(fields).with_metadata([("huggingface".to_owned(), NOTE.to_owned())].into());
+    let schema = Schema::new(fields)
+        .with_metadata(std::collections::HashMap::from([("huggingface".to_owned(), NOTE.to_owned())]));
     let rows =
         RecordBatch::try_new(Arc::new(schema), columns.into_iter().map(|(_, column)| column).collect())
             .unwrap();
     let file = File::create(root.join("train-0.parquet")).unwrap();
-    let groups = WriterProperties::builder().set_max_row_group_row_count(Some(3)).build();
+    // As Hugging Face's own writer does, beside Arrow's schema.
+    let notes = vec![KeyValue::new("huggingface".to_owned(), NOTE.to_owned())];
+    let groups = WriterProperties::builder()
+        .set_max_row_group_row_count(Some(3))
+        .set_key_value_metadata(Some(notes))
+        .build();
     let mut writer = ArrowWriter::try_new(file, rows.schema(), Some(groups)).unwrap();
     writer.write(&rows).unwrap();
     writer.close().unwrap();
@@ -61,6 +68,7 @@ fn rows(path: &Path) -> Vec<Row> {
     let (file, _) = open_file(path).unwrap();
     let mut table = Table::open(path, file, &ReadOptions::default()).unwrap();
     assert!(table.notes.iter().any(|note| note.key == "huggingface" && note.value.as_deref() == Some(NOTE)));
+    assert_eq!(table.schema.metadata().get("huggingface").map(String::as_str), Some(NOTE));
     let mut all = Vec::new();
     while let Some(rows) = table.next().unwrap() {
         let labels = rows.column_by_name("label").unwrap().as_string::<i32>();

@@ -6,7 +6,7 @@ use super::{Fusion, Scored};
 use crate::evaluate::chance::Chance;
 use crate::evaluate::report::{Cell, Items, ItemsRow, Report, Row, Score, Shown, Strip, Table};
 use crate::evaluate::statistics::summarise;
-use crate::evaluate::{Failed, Method};
+use crate::evaluate::{Failed, Lpips, Method};
 use crate::treatment::Space;
 
 /// The scores, in the order of [`Likeness::values`](super::Likeness::values).
@@ -59,6 +59,7 @@ impl Fusion {
             "alpha": settings.options.gain.get(),
             "smooth": settings.smoothing.name(),
             "depth_model": settings.depth_model.name(),
+            "lpips": self.lpips.as_ref().map(Lpips::described),
             "references_of_each": pairing.references,
             "seed": pairing.seed,
             "methods": self.methods.iter().map(Method::name).collect::<Vec<_>>(),

@@ -9,6 +9,7 @@ use aquafuse::image::{Image, Sample};
 use rten::{Model, NodeId, RunOptions, ThreadPool, Value};
 
 use crate::barrier;
+use crate::digest::sha256;
 use crate::evaluate::EvaluateError;
 use crate::picture::{FileError, one_line, open_file};
 
@@ -18,6 +19,7 @@ use crate::picture::{FileError, one_line, open_file};
 #[derive(Clone)]
 pub struct Lpips {
     path: PathBuf,
+    sha256: String,
     model: Arc<Model>,
     inputs: [NodeId; 2],
     output: NodeId,
@@ -43,6 +45,7 @@ impl Lpips {
         let read = Read::by_ref(&mut file).take(length).read_to_end(&mut bytes);
         read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
         let unfit = |cause: String| EvaluateError::NoLpips { path: path.to_owned(), cause: one_line(&cause) };
+        let sha256 = sha256(&bytes);
         let model =
             barrier::behind(|| Model::load(bytes)).ok_or_else(|| unfit("its reader gave up".into()))?;
         let model = model.map_err(|error| unfit(error.to_string()))?;
@@ -52,7 +55,12 @@ impl Lpips {
             return Err(unfit(format!("it has {inputs} inputs and {outputs} outputs, not two and one")));
         };
         let alone = Arc::new(ThreadPool::with_num_threads(1));
-        Ok(Self { path: path.to_owned(), model: Arc::new(model), inputs: [a, b], output, alone })
+        Ok(Self { path: path.to_owned(), sha256, model: Arc::new(model), inputs: [a, b], output, alone })
+    }
+
+    /// Which network it is, for reports.
+    pub(crate) fn described(&self) -> serde_json::Value {
+        serde_json::json!({ "file": self.path.to_string_lossy(), "sha256": self.sha256 })
     }
 
     /// The distance of two pictures of one size.

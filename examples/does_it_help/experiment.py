@@ -11,6 +11,7 @@ import argparse
 import pathlib
 import shutil
 import subprocess
+import sys
 
 import albumentations
 import cv2
@@ -30,8 +31,8 @@ def arguments():
     parser.add_argument("scenes")
     parser.add_argument("aquafuse")
     parser.add_argument("work", type=pathlib.Path)
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--steps", type=int, default=300)
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--steps", type=int, default=800)
     return parser.parse_args()
 
 
@@ -84,7 +85,8 @@ def batches(data, seed, jitter):
     """Batches without end: any picture, turned round or not."""
     random = np.random.default_rng(seed)
     pictures, labels = data
-    change = albumentations.ColorJitter(brightness=0.4, contrast=0.4, saturation=0.4, hue=0.1, p=1.0, seed=seed) if jitter else None
+    colours = albumentations.ColorJitter(brightness=0.4, contrast=0.4, saturation=0.4, hue=0.1, p=1.0)
+    change = albumentations.Compose([colours], seed=seed) if jitter else None
     while True:
         chosen = random.integers(len(pictures), size=BATCH)
         some, named = pictures[chosen], labels[chosen]
@@ -105,7 +107,10 @@ def interval(values):
 def main():
     given = arguments()
     for name, first, count in (("train", 0, TRAINED), ("test", 1000, TESTED), ("unlabelled", 5000, 3)):
-        subprocess.run([given.scenes, given.work / name, str(first), str(count), *map(str, LARGE)], check=True)
+        if not (given.work / name).exists():
+            part = given.work / f"{name}.part"
+            subprocess.run([given.scenes, part, str(first), str(count), *map(str, LARGE)], check=True)
+            part.rename(given.work / name)
     away = {way: {water: [] for water in WATERS} for way in WAYS}
     home = {way: [] for way in WAYS}
     for water in WATERS:
@@ -123,7 +128,7 @@ def main():
                 layers = network.trained(batches(pictures, seed, jitter), given.steps, seed)
                 away[way][water].append(network.mean_iou(layers, *data.test))
                 home[way].append(network.mean_iou(layers, *data.home))
-                print(f"{water}, seed {seed}, {way}: {away[way][water][-1]:.3f}, at home {home[way][-1]:.3f}", flush=True)
+                print(f"{water}, seed {seed}, {way}: {away[way][water][-1]:.3f}, at home {home[way][-1]:.3f}", file=sys.stderr, flush=True)
     print(table(given, away, home))
 
 

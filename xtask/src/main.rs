@@ -1,10 +1,11 @@
 //! The project's habits, one command each: `cargo xtask check | test | test-arm64 | truth | readings | depth | published |
-//! hostile | memory | multiply | corpus | soak | instructions | bench | scene`.
+//! hostile | memory | multiply | helps | corpus | soak | instructions | bench | scene`.
 
 mod arm64;
 mod bench;
 mod checks;
 mod corpus;
+mod helps;
 mod hostile;
 mod instructions;
 mod memory;
@@ -31,6 +32,7 @@ cargo xtask COMMAND
   hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
   memory     [PICTURES] what a run over 1,000 pictures of 24 megapixels holds, into docs/results.md
   multiply   [PICTURES] a data set of 10,000 small pictures multiplied, and killed 50 times, into docs/results.md
+  helps      whether a small network learns more from a data set multiplied, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
   scene      splats trained on a truth scene, with the water inside, into docs/results.md
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         ["multiply", pictures] if pictures.parse::<usize>().is_ok_and(|count| count >= 10) => {
             multiply::run_with(pictures.parse().unwrap_or(multiply::PICTURES))
         }
+        ["helps"] => helps::run_all(),
         ["corpus"] => corpus::run_all(),
         ["soak"] => soak::run_for(soak::DEFAULT_MINUTES),
         ["soak", minutes] if minutes.parse::<u64>().is_ok() => {

@@ -61,6 +61,11 @@ pub(crate) fn rivals_python() -> Result<PathBuf> {
     Ok(python_environment("python-rivals", "benches/requirements.txt")?.join("bin/python"))
 }
 
+/// Python with what `cargo xtask helps` trains with.
+pub(crate) fn trainer_python() -> Result<PathBuf> {
+    Ok(python_environment("python-trainer", "examples/does_it_help/requirements.txt")?.join("bin/python"))
+}
+
 /// An environment under `target/` with the packages of a list.
 fn python_environment(name: &str, list: &str) -> Result<PathBuf> {
     let environment = root().join("target").join(name);

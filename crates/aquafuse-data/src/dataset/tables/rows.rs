@@ -12,7 +12,7 @@ use arrow_array::{
 use arrow_schema::{DataType, Field, SchemaRef};
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::basic::Compression;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{ColumnChunkMetaData, KeyValue, RowGroupMetaData};
 use parquet::file::reader::ChunkReader;
 
 use crate::barrier::behind;
@@ -53,7 +53,7 @@ impl Table {
         let builder = opened.ok_or_else(|| damaged(FELL.into()))?;
         let builder = builder.map_err(|error| damaged(one_line(&error.to_string())))?;
         let metadata = builder.metadata();
-        let largest = metadata.row_groups().iter().map(|group| group.total_byte_size()).max();
+        let largest = metadata.row_groups().iter().map(RowGroupMetaData::total_byte_size).max();
         let largest = u64::try_from(largest.unwrap_or(0)).unwrap_or(u64::MAX);
         if largest > options.most_memory {
             let most = options.most_memory;
@@ -67,7 +67,7 @@ impl Table {
             let name = schema.field(column).name();
             group.columns().iter().find(|leaf| leaf.column_path().parts().first() == Some(name))
         });
-        let compression = leaf.map_or(Compression::SNAPPY, |leaf| leaf.compression());
+        let compression = leaf.map_or(Compression::SNAPPY, ColumnChunkMetaData::compression);
         let notes = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
         let built = behind(|| builder.with_batch_size(ROWS).build());
         let built = built.ok_or_else(|| damaged(FELL.into()))?;

@@ -32,7 +32,7 @@ def arguments():
     parser.add_argument("aquafuse")
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("--seeds", type=int, default=2)
-    parser.add_argument("--steps", type=int, default=800)
+    parser.add_argument("--steps", type=int, default=500)
     return parser.parse_args()
 
 

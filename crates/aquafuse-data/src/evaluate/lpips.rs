@@ -19,7 +19,12 @@ pub(crate) const BYTES_A_PIXEL: u64 = 1536;
 
 #[cfg(not(feature = "lpips"))]
 impl Lpips {
-    pub(crate) fn distance(
+    /// The distance of two pictures: of no network there is none.
+    ///
+    /// # Errors
+    ///
+    /// None, for there is nothing to ask.
+    pub fn distance(
         &self,
         _: &aquafuse::image::Image<u8>,
         _: &aquafuse::image::Image<u8>,

@@ -103,6 +103,9 @@ pub(crate) fn run_all() -> Result<()> {
     }
     let shard = [member("a.jpg", b"no picture"), member("a.txt", b"0"), vec![0; 1024]].concat();
     add(&corpus, "dataset-shards", "a.tar", &shard)?;
+    let scenes =
+        ["run", "--release", "--quiet", "--package", "aquafuse-scene", "--example", "parser_files", "--"];
+    run(cargo(&[&scenes[..], &[&corpus.to_string_lossy()]].concat()))?;
     counts(&corpus)
 }
 

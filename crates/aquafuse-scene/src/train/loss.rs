@@ -1,5 +1,6 @@
 //! How far a drawing is from a picture, and in which direction it would come nearer: L1 and structural similarity.
 
+use aquafuse::image::Image;
 use aquafuse::simd::{Work, widest};
 use rayon::prelude::*;
 
@@ -54,6 +55,19 @@ impl<T: Scalar> Target<T> {
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
+    }
+
+    /// The picture in bytes.
+    pub(crate) fn bytes(&self) -> Image<u8> {
+        let [r, g, b] = self.planes.each_ref().map(|channel| channel.values.as_slice());
+        let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b]);
+        let bytes = pixels.map(|value| (255.0 * value.get()).round() as u8).collect();
+        Image::from_raw(self.width, self.height, bytes).expect("three values a pixel")
+    }
+
+    /// All values, channel by channel.
+    pub(crate) fn values(&self) -> impl Iterator<Item = T> {
+        self.planes.iter().flat_map(|channel| channel.values.iter().copied())
     }
 }
 

@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, rates, every, steps) in [
         ("air", Rates::published(), 48, 600),
         ("air", quick.clone(), 48, 600),
-        ("air", quick.clone(), 48, 200),
+        ("air", quick.clone(), 48, 300),
         ("air", quick.clone(), 24, 700),
     ] {
         let named = if rates == quick { "quick" } else { "published" };

@@ -70,7 +70,7 @@ pub struct Trainer {
 
 impl Trainer {
     /// Begins with these splats, whose colours are those of the pictures; `water` is where a water that is to be learned
-    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them. Once distances are known it is estimated again (`water.rs`).
+    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them. Once distances are known it is told anew (`water.rs`).
     ///
     /// # Panics
     ///

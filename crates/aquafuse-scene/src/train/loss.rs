@@ -1,6 +1,5 @@
 //! How far a drawing is from a picture, and in which direction it would come nearer: L1 and structural similarity.
 
-use aquafuse::image::Image;
 use aquafuse::simd::{Work, widest};
 use rayon::prelude::*;
 
@@ -57,12 +56,16 @@ impl<T: Scalar> Target<T> {
         (self.width, self.height)
     }
 
-    /// The picture in bytes.
-    pub(crate) fn bytes(&self) -> Image<u8> {
-        let [r, g, b] = self.planes.each_ref().map(|channel| channel.values.as_slice());
-        let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b]);
-        let bytes = pixels.map(|value| (255.0 * value.get()).round() as u8).collect();
-        Image::from_raw(self.width, self.height, bytes).expect("three values a pixel")
+    /// The colour at a place between the middles of pixels, which are whole numbers; the place lies in the picture.
+    pub(crate) fn between(&self, x: f64, y: f64) -> [T; 3] {
+        let (left, top) = (x as usize, y as usize);
+        let (right, below) = ((left + 1).min(self.width - 1), (top + 1).min(self.height - 1));
+        let (across, down) = (T::of(x - left as f64), T::of(y - top as f64));
+        std::array::from_fn(|c| {
+            let at = |x: usize, y: usize| self.planes[c].values[y * self.width + x];
+            let row = |y: usize| at(left, y) * (T::ONE - across) + at(right, y) * across;
+            row(top) * (T::ONE - down) + row(below) * down
+        })
     }
 
     /// All values, channel by channel.

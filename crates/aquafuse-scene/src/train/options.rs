@@ -98,9 +98,9 @@ const LEAST_INTERVAL: u32 = 100;
 /// Steps between two resets of opacity, at least: what is reset must grow again first. Published: 3,000 of 30,000.
 const LEAST_RESET: u32 = 3000;
 
-/// When a water is estimated again: late enough for distances to be right, early enough for colours to follow. Not
-/// published: ours.
-const WATER_AT: f64 = 9_000.0;
+/// When a water is told anew: once distances are about right, and once more when they are better, early enough for colours
+/// to follow. Not published: ours.
+const WATER_AT: [f64; 2] = [9_000.0, 18_000.0];
 
 impl Options {
     /// A published time as one of this run.
@@ -114,9 +114,9 @@ impl Options {
         step > self.time(500.0) && step <= self.time(15_000.0) && step.is_multiple_of(every)
     }
 
-    /// Whether a water that is learned is estimated again after this step, from the distances there are by then.
+    /// Whether a water that is learned is told anew after this step, from the distances there are by then.
     pub(crate) fn looks_at_water_after(&self, step: u32) -> bool {
-        step == self.time(WATER_AT)
+        WATER_AT.iter().any(|&time| step == self.time(time))
     }
 
     /// Whether opacities are reset after this step.

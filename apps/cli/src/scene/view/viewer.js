@@ -26,7 +26,8 @@ void main() {
   uvec4 first = texelFetch(splats, at, 0), second = texelFetch(splats, at + ivec2(1, 0), 0);
   uvec4 third = texelFetch(splats, at + ivec2(2, 0), 0);
   vec3 seen = turn * uintBitsToFloat(first.xyz) + shift;
-  vec4 colour = vec4(first.w & 255u, (first.w >> 8u) & 255u, (first.w >> 16u) & 255u, first.w >> 24u) / 255.0;
+  vec4 colour = vec4(third.z & 65535u, third.z >> 16u, third.w & 65535u, third.w >> 16u)
+    / vec4(8192.0, 8192.0, 8192.0, 65535.0);
   float square = 2.0 * log(max(colour.a, 1e-9) * 255.0);
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
   if (seen.z < 0.05 || square <= 0.0) return;
@@ -68,9 +69,9 @@ void main() {
   result = vec4(paint.rgb * alpha, alpha);
 }`;
 
-// The splats: bytes of a .splat file, 32 each.
+// The splats, 36 bytes each: three floats of place, three deviations, words of colour and opacity, bytes of a quaternion.
 const packed = Uint8Array.from(atob(document.getElementById("splats").textContent), (c) => c.charCodeAt(0));
-const count = packed.length / 32;
+const count = packed.length / 36;
 const places = new Float32Array(3 * count);
 
 function texels() {
@@ -79,11 +80,11 @@ function texels() {
   const floats = new Float32Array(words.buffer);
   const view = new DataView(packed.buffer);
   for (let i = 0; i < count; i++) {
-    const from = 32 * i, to = 12 * i;
+    const from = 36 * i, to = 12 * i;
     for (let a = 0; a < 3; a++) floats[to + a] = places[3 * i + a] = view.getFloat32(from + 4 * a, true);
-    words[to + 3] = view.getUint32(from + 24, true);
+    for (const word of [0, 1]) words[to + 10 + word] = view.getUint32(from + 24 + 4 * word, true);
     const scale = [0, 1, 2].map((a) => view.getFloat32(from + 12 + 4 * a, true));
-    const q = [0, 1, 2, 3].map((a) => (packed[from + 28 + a] - 128) / 128);
+    const q = [0, 1, 2, 3].map((a) => view.getInt8(from + 32 + a));
     const length = Math.hypot(...q) || 1;
     const [w, x, y, z] = q.map((v) => v / length);
     const axes = [

@@ -111,7 +111,7 @@ fn pycolmap_finds_the_cameras_of_a_place_that_is_known() {
         return;
     }
     let run = Run::new();
-    let known = views(1, Size { width: 320, height: 240 }, 12, 2);
+    let known = views(1, Size { width: 200, height: 150 }, 8, 2);
     std::fs::create_dir(run.path("photos")).unwrap();
     for (i, view) in known.iter().enumerate() {
         let picture = Picture::new(view.clear().to_samples::<u8>());
@@ -120,7 +120,7 @@ fn pycolmap_finds_the_cameras_of_a_place_that_is_known() {
     let said = run.ok(&["scene", "sfm", "photos", "-o", "place", "--python", &python]).stdout;
     println!("{said}");
     let found = read_cameras(&run.path("place")).unwrap();
-    assert!(found.taken.len() >= 10 && found.points.len() > 100, "{said}");
+    assert!(found.taken.len() >= 7 && found.points.len() > 100, "{said}");
     // How far cameras are apart is right up to one scale.
     let number = |name: &Path| name.file_stem().unwrap().to_str().unwrap().parse::<usize>().unwrap();
     let apart = |a: &Camera, b: &Camera| {

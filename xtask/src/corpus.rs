@@ -108,6 +108,9 @@ pub(crate) fn run_all() -> Result<()> {
     let example = ["--example", "small_table", "--", &table.to_string_lossy()];
     run(cargo(&[&arguments[..], &example].concat()))?;
     add(&corpus, "dataset-parquet", "a.parquet", &fs::read(&table)?)?;
+    let scenes =
+        ["run", "--release", "--quiet", "--package", "aquafuse-scene", "--example", "parser_files", "--"];
+    run(cargo(&[&scenes[..], &[&corpus.to_string_lossy()]].concat()))?;
     counts(&corpus)
 }
 

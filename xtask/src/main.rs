@@ -12,6 +12,7 @@ mod memory;
 mod multiply;
 mod results;
 mod runner;
+mod scene;
 mod setup;
 mod shell;
 mod soak;
@@ -35,7 +36,8 @@ cargo xtask COMMAND
   helps      whether a small network learns more from a data set multiplied, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
   soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
-  scene      splats trained on a truth scene, with the water inside, into docs/results.md
+  scene      splats trained on a truth scene, with the water inside, and scenes beside themselves fused, into
+             docs/results.md
   instructions
              of each kernel, counted by valgrind, into benches/instructions.tsv
   bench      [PARTS] whole frames against the same in OpenCV, and others, into BENCHMARKS.md; parts are frames, others,
@@ -72,7 +74,7 @@ fn main() -> ExitCode {
         }
         ["test-arm64"] => arm64::run(),
         ["instructions"] => instructions::renew(),
-        ["scene"] => results::scene(),
+        ["scene"] => scene::run_all(),
         ["bench"] => setup::set_up().and_then(|tools| bench::run(&tools, &bench::PARTS)),
         ["bench", ref parts @ ..] if parts.iter().all(|part| bench::PARTS.contains(part)) => {
             setup::set_up().and_then(|tools| bench::run(&tools, parts))

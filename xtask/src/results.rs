@@ -51,20 +51,8 @@ pub(crate) fn readings() -> Result<()> {
     Ok(())
 }
 
-/// `cargo xtask scene`: how near views of a trained scene come, what is found of its water, what a step costs.
-pub(crate) fn scene() -> Result<()> {
-    say("Training on a truth scene (some minutes)");
-    let example = ["run", "--release", "--quiet", "--package", "aquafuse-scene", "--example", "scene_table"];
-    let text = output(cargo(&example))?;
-    println!("{text}");
-    for (name, table) in sections(&text)? {
-        write_section(RESULTS, name, table)?;
-    }
-    Ok(())
-}
-
 /// What an example prints between marks, by the names of the marks.
-fn sections(text: &str) -> Result<Vec<(&str, &str)>> {
+pub(crate) fn sections(text: &str) -> Result<Vec<(&str, &str)>> {
     let mut found = Vec::new();
     let mut rest = text;
     while let Some((_, after)) = rest.split_once("<!-- ") {
@@ -78,7 +66,7 @@ fn sections(text: &str) -> Result<Vec<(&str, &str)>> {
 }
 
 /// The folder of real pictures.
-fn real_pictures() -> Result<String> {
+pub(crate) fn real_pictures() -> Result<String> {
     std::env::var("AQUAFUSE_TEST_DATA").context("AQUAFUSE_TEST_DATA must name the folder of real pictures")
 }
 

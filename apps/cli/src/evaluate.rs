@@ -3,7 +3,7 @@
 mod depth;
 mod enhancement;
 mod fusion;
-mod published;
+pub(crate) mod published;
 mod truth;
 
 use std::num::NonZeroUsize;
@@ -62,7 +62,7 @@ impl Evaluate {
 
 /// Where the figures go.
 #[derive(Args)]
-struct ReportArguments {
+pub(crate) struct ReportArguments {
     /// Where to write: .md, .csv (a line a figure), .json (all figures and results) or .html (one page with plots), or
     /// a folder, which gets report.md, .csv, .json and .html, and items.csv with a line a result. A missing folder is
     /// made. Without it the tables are printed alone.
@@ -81,13 +81,13 @@ const COMPLAINTS: usize = 12;
 
 impl ReportArguments {
     /// Refuses what can be refused before any picture is read.
-    fn check(&self) -> Result<(), Failure> {
+    pub(crate) fn check(&self) -> Result<(), Failure> {
         let Some(path) = &self.output else { return Ok(()) };
         Ok(report::check_name(path, self.overwrite)?)
     }
 
     /// Runs an evaluation, showing how far it is, and hands its figures out. `more` may add to them.
-    fn run(
+    pub(crate) fn run(
         &self,
         common: &Common,
         evaluation: impl FnOnce(Listener<'_>) -> Result<Report, EvaluateError>,

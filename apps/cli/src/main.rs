@@ -23,6 +23,7 @@ mod restore;
 mod scene;
 mod signals;
 mod simulate;
+mod tool;
 mod verify;
 mod water;
 mod water_argument;

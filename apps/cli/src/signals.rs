@@ -40,6 +40,7 @@ mod unix {
 
     /// What is in flight is dropped: it may take seconds, and its output is not there yet.
     fn stop(signal: i32) {
+        crate::tool::stop();
         abandon_parts();
         let mut stderr = std::io::stderr();
         // Over a progress bar, where there may be one.

@@ -4,47 +4,11 @@
 
 mod run;
 
-use std::fmt::Write;
-
 use aquafuse::metrics::psnr;
-use aquafuse::truth::{Size, waters};
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::picture::Picture;
 use aquafuse_data::water_file::WaterFile;
-use aquafuse_scene::truth::{points, views};
-use run::{Run, scene};
+use run::{Run, reef, scene};
 use serde_json::Value;
-
-const VIEWS: usize = 9;
-
-/// A truth scene in blue water as a folder of COLMAP: `reef/images` and `reef/sparse/0`.
-fn reef(run: &Run) {
-    let (views, blue) = (views(1, Size { width: 64, height: 48 }, VIEWS, 1), waters()[0].water);
-    let pictures: Vec<_> = views.iter().map(|view| view.seen_through(&blue)).collect();
-    let [images, model] = ["reef/images", "reef/sparse/0"].map(|name| run.path(name));
-    std::fs::create_dir_all(&images).unwrap();
-    std::fs::create_dir_all(&model).unwrap();
-    let camera = &views[0].camera;
-    let cameras =
-        format!("1 SIMPLE_PINHOLE 64 48 {} {} {}\n", camera.focal[0], camera.centre[0], camera.centre[1]);
-    let (mut poses, mut things) = (String::new(), String::new());
-    for (i, (view, picture)) in views.iter().zip(&pictures).enumerate() {
-        let name = format!("view_{i}.5.png");
-        Picture::new(picture.to_samples::<u8>())
-            .write(&images.join(&name), &WriteOptions::default())
-            .unwrap();
-        let ([a, b, c], [x, y, z]) = (view.camera.rotation, view.camera.translation);
-        let w = 0.5 * (1.0 + a[0] + b[1] + c[2]).sqrt();
-        let q = [w, (c[1] - b[2]) / (4.0 * w), (a[2] - c[0]) / (4.0 * w), (b[0] - a[1]) / (4.0 * w)];
-        writeln!(poses, "{i} {} {} {} {} {x} {y} {z} 1 {name}\n", q[0], q[1], q[2], q[3]).unwrap();
-    }
-    for (i, point) in points(&views, &pictures, 16).iter().enumerate() {
-        let ([x, y, z], [r, g, b]) = (point.position, point.colour.map(|v| (255.0 * v).round() as u8));
-        writeln!(things, "{i} {x} {y} {z} {r} {g} {b} 0.5").unwrap();
-    }
-    for (name, text) in [("cameras.txt", cameras), ("images.txt", poses), ("points3D.txt", things)] {
-        std::fs::write(model.join(name), text).unwrap();
-    }
-}
 
 #[test]
 fn a_scene_is_trained_drawn_fused_compared_and_exported() {
@@ -95,9 +59,9 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
         let [drawn, truth] = [drawn, truth].map(|name| Picture::read(&run.path(name)).unwrap());
         psnr(&*drawn.bytes(), &*truth.bytes()).unwrap()
     };
-    assert!(score("wet/view_3.5.png", "reef/images/view_3.5.png") > 22.0);
-    assert!(score("wet/view_3.5.png", "dry/view_3.5.png") < 20.0);
-    assert!(run.path("dry/view_3.5.depth.tiff").is_file() && run.path("coast/view_8.5.png").is_file());
+    assert!(score("wet/view_003.png", "reef/images/view_003.png") > 22.0);
+    assert!(score("wet/view_003.png", "dry/view_003.png") < 20.0);
+    assert!(run.path("dry/view_003.depth.tiff").is_file() && run.path("coast/view_008.png").is_file());
 
     // Trained anew without a water, the old one goes: it would be taken for that of the new splats.
     run.fails(2, &["scene", "train", "reef", "-o", "reef.ply"]);
@@ -130,18 +94,43 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
     ];
     let text = run.ok(&compare).stdout;
     assert!(
-        text.starts_with("Means over 2 views.") && text.contains("| floor: original, two seeds |"),
+        text.contains("| reef | original |")
+            && text.contains("| reef | original, another seed |")
+            && text.contains("| reef | fused: fused |")
+            && text.contains("Table 2 of the paper"),
         "{text}"
     );
-    let report: Value = serde_json::from_str(&run.ok(&[&compare[..], &["--json"]].concat()).stdout).unwrap();
-    let [deviation, floor] =
-        ["normal_deviation", "floor"].map(|name| report[name]["angle"].as_f64().unwrap());
-    assert!(deviation < 0.5 && floor > 0.0 && floor < 0.5, "{report}");
+    run.ok(&[&compare[..], &["-o", "report"]].concat());
+    let page = String::from_utf8(run.bytes("report/report.html")).unwrap();
+    assert!(page.contains("from above") && page.contains("<img src=\"data:image/jpeg;base64,"));
+    assert!(!page.contains("http"), "a page needs nothing else");
+    let report: Value = serde_json::from_slice(&run.bytes("report/report.json")).unwrap();
+    let rows = &report["tables"][0]["rows"];
+    let [floor, deviation] =
+        [1, 2].map(|row: usize| rows[row]["normal_deviation_percent"]["mean"].as_f64().unwrap());
+    assert!(deviation < 50.0 && floor > 0.0 && floor < 50.0, "{report}");
+    assert_eq!(rows[0]["normal_deviation_percent"], Value::Null);
+    // Three rows of two views.
+    assert_eq!(String::from_utf8(run.bytes("report/items.csv")).unwrap().lines().count(), 1 + 3 * 2);
+    let twice = [&compare[..3], &["fused", "fused"], &compare[4..]].concat();
+    assert!(run.fails(2, &twice).stderr.contains("--fused is given 1 times"));
 
     run.ok(&["scene", "export", "reef.ply", "-o", "reef.splat"]);
     assert_eq!(run.bytes("reef.splat").len() % 32, 0);
     run.ok(&["scene", "export", "reef.ply", "-o", "copy.ply"]);
     assert_eq!(run.bytes("copy.ply"), run.bytes("reef.ply"));
+    let said = run.ok(&["scene", "export", "reef.ply", "-o", "cloud.ply", "--points"]).stdout;
+    assert!(said.ends_with(" points\n"), "{said}");
+    assert!(run.bytes("cloud.ply").starts_with(b"ply\n"));
+    run.fails(2, &["scene", "export", "reef.ply", "-o", "cloud.splat", "--points"]);
+
+    run.ok(&["scene", "render", "reef.ply", "reef", "-o", "orbit", "--longest", "64", "--orbit", "5"]);
+    let mut names: Vec<_> =
+        std::fs::read_dir(run.path("orbit")).unwrap().map(|one| one.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, [0, 1, 2, 3, 4].map(|i| std::ffi::OsString::from(format!("orbit_00{i}.png"))));
+    // They differ, and look at what the cameras looked at.
+    assert!(score("orbit/orbit_001.png", "orbit/orbit_003.png") < 30.0);
 }
 
 #[test]
@@ -154,10 +143,10 @@ fn what_cannot_be_done_is_refused_before_work_begins() {
     std::fs::write(run.path("a.ply"), "mine").unwrap();
     assert!(said(2, &["scene", "train", "reef", "-o", "a.ply"]).contains("was not touched"));
     assert!(said(1, &["scene", "export", "a.ply", "-o", "a.splat"]).contains("it is no PLY file"));
-    std::fs::write(run.path("reef/images/view_2.5.png"), "").unwrap();
-    assert!(said(1, &["scene", "train", "reef", "-o", "b.ply"]).contains("view_2.5.png: the file is empty"));
+    std::fs::write(run.path("reef/images/view_002.png"), "").unwrap();
+    assert!(said(1, &["scene", "train", "reef", "-o", "b.ply"]).contains("view_002.png: the file is empty"));
     let model = run.path("reef/sparse/0/images.txt");
-    let text = std::fs::read_to_string(&model).unwrap().replace("view_1.5.png", "../../secret.png");
+    let text = std::fs::read_to_string(&model).unwrap().replace("view_001.png", "../../secret.png");
     std::fs::write(&model, text).unwrap();
     let said = said(1, &["scene", "train", "reef", "-o", "b.ply"]);
     assert!(said.contains("images.txt, line 3: ") && said.contains("leads out of its folder"), "{said}");

@@ -86,6 +86,7 @@
 pub mod analysis;
 pub mod augment;
 mod barrier;
+mod base64;
 pub mod dataset;
 pub mod depth_file;
 pub mod digest;
@@ -114,3 +115,4 @@ pub mod treatment;
 pub mod water_file;
 
 pub use barrier::hush_decoders;
+pub use base64::base64;

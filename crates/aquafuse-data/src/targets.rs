@@ -3,6 +3,8 @@
 //! A target takes any bytes. It returns when they were refused with an error or read, and panics when a promise
 //! about what was read is broken.
 
+mod replay;
+
 use std::path::Path;
 
 use aquafuse::depth::SuppliedKind;
@@ -18,6 +20,8 @@ use crate::model_file::ModelFile;
 use crate::picture::{FileError, Format, Picture, Pixels, ReadOptions, try_exif};
 use crate::treatment::Treatment;
 use crate::water_file::WaterFile;
+
+pub use replay::replay;
 
 /// A parser that takes bytes from outside.
 #[derive(Clone, Copy, Debug)]
@@ -79,10 +83,14 @@ fn picture(format: Format, bytes: &[u8]) {
 }
 
 /// What the file is called.
-const NAME: &str = "a fuzzed file";
+pub const NAME: &str = "a fuzzed file";
 
 /// What must hold of every refusal: it names the file and says a cause and what to do, on one line.
-fn check_error(error: &impl std::fmt::Display) {
+///
+/// # Panics
+///
+/// When it does not.
+pub fn check_error(error: &impl std::fmt::Display) {
     let said = error.to_string();
     assert!(
         said.contains(NAME) && said.len().saturating_sub(NAME.len()) > 20 && !said.contains('\n'),

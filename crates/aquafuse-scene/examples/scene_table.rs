@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, rates, every, steps) in [
         ("air", Rates::published(), 48, 600),
         ("air", quick.clone(), 48, 600),
+        ("air", quick.clone(), 48, 300),
         ("air", quick.clone(), 24, 700),
     ] {
         let named = if rates == quick { "quick" } else { "published" };
@@ -93,8 +94,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "| pixels | splats | in view | draw | loss | back | whole step, ms CPU |\n|---|---|---|---|---|---|---|"
     );
     let [middle, large] = [(256, 192), (512, 384)].map(|(width, height)| Size { width, height });
-    for (size, every) in [(SIZE, 9), (middle, 17), (middle, 8), (middle, 4), (large, 16)] {
-        println!("{}", cost(size, every));
+    for (size, splats) in [(SIZE, 5000), (middle, 5000), (middle, 10_000), (middle, 20_000), (large, 20_000)]
+    {
+        println!("{}", cost(size, splats));
     }
     println!("<!-- /scene-cost -->");
     Ok(())
@@ -193,10 +195,14 @@ impl Place {
 const TIMED: u32 = 40;
 
 /// What a step costs, and its parts, a few steps into training.
-fn cost(size: Size, every: usize) -> String {
+fn cost(size: Size, splats: usize) -> String {
     let place = Place { views: truth::views(1, size, 2, 1) };
     let pictures = place.seen(TruthView::clear);
-    let begin = points::splats(&truth::points(&place.views, &pictures, every), 0);
+    let mut points = truth::points(&place.views, &pictures, 2);
+    // As many as asked for, evenly from all.
+    let share = points.len() as f64 / splats as f64;
+    points = (0..splats).map(|i| points[(i as f64 * share) as usize]).collect();
+    let begin = points::splats(&points, 0);
     let camera = &place.views[1].camera;
     let target = Target::new(size.width, size.height, pictures[1].pixels());
     let shot = Shot { camera: camera.clone(), target: target.clone() };

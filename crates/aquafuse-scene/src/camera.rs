@@ -50,6 +50,31 @@ impl Camera {
         rotation(quaternion)
     }
 
+    /// The unit quaternion w, x, y, z of its rotation, w >= 0.
+    pub fn quaternion(&self) -> [f64; 4] {
+        let r = &self.rotation;
+        // Each part squared, four times; the root is taken of the largest, and the others follow from it.
+        let squares = [
+            1.0 + r[0][0] + r[1][1] + r[2][2],
+            1.0 + r[0][0] - r[1][1] - r[2][2],
+            1.0 - r[0][0] + r[1][1] - r[2][2],
+            1.0 - r[0][0] - r[1][1] + r[2][2],
+        ];
+        let (wx, wy, wz) = (r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]);
+        let (xy, xz, yz) = (r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]);
+        let products = [
+            [squares[0], wx, wy, wz],
+            [wx, squares[1], xy, xz],
+            [wy, xy, squares[2], yz],
+            [wz, xz, yz, squares[3]],
+        ];
+        let largest = (1..4).fold(0, |largest, i| if squares[i] > squares[largest] { i } else { largest });
+        let row = products[largest];
+        let sign = if row[0] < 0.0 { -1.0 } else { 1.0 };
+        let length = row.iter().map(|value| value * value).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        row.map(|value| sign * value / length)
+    }
+
     /// The same view drawn on so many columns and rows.
     #[must_use]
     pub fn scaled_to(&self, width: usize, height: usize) -> Self {
@@ -109,6 +134,22 @@ pub(crate) fn dot<T: Scalar>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// The direction at right angles to two others, by the right hand.
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// From `b` to `a`.
+pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+/// The direction alone; none of what has no length.
+pub(crate) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
+    let length = dot(a, a).sqrt();
+    (length > 0.0).then(|| a.map(|value| value / length))
+}
+
 /// The rotation of a unit quaternion w, x, y, z, rows first.
 #[inline(always)]
 pub(crate) fn rotation<T: Scalar>([w, x, y, z]: [T; 4]) -> [[T; 3]; 3] {
@@ -143,6 +184,23 @@ mod tests {
         assert!((dot(seen, seen).sqrt() - 3.0).abs() < 1e-12);
         assert!((50.0 * seen[0] / seen[2] + 19.0 - 7.5).abs() < 1e-12);
         assert!((45.0 * seen[1] / seen[2] + 16.0 - 22.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_rotation_and_its_quaternion_are_the_same_turn() {
+        for quaternion in
+            [[0.8, 0.36, -0.48, 0.0], [0.1, 0.7, 0.1, 0.7], [0.0, 0.0, 0.6, -0.8], [0.5, -0.5, 0.5, 0.5]]
+        {
+            let camera = Camera { rotation: Camera::rotation_of(quaternion), ..turned() };
+            let found = camera.quaternion();
+            let sign =
+                if found.iter().zip(quaternion).map(|(a, b)| a * b).sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+            assert!(found[0] >= 0.0);
+            assert!(
+                found.iter().zip(quaternion).all(|(a, b)| (sign * a - b).abs() < 1e-12),
+                "{found:?} {quaternion:?}"
+            );
+        }
     }
 
     #[test]

@@ -1,8 +1,14 @@
 //! How alike two scenes are: pictures by PSNR and SSIM, surfaces by the deviation of their normals.
+//!
+//! `report.rs` puts a scene beside the same one fused and makes a [`Report`](aquafuse_data::evaluate::Report) of it.
+
+mod report;
+
+pub use report::{CompareError, Comparison, Model, Side};
 
 use aquafuse::image::Image;
 
-use crate::camera::Camera;
+use crate::camera::{Camera, cross, dot, minus, unit};
 use crate::render::Drawing;
 
 /// Light that may still come through where a surface counts as seen.
@@ -47,19 +53,19 @@ fn normals(camera: &Camera, drawing: &Drawing<f32>) -> Vec<Option<[f64; 3]>> {
         }
         let across = minus(point(x + 1, y)?, point(x - 1, y)?);
         let down = minus(point(x, y + 1)?, point(x, y - 1)?);
-        let cross = [
-            down[1] * across[2] - down[2] * across[1],
-            down[2] * across[0] - down[0] * across[2],
-            down[0] * across[1] - down[1] * across[0],
-        ];
-        let length = cross.iter().map(|v| v * v).sum::<f64>().sqrt();
-        (length > 0.0).then(|| cross.map(|v| v / length))
+        unit(cross(down, across))
     };
     (0..width * height).map(normal).collect()
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| a[i] - b[i])
+/// Normals as a picture: right, up and towards the camera are more red, green and blue; black where there is none.
+fn normals_shown(camera: &Camera, drawing: &Drawing<f32>) -> Image<f32> {
+    let colour = |normal: Option<[f64; 3]>| {
+        let seen = normal.map(|normal| camera.rotation.map(|row| dot(row, normal)));
+        seen.map_or([0.0; 3], |[x, y, z]| [x, -y, -z].map(|value| (0.5 + 0.5 * value) as f32))
+    };
+    let samples = normals(camera, drawing).into_iter().flat_map(colour).collect();
+    Image::from_raw(drawing.width, drawing.height, samples).expect("one colour a pixel")
 }
 
 /// Compares the surfaces of two drawings of one view.

@@ -2,10 +2,11 @@
 //!
 //! | file | read by | written by |
 //! |---|---|---|
-//! | COLMAP's `cameras`, `images`, `points3D` in `.txt` or `.bin` | [`read_cameras`] | |
+//! | COLMAP's `cameras`, `images`, `points3D` in `.txt` or `.bin` | [`read_cameras`] | [`write_cameras`] (`.txt`) |
 //! | `transforms.json` as of NeRF | [`read_cameras`] | |
 //! | splats in the layout of Kerbl et al., `.ply` | [`read_ply`] | [`write_ply`] |
 //! | splats without harmonics, `.splat` | | [`write_splat`] |
+//! | points with colours, `.ply` | | [`write_cloud`] |
 //!
 //! Every byte is somebody else's: errors name the file and the place in it, counts are held against what is left of the
 //! file before memory is taken, and no name leads out of its folder.
@@ -24,8 +25,11 @@
     )
 )]
 
+#[cfg(feature = "fuzz-targets")]
+pub(crate) mod attempts;
 mod bytes;
 mod cameras;
+mod cloud;
 mod colmap_binary;
 mod colmap_text;
 mod error;
@@ -34,6 +38,8 @@ mod splat;
 mod transforms;
 
 pub use cameras::{Cameras, Taken, read_cameras};
+pub use cloud::write_cloud;
+pub use colmap_text::write_cameras;
 pub use error::SceneFileError;
 pub use ply::{ply_bytes, read_ply, write_ply};
 pub use splat::{splat_bytes, write_splat};

@@ -14,6 +14,7 @@
 //! | [`points`] | points → the [splats] training begins with |
 //! | [`render`] | splats, camera, [medium] → picture, distances, what comes through; and the way back, exact |
 //! | [`train`] | pictures → splats, and the water between |
+//! | [`around`] | cameras and splats → views that no camera took: an orbit, from above |
 //! | [`compare`] | two scenes → how alike their pictures and surfaces are |
 //! | [`shared_water`] | pictures and points → one water in the scene's unit |
 //! | [`truth`] | a place of which everything is known, seen by many cameras |
@@ -27,6 +28,7 @@
 //! Finding cameras (COLMAP does), lenses beyond OPENCV's, the command line. Distances are along the line of sight, in
 //! units of the scene, which COLMAP chooses as it likes.
 
+pub mod around;
 pub mod camera;
 pub mod capture;
 pub mod compare;
@@ -39,5 +41,7 @@ pub mod render;
 pub mod scalar;
 pub mod shared_water;
 pub mod splats;
+#[cfg(feature = "fuzz-targets")]
+pub mod targets;
 pub mod train;
 pub mod truth;

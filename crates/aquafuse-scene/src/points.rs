@@ -30,6 +30,17 @@ pub fn splats(points: &[Point], degree: u8) -> Splats<f32> {
     splats
 }
 
+/// The middles of splats that hide at least half of what is behind them, in their own colours: a cloud of points.
+pub fn middles(splats: &Splats<f32>) -> Vec<Point> {
+    let opaque = (0..splats.len()).filter(|&i| splats.opacity(i) >= 0.5);
+    opaque
+        .map(|i| Point {
+            position: splats.position(i).map(f64::from),
+            colour: splats.colour(i).map(|value| f64::from(value.clamp(0.0, 1.0))),
+        })
+        .collect()
+}
+
 /// Points by chance in the views of cameras, for a scene without any: on lines of sight, near ones as often as far ones.
 ///
 /// `extent` is how far the cameras stand apart: things are taken to be half to twenty times as far from them.
@@ -109,6 +120,17 @@ mod tests {
             let mean = squares[1..=3].iter().sum::<f64>() / 3.0;
             assert!((mean.sqrt() - radius).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn faint_splats_are_no_points() {
+        let mut splats = Splats::<f32>::new(0);
+        for (x, opacity) in [(1.0, 0.9), (2.0, 0.3), (3.0, 0.6)] {
+            splats.push(&Splats::<f32>::ball(0, [x, 0.0, 0.0], 0.1, opacity, [0.25, 0.5, 0.75]));
+        }
+        let points = middles(&splats);
+        assert_eq!(points.iter().map(|point| point.position[0]).collect::<Vec<_>>(), [1.0, 3.0]);
+        assert!((points[0].colour[2] - 0.75).abs() < 1e-6);
     }
 
     #[test]

@@ -153,6 +153,14 @@ impl<T: Scalar> Splats<T> {
         part::<T, 3>(self.row(i), LOG_SCALE).map(T::exp)
     }
 
+    /// How it is turned: a unit quaternion w, x, y, z.
+    pub fn rotation(&self, i: usize) -> [T; 4] {
+        let raw: [T; 4] = part(self.row(i), ROTATION);
+        let square = raw.into_iter().fold(T::ZERO, |sum, q| sum + q * q);
+        let length = square.sqrt().at_least(T::of(1e-12));
+        raw.map(|q| q / length)
+    }
+
     /// How much of what is behind its middle it hides, 0 to 1.
     pub fn opacity(&self, i: usize) -> T {
         self.row(i)[OPACITY].sigmoid()

@@ -10,14 +10,18 @@ mod density;
 pub mod loss;
 mod options;
 mod state;
+mod water;
 
 pub use checkpoint::CheckpointError;
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use checkpoint::try_state;
 pub use options::{DensityOptions, Options, Rates};
 
 use crate::camera::Camera;
 use crate::medium::{Medium, PARAMETERS, Water};
 use crate::render::render;
 use crate::splats::{HARMONICS, LOG_SCALE, OPACITY, ROTATION, Splats};
+use adam::Moments;
 use loss::{Loss, Target, loss};
 use state::State;
 
@@ -59,21 +63,24 @@ pub struct Trainer {
     shots: Vec<Shot>,
     /// How far the cameras stand from their middle, units of the scene.
     extent: f32,
+    /// What the pictures and cameras come to, as one number.
+    subject: u64,
     state: State,
 }
 
 impl Trainer {
     /// Begins with these splats, whose colours are those of the pictures; `water` is where a water that is to be learned
-    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them.
+    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them. Once distances are known it is told anew (`water.rs`).
     ///
     /// # Panics
     ///
     /// When there is no shot, or one whose camera has another size than its picture.
     pub fn new(options: Options, shots: Vec<Shot>, splats: Splats<f32>, water: Option<Water<f32>>) -> Self {
-        let splats = match &water {
-            Some(water) => without_water(splats, water, &shots),
-            None => splats,
-        };
+        let mut splats = splats;
+        if let Some(water) = &water {
+            // They are seen as through air, for they have the colours of the pictures.
+            water::repaint(&mut splats, &shots, &Medium::Air, water);
+        }
         let state = State::new(splats, water, options.seed);
         Self::at(options, shots, state)
     }
@@ -88,7 +95,7 @@ impl Trainer {
             );
         }
         let cameras: Vec<&Camera> = shots.iter().map(|shot| &shot.camera).collect();
-        Self { options, extent: extent(&cameras) as f32, shots, state }
+        Self { options, extent: extent(&cameras) as f32, subject: subject(&shots), shots, state }
     }
 
     /// Shows one view and takes one step; gives the loss before it.
@@ -111,6 +118,9 @@ impl Trainer {
             let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
         }
+        if self.options.looks_at_water_after(state.step) {
+            Self::look_at_water(&self.shots, state);
+        }
         if self.options.grows_after(state.step) {
             density::change(state, &self.options, self.extent);
         }
@@ -118,6 +128,16 @@ impl Trainer {
             density::reset(state);
         }
         loss
+    }
+
+    /// Takes the water that the views tell by the distances there are now, and the splats' colours with it.
+    fn look_at_water(shots: &[Shot], state: &mut State) {
+        let old = state.medium();
+        let Some((water, moments)) = &mut state.water else { return };
+        if let Some(told) = water::told(shots, &state.splats, water) {
+            water::repaint(&mut state.splats, shots, &old, &told);
+            (*water, *moments) = (told, Moments::new(PARAMETERS));
+        }
     }
 
     /// The rate of each number of a row at this step.
@@ -156,20 +176,16 @@ impl Trainer {
     }
 }
 
-/// The splats with a water taken out of their colours, as seen from half way between the nearest and the farthest camera.
-fn without_water(mut splats: Splats<f32>, water: &Water<f32>, shots: &[Shot]) -> Splats<f32> {
-    let cameras: Vec<[f64; 3]> = shots.iter().map(|shot| shot.camera.position()).collect();
-    for i in 0..splats.len() {
-        let position = splats.position(i).map(f64::from);
-        let apart = |camera: &[f64; 3]| (0..3).map(|a| (camera[a] - position[a]).powi(2)).sum::<f64>().sqrt();
-        let (near, far) = cameras
-            .iter()
-            .map(apart)
-            .fold((f64::MAX, 0.0_f64), |(near, far), distance| (near.min(distance), far.max(distance)));
-        let clear = water.taken_out(splats.colour(i), (0.5 * (near + far)) as f32);
-        splats.paint(i, clear);
-    }
-    splats
+/// All pictures and cameras as one number (FNV-1a, a value at a time): a run is not gone on with on others.
+fn subject(shots: &[Shot]) -> u64 {
+    let add = |sum: u64, value: u64| (sum ^ value).wrapping_mul(0x0000_0100_0000_01b3);
+    shots.iter().fold(0xcbf2_9ce4_8422_2325, |sum, Shot { camera, target }| {
+        let Camera { width, height, focal, centre, rotation, translation } = camera;
+        let numbers = focal.iter().chain(centre).chain(rotation.as_flattened()).chain(translation);
+        let sum = [*width, *height].iter().fold(sum, |sum, side| add(sum, *side as u64));
+        let sum = numbers.fold(sum, |sum, number| add(sum, number.to_bits()));
+        target.values().fold(sum, |sum, value| add(sum, u64::from(value.to_bits())))
+    })
 }
 
 /// The greatest distance of a camera from the middle of all, and a tenth more: the size of a scene, as published.

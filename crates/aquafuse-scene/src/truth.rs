@@ -3,12 +3,16 @@
 //! The place is that of [`aquafuse::truth`], in metres. Its axes there are x right, y up, z ahead, which is a left-handed
 //! frame; scenes turn y over.
 
+use std::path::{Path, PathBuf};
+
 use aquafuse::image::Image;
 use aquafuse::truth::{HALF_VIEW, OPEN_WATER, Pose, Scene, Size, View};
 use aquafuse::waterbody::Waterbody;
+use aquafuse_data::picture::{FileError, Picture, WriteOptions};
 
 use crate::camera::Camera;
-use crate::lens::shrunk;
+use crate::files::{Cameras, SceneFileError, Taken, write_cameras};
+use crate::lens::{Lens, shrunk};
 use crate::points::Point;
 
 /// A camera and what it sees.
@@ -121,6 +125,36 @@ pub fn points(views: &[TruthView], pictures: &[Image<f32>], every: usize) -> Vec
         hit
     };
     views.iter().zip(pictures).enumerate().flat_map(of_view).collect()
+}
+
+/// Writes views as a scene's folder: pictures, `images/view_NNN.png`, one a view; their cameras, and `points`.
+///
+/// # Errors
+///
+/// [`SceneFileError`] when a file of it exists, or the system refuses.
+///
+/// # Panics
+///
+/// When there is not one picture for each view.
+pub fn write(
+    folder: &Path,
+    views: &[TruthView],
+    pictures: &[Image<f32>],
+    points: Vec<Point>,
+) -> Result<(), SceneFileError> {
+    assert_eq!(views.len(), pictures.len(), "one picture a view");
+    let [images, model] = ["images", "sparse/0"].map(|name| folder.join(name));
+    for folder in [&images, &model] {
+        let made = std::fs::create_dir_all(folder);
+        made.map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
+    }
+    let mut taken = Vec::with_capacity(views.len());
+    for (number, (view, picture)) in views.iter().zip(pictures).enumerate() {
+        let name = PathBuf::from(format!("view_{number:03}.png"));
+        Picture::new(picture.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
+        taken.push(Taken { name, lens: Lens { camera: view.camera.clone(), distortion: [0.0; 4] } });
+    }
+    write_cameras(&model, &Cameras { taken, points, model: PathBuf::new() }, false)
 }
 
 #[cfg(test)]

@@ -127,6 +127,16 @@ fn a_water_is_learned_and_taken_out() {
     println!("{:?} {:?} {:?}", water.veil(), water.backscatter(), water.attenuation());
     println!("B∞ off by {:.3} before, {:.3} after", off(&guess), off(&water));
     assert!(off(&water) < 0.2 * off(&guess), "{} {}", off(&guess), off(&water));
+    // How fast light fades is told by things that are seen from near and from far: what views differ by. Where the veil is
+    // dark, β_B moves nothing.
+    let astray = |water: &Water<f32>| {
+        let fading = truth.attenuation.each_ref().map(|curve| curve.coefficient(0.0));
+        let ratios = water.attenuation().into_iter().zip(fading);
+        let growth = water.backscatter().into_iter().zip(truth.backscatter_coefficient).skip(1);
+        ratios.chain(growth).map(|(found, truth)| (found / truth).ln().abs()).fold(0.0, f32::max)
+    };
+    println!("β astray by e^{:.2} before, e^{:.2} after", astray(&guess), astray(&water));
+    assert!(astray(&water) < 0.6 * astray(&guess), "{} {}", astray(&guess), astray(&water));
 
     // Where things are, the place without its water is nearer to what it is than its picture.
     let view = &place.views[HELD];

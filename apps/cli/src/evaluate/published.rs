@@ -11,6 +11,7 @@ type Printed = [f64; 2];
 struct Published {
     label: String,
     image_similarity: ImageSimilarity,
+    reconstruction: Reconstruction,
     style_transfer: StyleTransfer,
 }
 
@@ -22,6 +23,23 @@ struct ImageSimilarity {
     psnr: Vec<Printed>,
     ssim: Vec<Printed>,
     rmse: Vec<Printed>,
+}
+
+/// Views of scenes trained on originals and on fused pictures, by the depth of the site.
+#[derive(Deserialize)]
+struct Reconstruction {
+    table: String,
+    depth_feet: Vec<u32>,
+    original: Views,
+    fused: Views,
+    normal_deviation_percent: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Views {
+    psnr: Vec<f64>,
+    ssim: Vec<f64>,
+    lpips: Vec<f64>,
 }
 
 /// The same of other methods.
@@ -55,7 +73,7 @@ fn read() -> Result<Published, toml::de::Error> {
 
 /// What the paper prints about its own method; with `methods`, about others too.
 pub(super) fn tables(methods: bool) -> Result<Vec<Table>, toml::de::Error> {
-    let Published { label, image_similarity: own, style_transfer: others } = read()?;
+    let Published { label, image_similarity: own, style_transfer: others, .. } = read()?;
     let site = |feet: &u32| format!("site at {feet}'");
     let rows = own.depth_feet.iter().zip(own.psnr.iter().zip(&own.ssim).zip(&own.rmse));
     let of_site = |(feet, ((psnr, ssim), rmse)): (&u32, ((&Printed, &Printed), &Printed))| Row {
@@ -87,6 +105,38 @@ pub(super) fn tables(methods: bool) -> Result<Vec<Table>, toml::de::Error> {
     Ok(tables)
 }
 
+/// What the paper prints about view synthesis: for each site the original and what was fused.
+pub(crate) fn reconstruction() -> Result<Table, toml::de::Error> {
+    let Published { label, reconstruction, .. } = read()?;
+    let Reconstruction { table, depth_feet, original, fused, normal_deviation_percent: deviations } =
+        reconstruction;
+    let row = |feet: u32, pictures: &str, views: &Views, place: usize, deviation: Option<f64>| {
+        let scores = [&views.psnr, &views.ssim, &views.lpips].map(|of| of.get(place).copied());
+        let number = |value: Option<f64>| value.map_or(Cell::Nothing, Cell::Number);
+        Row {
+            labels: vec![format!("site at {feet}'"), pictures.into()],
+            cells: scores.into_iter().chain([deviation]).map(number).collect(),
+        }
+    };
+    let sites = depth_feet.into_iter().zip(deviations).enumerate();
+    let rows = sites.flat_map(|(place, (feet, deviation))| {
+        [row(feet, "original", &original, place, None), row(feet, "fused", &fused, place, Some(deviation))]
+    });
+    let score = |key, title, digits| Score { key, title, digits, shown: Shown::Number };
+    Ok(Table {
+        name: "published",
+        title: format!("{label}: {table} of the paper"),
+        labels: vec!["scene", "pictures"],
+        scores: vec![
+            score("psnr", "PSNR, dB", 2),
+            score("ssim", "SSIM", 4),
+            score("lpips", "LPIPS", 4),
+            score("normal_deviation_percent", "SND, %", 3),
+        ],
+        rows: rows.collect(),
+    })
+}
+
 fn cell(&[mean, variance]: &Printed) -> Cell {
     Cell::Summary(Summary { count: 0, left_out: 0, mean, variance, interval: None })
 }
@@ -94,6 +144,17 @@ fn cell(&[mean, variance]: &Printed) -> Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_site_was_trained_on_twice_and_its_deviation_stands_once() {
+        let table = reconstruction().unwrap();
+        assert_eq!(table.rows.len(), 12);
+        for (place, row) in table.rows.iter().enumerate() {
+            assert_eq!(row.cells.len(), table.scores.len());
+            let missing = row.cells.iter().filter(|cell| **cell == Cell::Nothing).count();
+            assert_eq!(missing, 1 - place % 2, "{:?}", row.labels);
+        }
+    }
 
     #[test]
     fn each_site_has_each_score_and_they_agree_with_the_table_that_repeats_them() {

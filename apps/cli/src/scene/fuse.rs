@@ -1,18 +1,22 @@
 //! `aquafuse scene fuse`: all pictures of a scene in another water, which they share.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse::depth::DepthKind;
+use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::image::Encoded;
-use aquafuse::waterbody::pool;
+use aquafuse::waterbody::{Estimate, pool};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
-use aquafuse_data::picture::{Picture, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::job::{Item, Plan, RECORD, Recipe, Record};
+use aquafuse_data::picture::{FileError, Picture, WriteOptions, remove_stale_parts, shown, write_bytes};
 use aquafuse_data::treatment::Treatment;
+use aquafuse_data::water_file::Numbers;
 use aquafuse_scene::capture::pictures_of;
-use aquafuse_scene::files::{Taken, read_cameras};
+use aquafuse_scene::files::{Cameras, read_cameras};
 use aquafuse_scene::shared_water::{in_scene, median, unit_of, water_of};
 use clap::Args;
+use serde_json::json;
 
 use crate::common::Common;
 use crate::failure::Failure;
@@ -25,7 +29,8 @@ use crate::water_argument::{WaterArguments, WaterSource};
 /// Put a scene into another water: every picture by the one water that all of them tell.
 ///
 /// Distances have one unit, which the scene's points tell, so that what is fused looks alike from every side. Names,
-/// sizes and EXIF stay, and the cameras go along: the new folder is a scene like the old one.
+/// sizes and EXIF stay, and the cameras go along: the new folder is a scene like the old one. A run that was stopped goes on
+/// where it was.
 #[derive(Args)]
 #[command(after_help = "\
 Example:
@@ -58,57 +63,58 @@ const MODEL: [&str; 7] = [
     "transforms.json",
 ];
 
+/// What the scene's pictures tell together.
+struct Told {
+    /// What relative depth 1 is in each, in units of the scene.
+    units: Vec<f32>,
+    /// The middle of those that points tell; none without points.
+    middle: Option<f32>,
+    /// The water that they share.
+    water: Estimate<Encoded>,
+}
+
 impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        if !self.overwrite && self.output.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
-            return Err(Failure::usage(anyhow!(
-                "{} is not empty; name another folder with -o, or add --overwrite",
-                shown(&self.output)
-            )));
-        }
         let Settings { depth_model, options, smoothing } = self.settings.get();
         let source = DepthSource::Estimated(depth_model);
         let water = WaterSource::parse(&self.water)?;
         let cameras = read_cameras(&self.scene)?;
         let pictures = pictures_of(&self.scene);
-        let looked = |one: &Taken| -> Result<(Picture, Analysis<Encoded>), Failure> {
-            let picture = common.reading.read(&pictures.join(&one.name))?;
-            let found = analyse(&picture, &source)?;
-            Ok((picture, found))
-        };
+        let into = self.output.join(pictures.strip_prefix(&self.scene).unwrap_or(Path::new("")));
+        let items: Vec<Item> = cameras
+            .taken
+            .iter()
+            .map(|one| Item {
+                input: pictures.join(&one.name),
+                output: into.join(&one.name),
+                depth: source.clone(),
+            })
+            .collect();
+        self.check(&items)?;
 
         let progress = Progress::new(common.quiet);
-        progress.start(3 * cameras.taken.len());
-        let mut units = Vec::with_capacity(cameras.taken.len());
-        for one in &cameras.taken {
-            units.push(unit_of(&looked(one)?.1.depth, &one.lens, &cameras.points));
-            progress.done(shown(&one.name).to_string());
-        }
-        // Pictures with too few points in view take the others' unit; without points at all, depth has none.
-        let middle = median(&mut units.iter().flatten().copied().collect::<Vec<_>>());
-        let unit = |of: &Option<f32>| of.or(middle).unwrap_or(1.0);
-        let mut estimates = Vec::with_capacity(units.len());
-        for (one, of) in cameras.taken.iter().zip(&units) {
-            let (picture, found) = looked(one)?;
-            estimates.push(water_of(&picture, &in_scene(&found.depth, unit(of))).map_err(Failure::work)?);
-            progress.done(shown(&one.name).to_string());
-        }
-        let shared = pool(&estimates).ok_or_else(|| Failure::usage(anyhow!("the scene has no picture")))?;
+        progress.start(2 * items.len());
+        let told = told(&cameras, &items, common, &progress)?;
         let file = self.waters.read::<Encoded>(&water, depth_model, &common.reading)?;
         let reference = self.waters.per(DepthKind::Metres, &file)?;
-        let treatment = Treatment::Fuse { reference, options };
-
-        let into = self.output.join(pictures.strip_prefix(&self.scene).unwrap_or(Path::new("")));
-        for (one, of) in cameras.taken.iter().zip(&units) {
-            let (mut picture, found) = looked(one)?;
-            let depth = in_scene(&found.depth, unit(of));
-            let found = Analysis { depth, estimate: shared, ..found };
-            treatment.apply(&mut picture.pixels, &found).map_err(Failure::work)?;
-            picture.pixels = picture.pixels.smoothed(smoothing);
-            let path = into.join(&one.name);
-            remove_stale_parts(output::make_folder_of(&path)?);
-            picture.write(&path, &WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() })?;
-            progress.done(shown(&one.name).to_string());
+        let recipe = Recipe {
+            treatment: Treatment::Fuse { reference, options },
+            smoothing,
+            upright: false,
+            reading: common.reading.options(),
+            writing: WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() },
+        };
+        let records = self.records(&items, &recipe, &told)?;
+        for (item, unit) in items.iter().zip(&told.units) {
+            let record = records.get(folder_of(item)).expect("each folder has one");
+            record.make(item, self.overwrite, |overwrite| -> Result<(), Failure> {
+                let (mut picture, found) = looked(item, common)?;
+                let found = Analysis { depth: in_scene(&found.depth, *unit), estimate: told.water, ..found };
+                recipe.treatment.apply(&mut picture.pixels, &found).map_err(Failure::work)?;
+                picture.pixels = picture.pixels.smoothed(smoothing);
+                Ok(picture.write(&item.output, &WriteOptions { overwrite, ..recipe.writing })?)
+            })?;
+            progress.done(shown(&item.output).to_string());
         }
         progress.finish();
         self.copy_model(&cameras.model)?;
@@ -118,29 +124,109 @@ impl Fuse {
         output::print(&format!(
             "{}: {} pictures in {}'s water\n  {}\n  {}\n",
             shown(&self.output),
-            cameras.taken.len(),
+            items.len(),
             water.name(),
-            veiling_light(&shared),
-            match middle {
+            veiling_light(&told.water),
+            match told.middle {
                 Some(unit) => format!("relative depth 1 is {unit:.2} units of the scene"),
                 None => "the scene has no points, so that depth has no unit".into(),
             }
         ))
     }
 
+    /// Refuses a folder that is somebody else's.
+    fn check(&self, items: &[Item]) -> Result<(), Failure> {
+        let is_recorded = items.iter().any(|item| folder_of(item).join(RECORD).is_file());
+        let is_empty = !self.output.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+        (self.overwrite || is_recorded || is_empty).then_some(()).ok_or_else(|| {
+            Failure::usage(anyhow!(
+                "{} is not empty; name another folder with -o, or add --overwrite",
+                shown(&self.output)
+            ))
+        })
+    }
+
+    /// What is done already, folder by folder; pictures that are not ours are refused.
+    fn records(
+        &self,
+        items: &[Item],
+        recipe: &Recipe<Encoded>,
+        told: &Told,
+    ) -> Result<BTreeMap<PathBuf, Record>, Failure> {
+        let made_with = json!({
+            "recipe": recipe.fingerprint(),
+            "water": Numbers::from(&told.water.water),
+            "units": told.units,
+        });
+        let mut records = BTreeMap::new();
+        for item in items {
+            let folder = folder_of(item);
+            if !records.contains_key(folder) {
+                output::make_folder(folder)?;
+                remove_stale_parts(folder);
+                records.insert(folder.to_owned(), Record::open(folder, &made_with, self.overwrite)?);
+            }
+            if records.get(folder).is_some_and(|record| record.plan(item, self.overwrite) == Plan::Foreign) {
+                return Err(FileError::Exists { path: item.output.clone() }.into());
+            }
+        }
+        Ok(records)
+    }
+
     /// The cameras go along as they are.
     fn copy_model(&self, model: &Path) -> Result<(), Failure> {
         let (from, to) = (self.scene.join(model), self.output.join(model));
         output::make_folder(&to)?;
+        remove_stale_parts(&to);
         for name in MODEL.iter().filter(|name| from.join(name).is_file()) {
-            std::fs::copy(from.join(name), to.join(name)).map_err(|error| {
-                Failure::work(anyhow!(
-                    "cannot copy {} to {}: {error}",
-                    shown(&from.join(name)),
-                    shown(&to.join(name))
-                ))
-            })?;
+            let path = from.join(name);
+            let bytes = std::fs::read(&path).map_err(|error| FileError::Read { path, error })?;
+            write_bytes(&to.join(name), &bytes, true)?;
         }
         Ok(())
     }
+}
+
+fn folder_of(item: &Item) -> &Path {
+    item.output.parent().unwrap_or(Path::new(""))
+}
+
+fn looked(item: &Item, common: &Common) -> Result<(Picture, Analysis<Encoded>), Failure> {
+    let picture = common.reading.read(&item.input)?;
+    let found = analyse(&picture, &item.depth)?;
+    Ok((picture, found))
+}
+
+/// Looks at every picture for its unit and its water, and pools these.
+fn told(cameras: &Cameras, items: &[Item], common: &Common, progress: &Progress) -> Result<Told, Failure> {
+    let estimate = |picture: &Picture, depth: &DepthMap, unit: f32| {
+        water_of(picture, &in_scene(depth, unit)).map_err(Failure::work)
+    };
+    let mut found = Vec::with_capacity(items.len());
+    for (one, item) in cameras.taken.iter().zip(items) {
+        let (picture, Analysis { depth, .. }) = looked(item, common)?;
+        let unit = unit_of(&depth, &one.lens, &cameras.points);
+        found.push(match unit {
+            Some(unit) => Some((unit, estimate(&picture, &depth, unit)?)),
+            None => None,
+        });
+        progress.done(shown(&one.name).to_string());
+    }
+    // Pictures with too few points in view take the others' unit; without points at all, depth has none.
+    let middle = median(&mut found.iter().flatten().map(|(unit, _)| *unit).collect::<Vec<_>>());
+    let (mut units, mut estimates) = (Vec::with_capacity(items.len()), Vec::with_capacity(items.len()));
+    for (item, found) in items.iter().zip(found) {
+        let (unit, estimated) = match found {
+            Some(found) => found,
+            None => {
+                let unit = middle.unwrap_or(1.0);
+                let (picture, Analysis { depth, .. }) = looked(item, common)?;
+                (unit, estimate(&picture, &depth, unit)?)
+            }
+        };
+        units.push(unit);
+        estimates.push(estimated);
+    }
+    let water = pool(&estimates).ok_or_else(|| Failure::usage(anyhow!("the scene has no picture")))?;
+    Ok(Told { units, middle, water })
 }

@@ -1,28 +1,28 @@
-//! `aquafuse scene render`: a trained scene as its cameras see it, through any water.
+//! `aquafuse scene render`: a trained scene as its cameras see it, or round about, through any water.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
-use aquafuse::image::Encoded;
+use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse_data::depth_file;
 use aquafuse_data::picture::{Picture, WriteOptions, remove_stale_parts, shown};
+use aquafuse_scene::around::Around;
+use aquafuse_scene::camera::Camera;
 use aquafuse_scene::compare::{distances, picture};
 use aquafuse_scene::files::read_cameras;
-use aquafuse_scene::medium::Medium;
 use aquafuse_scene::render::render;
-use aquafuse_scene::splats::MOST_DEGREE;
+use aquafuse_scene::splats::{MOST_DEGREE, Splats};
 use clap::Args;
 
-use super::splats_file::{Trained, known};
+use super::looked_through::LookedThrough;
+use super::splats_file::Trained;
 use crate::common::Common;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
-use crate::water_argument::{WaterArguments, WaterSource};
 
-/// Draw a trained scene as its cameras see it.
+/// Draw a trained scene as its cameras see it, or as one that goes round it would.
 #[derive(Args)]
 #[command(after_help = "\
 Through the water that was learned unless --water says otherwise. A unit of the scene counts as a metre.
@@ -30,7 +30,8 @@ Through the water that was learned unless --water says otherwise. A unit of the 
 Examples:
   aquafuse scene render reef.ply reef/ -o views/
   aquafuse scene render reef.ply reef/ -o dewatered/ --water none
-  aquafuse scene render reef.ply reef/ -o coast/ --water preset:jerlov-3C --depth")]
+  aquafuse scene render reef.ply reef/ -o coast/ --water preset:jerlov-3C --depth
+  aquafuse scene render reef.ply reef/ -o orbit/ --orbit 120       orbit/orbit_000.png, ...; frames of a film")]
 pub(crate) struct Render {
     /// A trained scene.
     splats: PathBuf,
@@ -39,11 +40,12 @@ pub(crate) struct Render {
     /// Folder to write into, NAME.png for each camera; made if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// What it is seen through: `none` for air, or a picture, NAME.water.json or preset:NAME.
-    #[arg(long, value_name = "WATER")]
-    water: Option<PathBuf>,
     #[command(flatten)]
-    waters: WaterArguments,
+    through: LookedThrough,
+    /// Not the cameras' own views but this many on an orbit: once around where cameras stood all around, else swaying where
+    /// they stood. The last comes before the first.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    orbit: Option<u32>,
     /// Distances too, NAME.depth.tiff in units of the scene; 0 where nothing is opaque.
     #[arg(long)]
     depth: bool,
@@ -58,22 +60,14 @@ pub(crate) struct Render {
 impl Render {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let Trained { splats, medium } = Trained::read(&self.splats)?;
-        let medium = self.medium(medium, common)?;
-        let cameras = read_cameras(&self.scene)?;
-        let names: Vec<String> = cameras.taken.iter().map(|one| flat(&one.name)).collect();
-        if names.iter().collect::<BTreeSet<_>>().len() < names.len() {
-            return Err(Failure::usage(anyhow!(
-                "{} has pictures that differ in their extension alone; rename one of each",
-                shown(&self.scene)
-            )));
-        }
+        let medium = self.through.medium(medium, common)?;
+        let views = self.views(&splats)?;
         output::make_folder(&self.output)?;
         remove_stale_parts(&self.output);
         let writing = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
         let progress = Progress::new(common.quiet);
-        progress.start(names.len());
-        for (one, name) in cameras.taken.iter().zip(&names) {
-            let camera = &one.lens.camera;
+        progress.start(views.len());
+        for (name, camera) in &views {
             let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
             let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
             let camera = camera.scaled_to(side(camera.width), side(camera.height));
@@ -92,19 +86,33 @@ impl Render {
             progress.done(shown(&path).to_string());
         }
         progress.finish();
-        let text = format!("{}: {} views of {} splats\n", shown(&self.output), names.len(), splats.len());
+        let text = format!("{}: {} views of {} splats\n", shown(&self.output), views.len(), splats.len());
         if common.quiet { Ok(()) } else { output::print(&text) }
     }
 
-    fn medium(&self, trained: Medium<f32>, common: &Common) -> Result<Medium<f32>, Failure> {
-        let Some(said) = &self.water else { return Ok(trained) };
-        if said == Path::new("none") {
-            return Ok(Medium::Air);
+    /// What is drawn: a name and a camera each.
+    fn views(&self, splats: &Splats<f32>) -> Result<Vec<(String, Camera)>, Failure> {
+        let taken = read_cameras(&self.scene)?.taken;
+        if let Some(count) = self.orbit {
+            let cameras: Vec<&Camera> = taken.iter().map(|one| &one.lens.camera).collect();
+            let around = Around::new(&cameras, splats).ok_or_else(|| {
+                Failure::usage(anyhow!(
+                    "the cameras of {} look nowhere; leave out --orbit",
+                    shown(&self.scene)
+                ))
+            })?;
+            let digits = (count - 1).to_string().len().max(3);
+            let orbit = around.orbit(count as usize).into_iter().enumerate();
+            return Ok(orbit.map(|(i, camera)| (format!("orbit_{i:0digits$}"), camera)).collect());
         }
-        let source = WaterSource::parse(said)?;
-        let mut file = self.waters.read::<Encoded>(&source, DepthModel::default(), &common.reading)?;
-        file.estimate = self.waters.per(DepthKind::Metres, &file)?;
-        Ok(known(&file))
+        let views: Vec<_> = taken.into_iter().map(|one| (flat(&one.name), one.lens.camera)).collect();
+        if views.iter().map(|(name, _)| name).collect::<BTreeSet<_>>().len() < views.len() {
+            return Err(Failure::usage(anyhow!(
+                "{} has pictures that differ in their extension alone; rename one of each",
+                shown(&self.scene)
+            )));
+        }
+        Ok(views)
     }
 }
 

@@ -1,30 +1,30 @@
 //! `aquafuse scene train`: splats from pictures with cameras.
 
+mod brush;
+mod cpu;
+mod engine;
+
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
-use aquafuse::image::Encoded;
 use aquafuse::metrics::{psnr, ssim};
-use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::picture::{FileError, Picture, remove_stale_parts, shown, write_bytes};
+use aquafuse_data::picture::{FileError, remove_stale_parts, shown};
 use aquafuse_scene::camera::Camera;
-use aquafuse_scene::capture::{self, Capture, Shown};
+use aquafuse_scene::capture::{self, Shown};
 use aquafuse_scene::compare::picture;
-use aquafuse_scene::lens::Lens;
-use aquafuse_scene::medium::{Medium, Water};
-use aquafuse_scene::points;
+use aquafuse_scene::files::{Cameras, Taken, read_cameras};
+use aquafuse_scene::medium::Medium;
 use aquafuse_scene::render::render;
-use aquafuse_scene::shared_water::{in_scene, median, to_learn, unit_of, water_of};
-use aquafuse_scene::train::loss::Target;
-use aquafuse_scene::train::{Options, Shot, Trainer, extent};
+use aquafuse_scene::train::Options;
 use clap::{Args, ValueEnum};
 
 use super::splats_file::{Trained, check_name, water_beside};
 use crate::common::Common;
 use crate::failure::Failure;
 use crate::output;
-use crate::progress::Progress;
+use brush::Brush;
+use cpu::Cpu;
+use engine::{Engine, Task};
 
 /// Train splats on a scene's pictures.
 ///
@@ -34,7 +34,8 @@ use crate::progress::Progress;
 Examples:
   aquafuse scene train reef/ -o reef.ply
   aquafuse scene train reef/ -o reef.ply --water learn --iterations 4000 --longest 640
-  aquafuse scene train reef/ -o reef.ply --hold 8        score every eighth picture, train on the rest")]
+  aquafuse scene train reef/ -o reef.ply --hold 8        score every eighth picture, train on the rest
+  aquafuse scene train reef/ -o reef.ply --engine brush  on a graphics card, by an installed Brush")]
 pub(crate) struct Train {
     /// A folder with cameras and pictures.
     scene: PathBuf,
@@ -62,6 +63,12 @@ pub(crate) struct Train {
     /// Pictures are scaled down to this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
+    /// What trains.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
+    engine: Trainer,
+    /// Brush's program [default: brush, or brush_app].
+    #[arg(long, value_name = "PROGRAM")]
+    brush: Option<PathBuf>,
     /// Hold every Nth picture back, and say how near it comes.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     hold: Option<u32>,
@@ -78,14 +85,30 @@ enum WaterInside {
     Learn,
 }
 
+/// `--engine`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Trainer {
+    /// Ours, on this machine's processors.
+    #[default]
+    Cpu,
+    /// Brush, a program of others for graphics cards, which must be installed; without water and resuming.
+    Brush,
+}
+
 /// Points to begin with where the model has none.
 const SCATTERED: usize = 10_000;
-/// How often a run notes where it is.
-const NOTED_EVERY: Duration = Duration::from_secs(10);
+/// A picture to train on, as it is and as the loss has it.
+const BYTES_A_PIXEL: u64 = 48;
+/// A drawing, its gradient and the loss's.
+const STEP_BYTES_A_PIXEL: u64 = 240;
+/// A splat without its harmonics five times (it, its gradient, two moments, a checkpoint), and its places in tiles.
+const BYTES_A_SPLAT: u64 = 5 * 44 + 800;
 
 impl Train {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         self.check()?;
+        let engine = self.engine()?;
+        self.check_memory(common)?;
         let pictures = self.images.clone().unwrap_or_else(|| capture::pictures_of(&self.scene));
         let taken = capture::read(&self.scene, &pictures, self.longest as usize, &common.reading.options())?;
         let held = |i: usize| self.hold.is_some_and(|every| i.is_multiple_of(every as usize));
@@ -95,13 +118,19 @@ impl Train {
         if trained_on.is_empty() {
             return Err(Failure::usage(anyhow!("--hold leaves no picture to train on; raise it")));
         }
-        let mut trainer = self.trainer(&taken, &trained_on)?;
-        self.train(&mut trainer, common.quiet)?;
-
-        let trained = Trained { splats: trainer.splats().clone(), medium: trainer.medium() };
+        let task = Task {
+            taken: &taken,
+            trained_on: &trained_on,
+            options: self.options(),
+            sh_degree: self.sh_degree,
+            learns_water: self.water == WaterInside::Learn,
+            output: &self.output,
+            overwrite: self.overwrite,
+            quiet: common.quiet,
+        };
+        let trained = engine.train(&task)?;
         trained.write(&self.output, &self.scene, self.overwrite)?;
-        // It has done its duty; one that stays is only found to be of a finished run.
-        let _ = std::fs::remove_file(self.checkpoint());
+        engine.clear(&task);
         if common.quiet { Ok(()) } else { output::print(&self.told(&trained, &held)) }
     }
 
@@ -128,58 +157,44 @@ impl Train {
         }
     }
 
-    /// Where a run that is under way is noted.
-    fn checkpoint(&self) -> PathBuf {
-        let mut name = self.output.clone().into_os_string();
-        name.push(".checkpoint");
-        name.into()
+    fn engine(&self) -> Result<Box<dyn Engine>, Failure> {
+        match (self.engine, self.water) {
+            (Trainer::Cpu, _) => Ok(Box::new(Cpu)),
+            (Trainer::Brush, WaterInside::Learn) => Err(Failure::usage(anyhow!(
+                "--engine brush knows no water; leave --water learn, or --engine brush, out"
+            ))),
+            (Trainer::Brush, WaterInside::None) => Ok(Box::new(Brush::find(self.brush.as_deref())?)),
+        }
     }
 
-    /// A new run, or the one that was stopped.
-    fn trainer(&self, taken: &Capture, trained_on: &[&Shown]) -> Result<Trainer, Failure> {
-        let shots: Vec<Shot> = trained_on
-            .iter()
-            .map(|one| Shot {
-                camera: one.camera.clone(),
-                target: Target::new(one.camera.width, one.camera.height, one.picture.pixels()),
-            })
-            .collect();
-        let path = self.checkpoint();
-        if !self.overwrite && path.is_file() {
-            let read = std::fs::read(&path).map_err(|error| FileError::Read { path: path.clone(), error })?;
-            return Trainer::resume(self.options(), shots, &read)
-                .map_err(|error| Failure::usage(anyhow!("cannot go on from {}: {error}", shown(&path))));
-        }
-        let cameras: Vec<&Camera> = trained_on.iter().map(|one| &one.camera).collect();
-        let begin = match taken.points.is_empty() {
-            true => &points::scattered(&cameras, extent(&cameras), SCATTERED, self.seed),
-            false => &taken.points,
-        };
-        let splats = points::splats(begin, self.sh_degree);
-        let water = match self.water {
-            WaterInside::None => None,
-            WaterInside::Learn => Some(first_guess(trained_on, &taken.points, extent(&cameras))?),
-        };
-        Ok(Trainer::new(self.options(), shots, splats, water))
+    /// Refuses a scene that would take more memory than may be taken, before any picture is read.
+    fn check_memory(&self, common: &Common) -> Result<(), Failure> {
+        let (needed, most) = (self.memory(&read_cameras(&self.scene)?), common.reading.options().most_memory);
+        let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
+        (needed <= most).then_some(()).ok_or_else(|| {
+            Failure::usage(anyhow!(
+                "{} takes about {} MiB to train on, more than the {} MiB of --max-memory; raise that, or lower --longest \
+                 or --splats",
+                shown(&self.scene),
+                mebibytes(needed),
+                mebibytes(most)
+            ))
+        })
     }
 
-    fn train(&self, trainer: &mut Trainer, quiet: bool) -> Result<(), Failure> {
-        let progress = Progress::new(quiet);
-        progress.start(self.iterations as usize);
-        let mut noted = Instant::now();
-        for _ in 0..trainer.steps() {
-            progress.done(String::new());
-        }
-        while !trainer.is_done() {
-            let loss = trainer.step();
-            progress.done(format!("{} splats, loss {:.4}", trainer.splats().len(), loss.total));
-            if noted.elapsed() > NOTED_EVERY {
-                write_bytes(&self.checkpoint(), &trainer.checkpoint(), true)?;
-                noted = Instant::now();
-            }
-        }
-        progress.finish();
-        Ok(())
+    /// Bytes that training takes at most: all pictures, one step of the largest, and all splats.
+    fn memory(&self, cameras: &Cameras) -> u64 {
+        let pixels = |one: &Taken| {
+            let Camera { width, height, .. } = one.lens.camera;
+            let scale = (f64::from(self.longest) / width.max(height) as f64).min(1.0);
+            (scale * width as f64 * scale * height as f64).ceil() as u64
+        };
+        let all: u64 = cameras.taken.iter().map(pixels).sum();
+        let largest = cameras.taken.iter().map(pixels).max().unwrap_or(0);
+        let harmonics = (u64::from(self.sh_degree) + 1).pow(2);
+        let begun_with = cameras.points.len().max(SCATTERED);
+        let splats = self.splats.max(begun_with) as u64;
+        BYTES_A_PIXEL * all + STEP_BYTES_A_PIXEL * largest + splats * (BYTES_A_SPLAT + 5 * 12 * harmonics)
     }
 
     /// What came of it.
@@ -211,22 +226,4 @@ impl Train {
         }
         text
     }
-}
-
-/// Where a water begins to be learned: what the pictures tell, pooled, in the scene's unit.
-fn first_guess(shown: &[&Shown], points: &[points::Point], extent: f64) -> Result<Water<f32>, Failure> {
-    let (mut estimates, mut distances) = (Vec::new(), Vec::new());
-    for one in shown {
-        let whole = Picture::new(one.picture.to_samples::<u8>());
-        let found = analyse::<Encoded>(&whole, &DepthSource::default())?;
-        let lens = Lens { camera: one.camera.clone(), distortion: [0.0; 4] };
-        let known = unit_of(&found.depth, &lens, points);
-        // Without points: things stand some extents away.
-        let depth = in_scene(&found.depth, known.unwrap_or(5.0 * extent as f32));
-        distances.push(depth.percentile(0.5));
-        estimates.push(water_of(&whole, &depth).map_err(Failure::work)?);
-    }
-    let pooled = aquafuse::waterbody::pool(&estimates)
-        .ok_or_else(|| Failure::usage(anyhow!("there is no picture")))?;
-    Ok(to_learn(&pooled, median(&mut distances).unwrap_or(1.0)))
 }

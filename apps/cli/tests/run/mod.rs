@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_scene::truth;
 use tempfile::TempDir;
 
 pub(crate) struct Run {
@@ -99,4 +100,21 @@ pub(crate) fn scenes_folder(folder: &Path) {
         scene(&folder.join(name), seed as u64, water);
     }
     std::fs::write(folder.join("notes.txt"), "not a picture").unwrap();
+}
+
+/// A truth scene in blue water as a folder of COLMAP: nine pictures in `reef/images`, cameras and points in `reef/sparse/0`.
+pub(crate) fn reef(run: &Run) {
+    let (views, blue) = (truth::views(1, Size { width: 64, height: 48 }, 9, 1), waters()[0].water);
+    let pictures: Vec<_> = views.iter().map(|view| view.seen_through(&blue)).collect();
+    truth::write(&run.path("reef"), &views, &pictures, truth::points(&views, &pictures, 16)).unwrap();
+}
+
+/// A program of our own in the run's folder: what a shell does with these lines.
+#[cfg(unix)]
+pub(crate) fn program(run: &Run, name: &str, lines: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    let path = run.path(name);
+    std::fs::write(&path, format!("#!/bin/sh\n{lines}\n")).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path.to_str().unwrap().to_owned()
 }

@@ -23,7 +23,12 @@ impl Lpips {
         match *self {}
     }
 
-    pub(crate) fn distance(
+    /// The distance of two pictures: of no network there is none.
+    ///
+    /// # Errors
+    ///
+    /// None, for there is nothing to ask.
+    pub fn distance(
         &self,
         _: &aquafuse::image::Image<u8>,
         _: &aquafuse::image::Image<u8>,

@@ -17,7 +17,7 @@ pub use files::{check_name, write};
 pub use html::page as html;
 pub use json::document as json;
 pub use markdown::{document as markdown, table as markdown_of_table};
-pub(crate) use picture::thumbnail;
+pub use picture::thumbnail;
 
 /// The figures of an evaluation, with what they were made from.
 #[derive(Clone, Debug)]

@@ -25,6 +25,13 @@ pub struct Summary {
     pub interval: Option<[f64; 2]>,
 }
 
+impl Summary {
+    /// Summarises values, a list for each picture; none of no finite value. The interval is that of the same seed and key.
+    pub fn of(pictures: &[Vec<f64>], seed: u64, key: &[&str]) -> Option<Self> {
+        summarise(pictures, Chance::keyed(seed, key))
+    }
+}
+
 /// Summarises values, a list for each picture; none of no finite value.
 pub(crate) fn summarise(pictures: &[Vec<f64>], mut chance: Chance) -> Option<Summary> {
     let kept: Vec<Part> =

@@ -273,6 +273,31 @@ impl Record {
         if ours || overwrite { Plan::Replace } else { Plan::Foreign }
     }
 
+    /// Makes one output that is no picture of a [`Job`](super::Job), unless it is done; says whether it was.
+    ///
+    /// `write` is told whether it may replace what is there.
+    ///
+    /// # Errors
+    ///
+    /// What `write` says, or [`FileError`] when the record cannot be written.
+    pub fn make<E: From<FileError>>(
+        &self,
+        item: &Item,
+        overwrite: bool,
+        write: impl FnOnce(bool) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        let may_replace = match self.plan(item, overwrite) {
+            Plan::Kept => return Ok(true),
+            Plan::Replace => true,
+            Plan::Make | Plan::Foreign => overwrite,
+        };
+        let sources = self.sources(item)?;
+        self.begin(item, &sources)?;
+        write(may_replace)?;
+        self.done(item, sources)?;
+        Ok(false)
+    }
+
     /// Remembers what an output will be made from, before its files are read.
     pub(super) fn sources(&self, item: &Item) -> Result<Sources, FileError> {
         let source = Source::of(item).map_err(|error| FileError::Read { path: item.input.clone(), error })?;

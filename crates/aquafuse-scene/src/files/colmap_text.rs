@@ -1,5 +1,7 @@
 //! COLMAP's models as text: one thing a line, `#` before a remark.
 
+mod write;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
@@ -7,6 +9,8 @@ use std::str::FromStr;
 use super::cameras::{Cameras, Intrinsics, Taken, inside, model, point};
 use super::{SceneFileError, bytes};
 use crate::points::Point;
+
+pub use write::write_cameras;
 
 /// Reads `cameras.txt`, `images.txt` and `points3D.txt` of a folder.
 pub(super) fn read(folder: &Path) -> Result<Cameras, SceneFileError> {
@@ -118,6 +122,14 @@ fn points(path: &Path, text: &str) -> Result<Vec<Point>, SceneFileError> {
     lines
         .map(|(number, line)| parsed(line).map_err(|cause| SceneFileError::line(path, number, cause)))
         .collect()
+}
+
+/// Reads a text as each of the three files: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(super) fn try_parse(path: &Path, text: &str) -> [Result<(), SceneFileError>; 3] {
+    let known = Intrinsics::colmap("PINHOLE", 8, 6, &[5.0, 5.0, 4.0, 3.0]);
+    let known = known.map(|camera| (1, camera)).into_iter().collect();
+    [cameras(path, text).map(drop), images(path, text, &known).map(drop), points(path, text).map(drop)]
 }
 
 #[cfg(test)]

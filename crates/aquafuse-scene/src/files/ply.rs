@@ -120,6 +120,14 @@ fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {
     Ok(splats)
 }
 
+/// Reads splats for fuzzing: what was read is written, and read as the same.
+#[cfg(feature = "fuzz-targets")]
+pub(super) fn try_parse(path: &Path, file: &[u8]) -> Result<(), SceneFileError> {
+    let splats = parse(path, file)?;
+    assert_eq!(parse(path, &ply_bytes(&splats))?, splats);
+    Ok(())
+}
+
 /// What kind of number a property is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {

@@ -5,7 +5,7 @@ use std::path::Path;
 use aquafuse_data::picture::write_bytes;
 
 use super::SceneFileError;
-use crate::splats::{ROTATION, Splats, part};
+use crate::splats::Splats;
 
 /// Writes splats as a `.splat` file, whole or not at all.
 ///
@@ -30,9 +30,7 @@ pub fn splat_bytes(splats: &Splats<f32>) -> Vec<u8> {
         }
         bytes.extend(splats.colour(i).map(|value| byte(255.0 * value)));
         bytes.push(byte(255.0 * splats.opacity(i)));
-        let quaternion: [f32; 4] = part(splats.row(i), ROTATION);
-        let length = quaternion.iter().fold(0.0_f32, |sum, q| sum.hypot(*q)).max(1e-12);
-        bytes.extend(quaternion.map(|q| byte(q / length * 128.0 + 128.0)));
+        bytes.extend(splats.rotation(i).map(|q| byte(q * 128.0 + 128.0)));
     }
     bytes
 }

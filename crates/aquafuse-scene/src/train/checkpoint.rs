@@ -1,7 +1,7 @@
 //! A run on disk: what is written between two steps goes on to the same end, bit by bit.
 //!
-//! Little-endian: a mark, the length of the options and they as JSON, then the state field by field, each list with its
-//! length before it.
+//! Little-endian: a mark, the length of the options and they as JSON, what the pictures come to, then the state field by
+//! field, each list with its length before it.
 
 use super::adam::Moments;
 use super::density::Density;
@@ -12,7 +12,7 @@ use crate::random::Random;
 use crate::splats::Splats;
 
 /// Says what the file is, and the version of what follows.
-const MARK: &[u8; 16] = b"aquafuse scene 1";
+const MARK: &[u8; 16] = b"aquafuse scene 2";
 
 /// Bytes are no checkpoint of this run.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -30,6 +30,9 @@ pub enum CheckpointError {
     /// They belong to a run with other options.
     #[error("it belongs to a run with other options; give those, or begin anew without it")]
     OtherOptions,
+    /// They belong to a run on other pictures, or of other cameras.
+    #[error("it belongs to a run on other pictures; give those, or begin anew without it")]
+    OtherPictures,
 }
 
 impl Trainer {
@@ -37,6 +40,7 @@ impl Trainer {
     pub fn checkpoint(&self) -> Vec<u8> {
         let mut bytes = MARK.to_vec();
         put_list(&mut bytes, options_text(&self.options).as_bytes(), |byte| [*byte]);
+        bytes.extend(self.subject.to_le_bytes());
         let state = &self.state;
         bytes.extend(state.step.to_le_bytes());
         bytes.extend(state.random.0.to_le_bytes());
@@ -55,7 +59,7 @@ impl Trainer {
         bytes
     }
 
-    /// Goes on from a checkpoint of a run with the same options.
+    /// Goes on from a checkpoint of a run with the same options on the same pictures.
     ///
     /// # Errors
     ///
@@ -70,6 +74,10 @@ impl Trainer {
         let text: Vec<u8> = reader.list(|[byte]: [u8; 1]| byte)?;
         if text != options_text(&options).into_bytes() {
             return Err(CheckpointError::OtherOptions);
+        }
+        let subject = u64::from_le_bytes(reader.take()?);
+        if subject != super::subject(&shots) {
+            return Err(CheckpointError::OtherPictures);
         }
         let state = reader.state()?;
         let views = shots.len();
@@ -92,6 +100,12 @@ fn put_list<T, const N: usize>(bytes: &mut Vec<u8>, list: &[T], of: impl Fn(&T) 
 fn put_moments(bytes: &mut Vec<u8>, moments: &Moments) {
     put_list(bytes, &moments.first, |value| value.to_le_bytes());
     put_list(bytes, &moments.second, |value| value.to_le_bytes());
+}
+
+/// Reads a state for nothing but that, as it stands behind options and pictures: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_state(bytes: &[u8]) {
+    let _ = Reader { rest: bytes, length: bytes.len() }.state();
 }
 
 struct Reader<'a> {

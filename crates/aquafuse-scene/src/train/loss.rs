@@ -55,6 +55,23 @@ impl<T: Scalar> Target<T> {
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }
+
+    /// The colour at a place between the middles of pixels, which are whole numbers; the place lies in the picture.
+    pub(crate) fn between(&self, x: f64, y: f64) -> [T; 3] {
+        let (left, top) = (x as usize, y as usize);
+        let (right, below) = ((left + 1).min(self.width - 1), (top + 1).min(self.height - 1));
+        let (across, down) = (T::of(x - left as f64), T::of(y - top as f64));
+        std::array::from_fn(|c| {
+            let at = |x: usize, y: usize| self.planes[c].values[y * self.width + x];
+            let row = |y: usize| at(left, y) * (T::ONE - across) + at(right, y) * across;
+            row(top) * (T::ONE - down) + row(below) * down
+        })
+    }
+
+    /// All values, channel by channel.
+    pub(crate) fn values(&self) -> impl Iterator<Item = T> {
+        self.planes.iter().flat_map(|channel| channel.values.iter().copied())
+    }
 }
 
 /// A loss and what it is made of.

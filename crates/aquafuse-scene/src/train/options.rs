@@ -98,6 +98,10 @@ const LEAST_INTERVAL: u32 = 100;
 /// Steps between two resets of opacity, at least: what is reset must grow again first. Published: 3,000 of 30,000.
 const LEAST_RESET: u32 = 3000;
 
+/// When a water is told anew: once distances are about right, and once more when they are better, early enough for colours
+/// to follow. Not published: ours.
+const WATER_AT: [f64; 2] = [9_000.0, 18_000.0];
+
 impl Options {
     /// A published time as one of this run.
     fn time(&self, published: f64) -> u32 {
@@ -108,6 +112,11 @@ impl Options {
     pub(crate) fn grows_after(&self, step: u32) -> bool {
         let every = self.time(100.0).max(LEAST_INTERVAL);
         step > self.time(500.0) && step <= self.time(15_000.0) && step.is_multiple_of(every)
+    }
+
+    /// Whether a water that is learned is told anew after this step, from the distances there are by then.
+    pub(crate) fn looks_at_water_after(&self, step: u32) -> bool {
+        WATER_AT.iter().any(|&time| step == self.time(time))
     }
 
     /// Whether opacities are reset after this step.

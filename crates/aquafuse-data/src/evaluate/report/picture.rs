@@ -5,12 +5,14 @@ use ::image::imageops::{FilterType, resize};
 use ::image::{ExtendedColorType, ImageEncoder, RgbImage};
 use aquafuse::image::Image;
 
+use crate::base64;
+
 /// The most columns and rows of a small picture.
 const ROOM: [u32; 2] = [216, 162];
 const QUALITY: u8 = 88;
 
-/// The picture, as large as fits.
-pub(crate) fn thumbnail(image: &Image<u8>) -> Image<u8> {
+/// The picture, as large as fits side by side with others on a page.
+pub fn thumbnail(image: &Image<u8>) -> Image<u8> {
     let sides = [image.width(), image.height()].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
     let [wide, high] = sides.map(f64::from);
     let scale = (f64::from(ROOM[0]) / wide).min(f64::from(ROOM[1]) / high).min(1.0);
@@ -37,38 +39,9 @@ pub(super) fn data_uri(image: &Image<u8>) -> String {
     format!("data:image/jpeg;base64,{}", base64(&jpeg))
 }
 
-/// RFC 4648.
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let letter = |bits: u32| LETTERS.get((bits & 63) as usize).copied().map_or('=', char::from);
-    let mut text = String::new();
-    for three in bytes.chunks(3) {
-        let byte = |i: usize| three.get(i).copied().map_or(0, u32::from);
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        let filled = |i: usize, shift: u32| if i < three.len() { letter(bits >> shift) } else { '=' };
-        text.extend([letter(bits >> 18), letter(bits >> 12), filled(1, 6), filled(2, 0)]);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_is_that_of_the_standard() {
-        // Checked with Python's own.
-        let cases: [(&[u8], &str); 5] = [
-            (&[], ""),
-            (&[255], "/w=="),
-            (&[255, 254], "//4="),
-            (&[251, 239, 190], "++++"),
-            (&[0, 1, 2, 3], "AAECAw=="),
-        ];
-        for (bytes, expected) in cases {
-            assert_eq!(base64(bytes), expected);
-        }
-    }
 
     #[test]
     fn a_thumbnail_keeps_the_shape_and_is_never_larger_than_the_picture() {

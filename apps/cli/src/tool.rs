@@ -1,0 +1,92 @@
+//! Programs of others: run to their end, and ended when we are.
+
+use std::fs::File;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use aquafuse_data::picture::shown;
+
+/// The one that runs, if any.
+static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
+/// How often it is asked whether it has ended.
+const LOOK: Duration = Duration::from_millis(20);
+/// Lines of what it said that a complaint repeats.
+const LAST_LINES: usize = 4;
+
+/// A program of others did not do its work.
+#[derive(Debug)]
+pub(crate) enum ToolError {
+    /// It cannot be started.
+    Start { program: String, cause: std::io::Error },
+    /// It, or the system, said no.
+    Failed { program: String, status: String, last: String, log: String },
+    /// What it says cannot be written down.
+    Log { log: String, cause: std::io::Error },
+}
+
+impl std::error::Error for ToolError {}
+
+impl std::fmt::Display for ToolError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Start { program, cause } => write!(f, "cannot start {program}: {cause}"),
+            Self::Failed { program, status, last, log } => {
+                write!(f, "{program} failed ({status}); all it said is in {log}, at the end: {last}")
+            }
+            Self::Log { log, cause } => write!(f, "cannot write {log}: {cause}"),
+        }
+    }
+}
+
+/// Runs a program; what it says is added to `log`.
+pub(crate) fn run(command: &mut Command, log: &Path) -> Result<(), ToolError> {
+    let no_log = |cause| ToolError::Log { log: shown(log).to_string(), cause };
+    let both =
+        File::options().create(true).append(true).open(log).and_then(|file| Ok((file.try_clone()?, file)));
+    let (out, err) = both.map_err(no_log)?;
+    let program = command.get_program().to_string_lossy().into_owned();
+    let child = command.stdin(Stdio::null()).stdout(out).stderr(err).spawn();
+    let child = child.map_err(|cause| ToolError::Start { program: program.clone(), cause })?;
+    *running() = Some(child);
+    loop {
+        let asked = running().as_mut().map(Child::try_wait);
+        match asked {
+            Some(Ok(None)) => {}
+            Some(ended) => {
+                *running() = None;
+                return match ended {
+                    Ok(Some(status)) if !status.success() => Err(failed(program, &status, log)),
+                    Ok(_) => Ok(()),
+                    Err(cause) => Err(ToolError::Start { program, cause }),
+                };
+            }
+            // A signal has ended it, and ends us in a moment.
+            None => {}
+        }
+        thread::sleep(LOOK);
+    }
+}
+
+fn failed(program: String, status: &ExitStatus, log: &Path) -> ToolError {
+    let said = std::fs::read(log).unwrap_or_default();
+    let said = String::from_utf8_lossy(&said);
+    let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    let last = lines[lines.len().saturating_sub(LAST_LINES)..].join(" / ");
+    ToolError::Failed { program, status: status.to_string(), last, log: shown(log).to_string() }
+}
+
+fn running() -> std::sync::MutexGuard<'static, Option<Child>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the one that runs: nobody waits for it any more.
+#[cfg(unix)]
+pub(crate) fn stop() {
+    if let Some(mut child) = running().take() {
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+}

@@ -1,0 +1,215 @@
+//! The water told anew from the pictures, once the splats know distances.
+//!
+//! Steps alone hardly move β: a splat's own colour is free and follows at once, and what is left for β in a step is far less
+//! than what views differ by. But the same thing is seen from near and from far. So a few thousand places are followed
+//! through the pictures, and for each β the colour of each thing that suits it best is known in closed form: what remains
+//! is a search over two numbers a channel, for the β by which every thing has one colour.
+
+use super::Shot;
+use crate::camera::Camera;
+use crate::compare::distances;
+use crate::medium::{Medium, Water};
+use crate::render::render;
+use crate::splats::Splats;
+
+/// Views that are asked, at most, taken evenly from all.
+const ASKED: usize = 24;
+/// Places that are followed, about.
+const PLACES: usize = 4000;
+/// A place is seen where the picture's own distance is that of the place, but for this share.
+const SAME: f64 = 0.03;
+/// Views that must see a place for it to tell anything.
+const VIEWS: usize = 3;
+/// Places that must be left, or nothing is told.
+const LEAST_PLACES: usize = 100;
+/// Differences of colour below this count by their square, others by their size: highlights, and what hides a place.
+const TOLERATED: f64 = 0.003;
+/// How far β may be from where it was: four times less or more, tried in so many steps each way.
+const REACH: f64 = 4.0;
+const STEPS: i32 = 4;
+/// The least step of the search in ln β.
+const FINEST: f64 = 0.01;
+/// What a factor of e away from where β was must gain at least: in a dead channel nothing tells.
+const INERTIA: f64 = 1e-6;
+
+/// A place as one view has it.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    distance: f32,
+    colour: [f32; 3],
+}
+
+/// The water that the pictures tell by the distances that the splats have; none where too little is seen from several places.
+///
+/// B∞ stays as it was learned: open water in every view tells it.
+pub(super) fn told(shots: &[Shot], splats: &Splats<f32>, water: &Water<f32>) -> Option<Water<f32>> {
+    let places = places(shots, splats, &Medium::Learned(water.clone()));
+    if places.len() < LEAST_PLACES {
+        return None;
+    }
+    let (veil, growth, fading) = (water.veil(), water.backscatter(), water.attenuation());
+    let found: [[f64; 2]; 3] = std::array::from_fn(|c| {
+        let before = [growth[c], fading[c]].map(f64::from);
+        searched(&Channel { places: &places, c, veil: veil[c] }, before)
+    });
+    Some(Water::new(veil.map(f64::from), found.map(|[growth, _]| growth), found.map(|[_, fading]| fading)))
+}
+
+/// Places on things, each with all views of it.
+fn places(shots: &[Shot], splats: &Splats<f32>, medium: &Medium<f32>) -> Vec<Vec<Seen>> {
+    let asked: Vec<&Shot> = shots.iter().step_by(shots.len().div_ceil(ASKED)).collect();
+    let maps: Vec<Vec<Option<f32>>> =
+        asked.iter().map(|shot| distances(&render(splats, 0, &shot.camera, medium).drawing)).collect();
+    let pixels: usize = maps.iter().map(Vec::len).sum();
+    let every = pixels.div_ceil(PLACES);
+    let mut places = Vec::new();
+    for (number, (shot, map)) in asked.iter().zip(&maps).enumerate() {
+        // Another grid in each view.
+        for i in ((number * 7919) % every..map.len()).step_by(every) {
+            let Some(distance) = map[i] else { continue };
+            let width = shot.camera.width;
+            let place = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
+            let position = shot.camera.point_at(place, f64::from(distance));
+            let views = asked.iter().zip(&maps).filter_map(|(shot, map)| seen(shot, map, position));
+            let views: Vec<Seen> = views.collect();
+            if views.len() >= VIEWS {
+                places.push(views);
+            }
+        }
+    }
+    places
+}
+
+/// The place in this view; none where it is out of it or hidden.
+fn seen(shot: &Shot, map: &[Option<f32>], position: [f64; 3]) -> Option<Seen> {
+    let Camera { width, height, focal, centre, .. } = &shot.camera;
+    let seen = shot.camera.to_camera(position);
+    let [x, y] = [0, 1].map(|a| focal[a] * seen[a] / seen[2] + centre[a]);
+    let inside = seen[2] > 0.0 && x > 0.5 && y > 0.5 && x < *width as f64 - 0.5 && y < *height as f64 - 0.5;
+    let there = inside.then(|| map[y as usize * width + x as usize]).flatten().map(f64::from)?;
+    let distance = seen.iter().map(|v| v * v).sum::<f64>().sqrt();
+    ((there / distance - 1.0).abs() < SAME)
+        .then(|| Seen { distance: distance as f32, colour: shot.target.between(x - 0.5, y - 0.5) })
+}
+
+/// One channel of all places.
+struct Channel<'a> {
+    places: &'a [Vec<Seen>],
+    c: usize,
+    veil: f32,
+}
+
+impl Channel<'_> {
+    /// How much colours differ that should be one, under these β.
+    fn disagreement(&self, [growth, fading]: [f64; 2]) -> f64 {
+        let (growth, fading) = (growth as f32, fading as f32);
+        let (mut sum, mut count) = (0.0, 0_usize);
+        let mut direct = Vec::new();
+        for place in self.places {
+            direct.clear();
+            direct.extend(place.iter().map(|seen| {
+                let veiled = self.veil * (1.0 - (-growth * seen.distance).exp());
+                ((-fading * seen.distance).exp(), seen.colour[self.c] - veiled)
+            }));
+            let (top, bottom) = direct.iter().fold((0.0, 1e-12), |(top, bottom), (left, light)| {
+                (top + left * light, bottom + left * left)
+            });
+            let colour = (top / bottom).max(0.0);
+            for (left, light) in &direct {
+                let off = f64::from(light - colour * left);
+                sum += off.hypot(TOLERATED) - TOLERATED;
+            }
+            count += direct.len();
+        }
+        sum / count.max(1) as f64
+    }
+}
+
+/// The β by which things agree best: on a grid about those `before`, then ever finer steps downhill.
+fn searched(channel: &Channel<'_>, before: [f64; 2]) -> [f64; 2] {
+    let at = |[a, b]: [f64; 2]| [before[0] * a.exp(), before[1] * b.exp()];
+    let cost = |moved: [f64; 2]| {
+        channel.disagreement(at(moved)) + INERTIA * (moved[0] * moved[0] + moved[1] * moved[1])
+    };
+    let mut step = REACH.ln() / f64::from(STEPS);
+    let mut best = ([0.0; 2], cost([0.0; 2]));
+    for a in -STEPS..=STEPS {
+        for b in -STEPS..=STEPS {
+            let tried = [a, b].map(|steps| f64::from(steps) * step);
+            let cost = cost(tried);
+            if cost < best.1 {
+                best = (tried, cost);
+            }
+        }
+    }
+    while step > FINEST {
+        step *= 0.5;
+        // The valley lies aslant: more of the one is less of the other.
+        while let Some(better) = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, -1], [1, -1], [-1, 1]]
+            .into_iter()
+            .map(|way| {
+                let tried = std::array::from_fn(|i| best.0[i] + step * f64::from(way[i]));
+                (tried, cost(tried))
+            })
+            .find(|(tried, cost)| *cost < best.1 && tried.iter().all(|v| v.abs() <= REACH.ln()))
+        {
+            best = better;
+        }
+    }
+    at(best.0)
+}
+
+/// Gives the splats the colours that look through `new` as theirs did through `old`, from half way between the nearest and
+/// the farthest camera.
+pub(super) fn repaint(splats: &mut Splats<f32>, shots: &[Shot], old: &Medium<f32>, new: &Water<f32>) {
+    let cameras: Vec<[f64; 3]> = shots.iter().map(|shot| shot.camera.position()).collect();
+    let between = old.between();
+    for i in 0..splats.len() {
+        let distance = half_way(&cameras, splats.position(i).map(f64::from));
+        let seen = between.through(splats.colour(i), distance);
+        splats.paint(i, new.taken_out(seen, distance));
+    }
+}
+
+fn half_way(cameras: &[[f64; 3]], position: [f64; 3]) -> f32 {
+    let apart = |camera: &[f64; 3]| (0..3).map(|a| (camera[a] - position[a]).powi(2)).sum::<f64>().sqrt();
+    let ends = cameras
+        .iter()
+        .map(apart)
+        .fold((f64::MAX, 0.0_f64), |(near, far), distance| (near.min(distance), far.max(distance)));
+    (0.5 * (ends.0 + ends.1)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Things of all colours at all distances, each seen from four places through one channel of a water.
+    fn things(veil: f32, growth: f32, fading: f32, apart: f32) -> Vec<Vec<Seen>> {
+        let thing = |i: u16| {
+            let (own, near) = (f32::from(i * 7 % 10) / 9.0, 1.0 + f32::from(i % 13) * 0.5);
+            let view = |far: f32| {
+                let light = own * (-fading * far).exp() + veil * (1.0 - (-growth * far).exp());
+                Seen { distance: far, colour: [light; 3] }
+            };
+            [1.0, 1.0 + apart, 1.0 + 2.0 * apart, 1.0 + 3.0 * apart].map(|by| view(near * by)).to_vec()
+        };
+        (0..200).map(thing).collect()
+    }
+
+    #[test]
+    fn beta_is_what_makes_colours_of_things_agree() {
+        let places = things(0.5, 0.2, 0.35, 0.1);
+        let channel = Channel { places: &places, c: 1, veil: 0.5 };
+        let [growth, fading] = searched(&channel, [0.12, 0.5]);
+        assert!((growth / 0.2 - 1.0).abs() < 0.03 && (fading / 0.35 - 1.0).abs() < 0.03, "{growth} {fading}");
+    }
+
+    #[test]
+    fn beta_stays_where_nothing_tells() {
+        // Each thing from one distance only: any β will do.
+        let places = things(0.5, 0.2, 0.35, 0.0);
+        let found = searched(&Channel { places: &places, c: 0, veil: 0.5 }, [0.12, 0.5]);
+        assert!((found[0] / 0.12 - 1.0).abs() < 0.02 && (found[1] / 0.5 - 1.0).abs() < 0.02, "{found:?}");
+    }
+}

@@ -1,0 +1,5 @@
+#![no_main]
+
+use aquafuse_scene::targets::named;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (named("scene-colmap-binary").expect("it is in the list").run)(bytes));

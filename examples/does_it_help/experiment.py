@@ -22,7 +22,16 @@ WATERS = ["blue", "green", "turbid", "clear", "deep"]
 # Pictures are made and multiplied large, and learned small.
 LARGE, SMALL = (144, 120), (48, 40)
 TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 4
-WAYS = ["none", "ColorJitter", "ours, presets", "ours, presets, and ColorJitter", "ours, 3 unlabelled pictures"]
+PRESETS = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
+# By what the pictures are multiplied: the model, whether by the presets or by pictures of the new water, and colours.
+WAYS = {
+    "none": (None, False, False),
+    "ColorJitter": (None, False, True),
+    "`aquafuse`, 3 unlabelled pictures": ("aquafuse", False, False),
+    "`physical`, 3 unlabelled pictures": ("physical", False, False),
+    "`physical`, presets": ("physical", True, False),
+    "`physical`, presets, and ColorJitter": ("physical", True, True),
+}
 RESAMPLINGS = 10_000
 
 
@@ -56,12 +65,15 @@ class Data:
         work = given.work / held_out
         train, home = (self.of_both(given.work / kind, seen, work / kind) for kind in ("train", "test"))
         self.test, self.home = loaded(given.work / "test" / held_out), loaded(home)
-        self.plain = loaded(train)
         # Pictures of the new water without labels, of places that are not tested.
-        unlabelled = given.work / "unlabelled" / held_out
-        presets = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
-        self.presets = self.multiplied(given.aquafuse, train, presets, work / "presets")
-        self.unlabelled = self.multiplied(given.aquafuse, train, [unlabelled / "images"], work / "unlabelled-more")
+        unlabelled = given.work / "unlabelled" / held_out / "images"
+        self.train = {}
+        for model, presets, _ in WAYS.values():
+            if model is None:
+                self.train[model, presets] = loaded(train)
+            elif (model, presets) not in self.train:
+                waters, output = (PRESETS, f"{model}-presets") if presets else ([unlabelled], model)
+                self.train[model, presets] = self.multiplied(given.aquafuse, train, model, waters, work / output)
 
     @staticmethod
     def of_both(scenes, waters, folder):
@@ -73,8 +85,8 @@ class Data:
         return folder
 
     @staticmethod
-    def multiplied(aquafuse, data, waters, output):
-        command = [aquafuse, "augment", data, *waters, "-o", output, "--keep-originals", "--quiet"]
+    def multiplied(aquafuse, data, model, waters, output):
+        command = [aquafuse, "augment", data, *waters, "-o", output, "--model", model, "--keep-originals", "--quiet"]
         # Variants of one water differ in how much of it there is.
         command += ["--per-image", str(PER_IMAGE), "--with-replacement", "--theta-range", "0,60"]
         subprocess.run(command, check=True)
@@ -115,20 +127,14 @@ def main():
     home = {way: [] for way in WAYS}
     for water in WATERS:
         data = Data(given, water)
-        of = {
-            "none": (data.plain, False),
-            "ColorJitter": (data.plain, True),
-            "ours, presets": (data.presets, False),
-            "ours, presets, and ColorJitter": (data.presets, True),
-            "ours, 3 unlabelled pictures": (data.unlabelled, False),
-        }
         for seed in range(given.seeds):
-            for way in WAYS:
-                pictures, jitter = of[way]
-                layers = network.trained(batches(pictures, seed, jitter), given.steps, seed)
+            for way, (model, presets, jitter) in WAYS.items():
+                start = batches(data.train[model, presets], seed, jitter)
+                layers = network.trained(start, given.steps, seed)
                 away[way][water].append(network.mean_iou(layers, *data.test))
                 home[way].append(network.mean_iou(layers, *data.home))
-                print(f"{water}, seed {seed}, {way}: {away[way][water][-1]:.3f}, at home {home[way][-1]:.3f}", file=sys.stderr, flush=True)
+                said = f"{away[way][water][-1]:.3f}, at home {home[way][-1]:.3f}"
+                print(f"{water}, seed {seed}, {way}: {said}", file=sys.stderr, flush=True)
     print(table(given, away, home))
 
 

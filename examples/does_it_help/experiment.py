@@ -21,7 +21,7 @@ import network
 WATERS = ["blue", "green", "turbid", "clear", "deep"]
 # Pictures are made and multiplied large, and learned small.
 LARGE, SMALL = (144, 120), (48, 40)
-TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 4
+TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 3
 PRESETS = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
 # By what the pictures are multiplied: the model, whether by the presets or by pictures of the new water, and colours.
 WAYS = {
@@ -87,9 +87,7 @@ class Data:
     @staticmethod
     def multiplied(aquafuse, data, model, waters, output):
         command = [aquafuse, "augment", data, *waters, "-o", output, "--model", model, "--keep-originals", "--quiet"]
-        # Variants of one water differ in how much of it there is.
-        command += ["--per-image", str(PER_IMAGE), "--with-replacement", "--theta-range", "0,60"]
-        subprocess.run(command, check=True)
+        subprocess.run([*command, "--per-image", str(PER_IMAGE)], check=True)
         return loaded(output)
 
 

@@ -21,7 +21,7 @@ import network
 WATERS = ["blue", "green", "turbid", "clear", "deep"]
 # Pictures are made and multiplied large, and learned small.
 LARGE, SMALL = (144, 120), (48, 40)
-TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 4
+TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 3
 PRESETS = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
 # By what the pictures are multiplied: the model, whether by the presets or by pictures of the new water, and colours.
 WAYS = {
@@ -87,9 +87,7 @@ class Data:
     @staticmethod
     def multiplied(aquafuse, data, model, waters, output):
         command = [aquafuse, "augment", data, *waters, "-o", output, "--model", model, "--keep-originals", "--quiet"]
-        # Variants of one water differ in how much of it there is.
-        command += ["--per-image", str(PER_IMAGE), "--with-replacement", "--theta-range", "0,60"]
-        subprocess.run(command, check=True)
+        subprocess.run([*command, "--per-image", str(PER_IMAGE)], check=True)
         return loaded(output)
 
 
@@ -123,36 +121,60 @@ def main():
             part = given.work / f"{name}.part"
             subprocess.run([given.scenes, part, str(first), str(count), *map(str, LARGE)], check=True)
             part.rename(given.work / name)
-    away = {way: {water: [] for water in WATERS} for way in WAYS}
-    home = {way: [] for way in WAYS}
+    scores = Scores(given.work / "scores.tsv")
     for water in WATERS:
-        data = Data(given, water)
+        data = None
         for seed in range(given.seeds):
             for way, (model, presets, jitter) in WAYS.items():
+                if scores.has(water, seed, way, given.steps):
+                    continue
+                data = data or Data(given, water)
                 start = batches(data.train[model, presets], seed, jitter)
                 layers = network.trained(start, given.steps, seed)
-                away[way][water].append(network.mean_iou(layers, *data.test))
-                home[way].append(network.mean_iou(layers, *data.home))
-                said = f"{away[way][water][-1]:.3f}, at home {home[way][-1]:.3f}"
-                print(f"{water}, seed {seed}, {way}: {said}", file=sys.stderr, flush=True)
-    print(table(given, away, home))
+                away, home = network.mean_iou(layers, *data.test), network.mean_iou(layers, *data.home)
+                scores.add(water, seed, way, given.steps, away, home)
+    print(table(given, scores))
 
 
-def table(given, away, home):
+class Scores:
+    """What was measured so far, kept in a file: a run that was stopped goes on."""
+
+    def __init__(self, path):
+        self.path, self.found = path, {}
+        if path.exists():
+            for line in path.read_text().splitlines():
+                water, seed, way, steps, away, home = line.split("\t")
+                self.found[water, int(seed), way, int(steps)] = float(away), float(home)
+
+    def has(self, *key):
+        return key in self.found
+
+    def add(self, water, seed, way, steps, away, home):
+        self.found[water, seed, way, steps] = away, home
+        with self.path.open("a") as file:
+            file.write(f"{water}\t{seed}\t{way}\t{steps}\t{away:.4f}\t{home:.4f}\n")
+        print(f"{water}, seed {seed}, {way}: {away:.3f}, at home {home:.3f}", file=sys.stderr, flush=True)
+
+    def of(self, given, way, water):
+        """Away and at home, seed by seed."""
+        return np.array([self.found[water, seed, way, given.steps] for seed in range(given.seeds)])
+
+
+def table(given, scores):
     lines = [
         f"Mean intersection over union of {network.CLASSES} classes in the water not seen; {TRAINED} pictures in two other waters, "
-        f"{given.steps} steps of {BATCH}, {given.seeds} seeds; the last two columns are over all waters and seeds.",
+        f"{given.steps} steps of {BATCH} pictures; means of {given.seeds} seeds; the last two columns are over all waters and seeds.",
         "",
         "| multiplied by | " + " | ".join(WATERS) + " | beside none, 95 % of resampled means | in the waters of training |",
         "|---" * (len(WATERS) + 3) + "|",
     ]
-    everywhere = {way: np.concatenate([away[way][water] for water in WATERS]) for way in WAYS}
+    everywhere = {way: np.concatenate([scores.of(given, way, water) for water in WATERS]) for way in WAYS}
     for way in WAYS:
-        means = [f"{np.mean(away[way][water]):.3f}" for water in WATERS]
-        gain = everywhere[way] - everywhere["none"]
+        means = [f"{scores.of(given, way, water)[:, 0].mean():.3f}" for water in WATERS]
+        gain = everywhere[way][:, 0] - everywhere["none"][:, 0]
         low, high = interval(gain)
         said = "" if way == "none" else f"{gain.mean():+.3f} ({low:+.3f} to {high:+.3f})"
-        lines.append(f"| {way} | " + " | ".join(means) + f" | {said} | {np.mean(home[way]):.3f} |")
+        lines.append(f"| {way} | " + " | ".join(means) + f" | {said} | {everywhere[way][:, 1].mean():.3f} |")
     return "\n".join(lines)
 
 

@@ -7,6 +7,8 @@
 mod run;
 
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use aquafuse::truth::Size;
 use aquafuse_data::picture::{Picture, WriteOptions};
@@ -103,9 +105,37 @@ fn a_tool_that_fails_is_quoted_and_one_that_is_missing_is_named() {
 }
 
 #[test]
+fn a_tool_ends_when_we_are_told_to() {
+    let run = Run::new();
+    reef(&run);
+    let slow = program(
+        &run,
+        "colmap",
+        "[ \"$1\" = help ] || [ \"$2\" = -h ] && { echo mapper; exit 0; }\necho $$ > pid.txt\nexec sleep 60",
+    );
+    let mut child =
+        run.command(&["scene", "sfm", "reef/images", "-o", "x", "--colmap", &slow]).spawn().unwrap();
+    let began = Instant::now();
+    let tool = loop {
+        let text = std::fs::read_to_string(run.path("pid.txt")).unwrap_or_default();
+        if text.ends_with('\n') {
+            break text.trim().to_owned();
+        }
+        assert!(began.elapsed() < Duration::from_secs(30), "the tool was not started");
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    let kill = |signal: &str, process: &str| {
+        Command::new("kill").args([signal, process]).stderr(Stdio::null()).status().unwrap().success()
+    };
+    assert!(kill("-TERM", &child.id().to_string()));
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+    assert!(!kill("-0", &tool), "the tool still runs");
+}
+
+#[test]
 fn pycolmap_finds_the_cameras_of_a_place_that_is_known() {
     let python = std::env::var("AQUAFUSE_PYTHON").unwrap_or_else(|_| "python3".into());
-    let has = std::process::Command::new(&python).args(["-c", "import pycolmap"]).output();
+    let has = Command::new(&python).args(["-c", "import pycolmap"]).output();
     if !has.is_ok_and(|ended| ended.status.success()) {
         println!("skipped: {python} has no pycolmap");
         return;

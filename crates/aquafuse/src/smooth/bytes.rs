@@ -6,6 +6,8 @@
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
+#[cfg(all(feature = "simd", target_arch = "aarch64"))]
+mod neon;
 mod plain;
 
 use super::weights::{AHEAD, RADIUS, mirrored};
@@ -110,7 +112,9 @@ fn weigh(level: Level, pair: [&Row; 2], dx: isize, width: usize, found: &mut [i1
     match level {
         #[cfg(all(feature = "simd", target_arch = "x86_64"))]
         Level::Avx2(proof) => avx2::weigh(proof, own, other, found),
-        _ => plain::weigh(own, other, found),
+        #[cfg(all(feature = "simd", target_arch = "aarch64"))]
+        Level::Neon => neon::weigh(own, other, found),
+        Level::Plain => plain::weigh(own, other, found),
     }
 }
 
@@ -149,7 +153,9 @@ fn average(level: Level, taps: &Taps<'_>, width: usize, means: &mut [Vec<u8>; 3]
     match level {
         #[cfg(all(feature = "simd", target_arch = "x86_64"))]
         Level::Avx2(proof) => avx2::average(proof, taps, blocks, means),
-        _ => plain::average(taps, blocks, means),
+        #[cfg(all(feature = "simd", target_arch = "aarch64"))]
+        Level::Neon => neon::average(taps, blocks, means),
+        Level::Plain => plain::average(taps, blocks, means),
     }
 }
 

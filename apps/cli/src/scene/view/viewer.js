@@ -44,7 +44,8 @@ void main() {
   float xx = ellipse[0][0] + 0.3, xy = ellipse[0][1], yy = ellipse[1][1] + 0.3;
   float middle = 0.5 * (xx + yy), apart = length(vec2(0.5 * (xx - yy), xy));
   float large = middle + apart, small = max(middle - apart, 0.05);
-  vec2 along = apart < 1e-6 ? vec2(1.0, 0.0) : normalize(xx > yy ? vec2(large - yy, xy) : vec2(xy, large - xx));
+  vec2 way = xx > yy ? vec2(large - yy, xy) : vec2(xy, large - xx);
+  vec2 along = apart < 1e-6 ? vec2(1.0, 0.0) : way / length(way);
   place = corner * sqrt(square);
   vec2 pixel = focal * seen.xy / seen.z + centre
     + place.x * sqrt(large) * along + place.y * sqrt(small) * vec2(-along.y, along.x);

@@ -170,7 +170,7 @@ fn outside(splats: &Splats<f32>) -> Camera {
         focal: [700.0; 2],
         centre: [400.0, 300.0],
         rotation: Camera::rotation_of([1.0, 0.0, 0.0, 0.0]),
-        translation: [-x, -y, 1.2 * reach - z],
+        translation: [-x, -y, 2.0 * reach - z],
     }
 }
 

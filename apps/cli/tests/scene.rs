@@ -123,6 +123,13 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
     assert!(said.ends_with(" points\n"), "{said}");
     assert!(run.bytes("cloud.ply").starts_with(b"ply\n"));
     run.fails(2, &["scene", "export", "reef.ply", "-o", "cloud.splat", "--points"]);
+    match std::env::var_os("AQUAFUSE_PYTHON") {
+        Some(python) => {
+            read_by_others(&python, &run.path("reef.ply"), "x y z nx ny nz f_dc_0 f_dc_1 f_dc_2 ");
+            read_by_others(&python, &run.path("cloud.ply"), "x y z red green blue");
+        }
+        None => println!("AQUAFUSE_PYTHON names no Python with plyfile: no other reader was tried"),
+    }
 
     run.ok(&["scene", "render", "reef.ply", "reef", "-o", "orbit", "--longest", "64", "--orbit", "5"]);
     let mut names: Vec<_> =
@@ -131,6 +138,17 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
     assert_eq!(names, [0, 1, 2, 3, 4].map(|i| std::ffi::OsString::from(format!("orbit_00{i}.png"))));
     // They differ, and look at what the cameras looked at.
     assert!(score("orbit/orbit_001.png", "orbit/orbit_003.png") < 30.0);
+}
+
+/// Has a PLY read by a program that is not ours.
+fn read_by_others(python: &std::ffi::OsStr, path: &std::path::Path, begins: &str) {
+    const READ: &str = "import sys, plyfile; points = plyfile.PlyData.read(sys.argv[1])['vertex']; \
+                        print(points.count, *(part.name for part in points.properties))";
+    let output = std::process::Command::new(python).args(["-c", READ]).arg(path).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let (count, names) = said.split_once(' ').unwrap();
+    assert!(count.parse::<usize>().unwrap() > 100 && names.starts_with(begins), "{said}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::anyhow;
 use aquafuse_data::evaluate::report::{self, markdown_of_table};
-use aquafuse_data::evaluate::{Conduct, EvaluateError, Listener, Message, Outputs, Report};
+use aquafuse_data::evaluate::{Conduct, EvaluateError, Listener, Lpips, Message, Outputs, Report};
 use aquafuse_data::picture::shown;
 use clap::{Args, Subcommand};
 
@@ -74,6 +74,29 @@ pub(crate) struct ReportArguments {
     /// Print the report as JSON, for programs, instead of the tables.
     #[arg(long)]
     json: bool,
+}
+
+/// The network to score LPIPS by.
+#[derive(Args)]
+pub(crate) struct LpipsArguments {
+    /// Also score LPIPS, by the network in this file: ONNX, as `lpips/export.py` of crates/aquafuse-data writes it.
+    #[cfg(feature = "lpips")]
+    #[arg(long, value_name = "FILE")]
+    lpips_weights: Option<PathBuf>,
+}
+
+impl LpipsArguments {
+    /// The network, if one is named.
+    #[cfg(feature = "lpips")]
+    pub(crate) fn network(&self) -> Result<Option<Lpips>, Failure> {
+        Ok(self.lpips_weights.as_deref().map(Lpips::read).transpose()?)
+    }
+
+    /// Without the feature there is no network to ask.
+    #[cfg(not(feature = "lpips"))]
+    pub(crate) fn network(&self) -> Result<Option<Lpips>, Failure> {
+        Ok(None)
+    }
 }
 
 /// Complaints shown while it runs; the report lists all.

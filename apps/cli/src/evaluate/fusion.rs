@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use aquafuse::fusion::Model;
 use aquafuse::image::{Encoded, Linear};
-use aquafuse_data::evaluate::{Fusion, GroupBy, Listener, Lpips, Method, Pairing, Rival, Settings};
+use aquafuse_data::evaluate::{Fusion, GroupBy, Listener, Method, Pairing, Rival, Settings};
 use clap::{Args, ValueEnum};
 
-use super::{Named, ReportArguments, conduct, named, outputs, published};
+use super::{LpipsArguments, Named, ReportArguments, conduct, named, outputs, published};
 use crate::common::Common;
 use crate::failure::Failure;
 use crate::fuse::settings::{self, SettingsArgs};
@@ -55,10 +55,8 @@ pub(crate) struct FusionArguments {
     /// given several times. What is missing is named.
     #[arg(long, value_name = "NAME=DIR", value_parser = named)]
     method: Vec<Named>,
-    /// Also score LPIPS, by the network in this file: ONNX, as `lpips/export.py` of crates/aquafuse-data writes it.
-    #[cfg(feature = "lpips")]
-    #[arg(long, value_name = "FILE")]
-    lpips_weights: Option<PathBuf>,
+    #[command(flatten)]
+    lpips: LpipsArguments,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Fuse in linear light.
@@ -96,7 +94,7 @@ impl FusionArguments {
             pairing: Pairing { references: self.pairs.map(|pairs| pairs as usize), seed: self.seed },
             settings: Settings { depth_model, options, smoothing },
             methods: self.methods(own)?,
-            lpips: self.lpips()?,
+            lpips: self.lpips.network()?,
             conduct: conduct(common),
         };
         let published = published::tables(self.rivals || !self.method.is_empty()).map_err(Failure::work)?;
@@ -105,17 +103,6 @@ impl FusionArguments {
             false => fusion.run::<Encoded>(listener),
         };
         self.report.run(common, evaluation, |report| report.tables.extend(published))
-    }
-
-    #[cfg(feature = "lpips")]
-    fn lpips(&self) -> Result<Option<Lpips>, Failure> {
-        Ok(self.lpips_weights.as_deref().map(Lpips::read).transpose()?)
-    }
-
-    /// Without the feature there is no network to ask.
-    #[cfg(not(feature = "lpips"))]
-    fn lpips(&self) -> Result<Option<Lpips>, Failure> {
-        Ok(None)
     }
 
     fn methods(&self, own: String) -> Result<Vec<Method>, Failure> {

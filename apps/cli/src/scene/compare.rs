@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse_data::evaluate::Lpips;
 use aquafuse_data::picture::shown;
 use aquafuse_scene::capture::{self, Shown, pictures_of};
 use aquafuse_scene::compare::{CompareError, Comparison, Model, Side};
@@ -11,7 +10,7 @@ use clap::Args;
 
 use super::splats_file::Trained;
 use crate::common::Common;
-use crate::evaluate::{ReportArguments, published};
+use crate::evaluate::{LpipsArguments, ReportArguments, published};
 use crate::failure::Failure;
 
 /// Compare a trained scene with the same one fused: PSNR and SSIM of views, and how far surfaces lean away.
@@ -46,10 +45,8 @@ pub(crate) struct Compare {
     /// Pictures are compared at this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
-    /// Also score LPIPS, by the network in this file: ONNX, as `lpips/export.py` of crates/aquafuse-data writes it.
-    #[cfg(feature = "lpips")]
-    #[arg(long, value_name = "FILE")]
-    lpips_weights: Option<PathBuf>,
+    #[command(flatten)]
+    lpips: LpipsArguments,
     #[command(flatten)]
     report: ReportArguments,
 }
@@ -71,24 +68,13 @@ impl Compare {
         let floor = self.floor.as_deref().map(model).transpose()?;
         let fused = self.fused_scenes.iter().zip(&self.fused).map(|(scene, trained)| side(scene, trained));
         let fused: Vec<Side> = fused.collect::<Result<_, _>>()?;
-        let comparison = Comparison::new(original, floor, fused, self.lpips()?)?;
+        let comparison = Comparison::new(original, floor, fused, self.lpips.network()?)?;
         let published = published::reconstruction().map_err(Failure::work)?;
         self.report.run(
             common,
             |listener| comparison.report(listener),
             |report| report.tables.push(published),
         )
-    }
-
-    #[cfg(feature = "lpips")]
-    fn lpips(&self) -> Result<Option<Lpips>, Failure> {
-        Ok(self.lpips_weights.as_deref().map(Lpips::read).transpose()?)
-    }
-
-    /// Without the feature there is no network to ask.
-    #[cfg(not(feature = "lpips"))]
-    fn lpips(&self) -> Result<Option<Lpips>, Failure> {
-        Ok(None)
     }
 
     fn held(&self, scene: &Path, common: &Common) -> Result<Vec<Shown>, Failure> {

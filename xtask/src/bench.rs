@@ -64,7 +64,7 @@ fn frames(tools: &Tools) -> Result<()> {
         let (pictures, frames) = (pictures(size)?, frames_of(size));
         let (mut ours, mut theirs) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
-            machine = Some(ours::turn(&mut ours, size, 1, &frames, ours::ALL)?);
+            machine = Some(ours::turn(&mut ours, size, &frames, ours::ALL)?);
             rivals::pipeline(tools, &mut theirs, &pictures, &frames)?;
         }
         for (case, reference, smoothing) in CASES {
@@ -103,7 +103,7 @@ fn others() -> Result<()> {
     let (pictures, frames) = (pictures(FULL_HD)?, frames_of(FULL_HD));
     let (mut ours, mut theirs) = (Turns::default(), Turns::default());
     for _ in 0..TURNS {
-        ours::turn(&mut ours, FULL_HD, 1, &frames, ours::CACHED)?;
+        ours::turn(&mut ours, FULL_HD, &frames, ours::CACHED)?;
         rivals.turn(&mut theirs, &pictures)?;
     }
     let mut table =
@@ -128,8 +128,7 @@ fn scaling() -> Result<()> {
         say(&format!("{width} x {height} on two threads"));
         let (mut alone, mut together) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
-            ours::turn(&mut alone, size, 1, &frames_of(size), ours::CACHED)?;
-            ours::turn(&mut together, size, 2, &frames_of(size), ours::CACHED)?;
+            ours::turns(&mut alone, &mut together, size, &frames_of(size))?;
         }
         let milliseconds = alone.median("cached");
         let a_pixel = 1e6 * milliseconds / (width * height) as f64;

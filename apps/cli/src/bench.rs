@@ -71,7 +71,10 @@ impl Bench {
         self.tell(&format!("{machine}\n\n{}", Case::HEADING))?;
         let mut report = Report { schema: 1, machine, results: Vec::new(), restorations: Vec::new() };
         for &size in sizes {
-            let pictures = Pictures::new(size).map_err(Failure::work)?;
+            // The pictures are made on all cores, whatever is measured.
+            let all = rayon::ThreadPoolBuilder::new().num_threads(report.machine.cores).build();
+            let pictures =
+                all.map_err(Failure::work)?.install(|| Pictures::new(size)).map_err(Failure::work)?;
             for &threads in &threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 pool.map_err(Failure::work)?.install(|| self.measure(&pictures, threads, &mut report))?;

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::anyhow;
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
@@ -38,11 +37,8 @@ const REFERENCE: Size = Size { width: 240, height: 160 };
 impl Demo {
     pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
         let say = |text: &str| if quiet { Ok(()) } else { output::print(text) };
-        if !self.overwrite && self.output.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
-            return Err(Failure::usage(anyhow!(
-                "{} is not empty; name another folder with -o, or add --overwrite",
-                shown(&self.output)
-            )));
+        if !self.overwrite {
+            output::refuse_filled(&self.output, &[])?;
         }
         output::make_folder(&self.output)?;
         let began = Instant::now();

@@ -1,5 +1,6 @@
 //! What is said, and where.
 
+use std::fs::DirEntry;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
@@ -30,6 +31,29 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
         };
         Failure::usage(anyhow!("cannot make the folder {}: {cause}. Name another output", shown(folder)))
     })
+}
+
+/// Refuses a folder in which something stands, but for entries of these names. Folders without a file count as nothing: they
+/// are what a run leaves that was killed before its first file.
+pub(crate) fn refuse_filled(folder: &Path, but: &[&str]) -> Result<(), Failure> {
+    match entries(folder)
+        .any(|entry| !but.iter().any(|name| entry.file_name() == *name) && holds_a_file(&entry))
+    {
+        false => Ok(()),
+        true => Err(Failure::usage(anyhow!(
+            "{} is not empty; name another folder with -o, or add --overwrite",
+            shown(folder)
+        ))),
+    }
+}
+
+fn holds_a_file(entry: &DirEntry) -> bool {
+    let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+    !is_folder || entries(&entry.path()).any(|entry| holds_a_file(&entry))
+}
+
+fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
+    folder.read_dir().into_iter().flatten().flatten()
 }
 
 /// Prints `text`; a reader that has gone away (`| head`) is no error.

@@ -109,8 +109,11 @@ fn a_scene_whose_fusing_is_killed_is_finished_by_the_next_run() {
     println!("kills: {killed}, {begun} with pictures there, {ends} ends");
     assert!(begun > 0, "no kill came between two pictures");
 
-    // Another recipe does not go on with these pictures, and pictures that are not ours stay.
+    // A kill before the first file leaves folders only.
+    std::fs::create_dir_all(run.path("killed/images")).unwrap();
     run.ok(&fuse("killed"));
+
+    // Another recipe does not go on with these pictures, and pictures that are not ours stay.
     let other = ["scene", "fuse", "reef", "green.png", "-o", "killed", "--model", "aquafuse"];
     let said = run.fails(2, &other).stderr;
     assert!(said.contains("model"), "{said}");

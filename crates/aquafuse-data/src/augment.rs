@@ -17,10 +17,8 @@ mod replay;
 mod verify;
 mod water;
 
-use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
 
 use aquafuse::fusion::Options;
 use aquafuse::smooth::Smoothing;
@@ -34,7 +32,7 @@ pub use water::{OnDoubtful, Water};
 
 use crate::dataset::Dataset;
 use crate::job::{Crew, Outcome, Summary};
-use crate::picture::{FileError, ReadOptions, one_line, remove_stale_parts, shown};
+use crate::picture::{FileError, ReadOptions, remove_stale_parts, shown};
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
 pub use depth::DepthPlan;
@@ -218,47 +216,46 @@ impl<E: Space> Augmentation<E> {
     /// [`AugmentError`] when the work cannot begin, or the files about all pictures cannot be written. A picture that
     /// fails is no error: it is counted, and listed in the manifest.
     pub fn run(&self, plan: &Plan, listener: &(dyn Fn(Message<'_>) + Sync)) -> Result<Summary, AugmentError> {
-        let Plan(plan) = plan;
-        let depths = depth::Maps::of(&self.recipe.depth, plan.iter().map(|sample| sample.key.as_str()))?;
+        let samples = &self.dataset.samples;
+        let depths =
+            depth::Maps::of(&self.recipe.depth, plan.samples(samples).map(|sample| sample.key.as_str()))?;
         let header = self.recipe.header(&self.dataset);
-        let (journal, known) = Journal::open(&self.output, self.shard, &header, self.conduct.overwrite)?;
-        for folder in plan::folders(plan) {
+        let place = |key: &str| {
+            let place = samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok();
+            place.filter(|_| self.shard.holds(key))
+        };
+        let journal = Journal::open(&self.output, self.shard, &header, self.conduct.overwrite, &place)?;
+        for folder in plan.folders(&self.dataset) {
             let folder = self.output.join(folder);
             std::fs::create_dir_all(&folder)
                 .map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
             remove_stale_parts(&folder);
         }
-        listener(Message::Started { total: plan.len() });
-        let entries = Mutex::new(BTreeMap::new());
+        listener(Message::Started { total: plan.files() });
         let maker = make::Maker::new(self, depths);
-        let work = |sample: &plan::Planned| {
-            let known = known.get(&sample.key).cloned().unwrap_or_default();
-            let make::Made { mut entry, news, failures } = maker.make(sample, known, &journal);
+        let work = |&place: &usize| {
+            let Some(sample) = plan.planned(&self.dataset, place) else { return Outcome::Kept };
+            let make::Made { news, failures } = maker.make(&sample, &journal);
             let outcome = match (&news, failures.is_empty()) {
                 (_, false) => Outcome::Failed,
                 (Some(_), true) => Outcome::Done,
                 (None, true) => Outcome::Kept,
             };
-            if let (None, Some(error)) = (&news, failures.first()) {
-                entry.failed = Some(one_line(&error.to_string()));
-            }
             for error in failures {
-                listener(Message::Failed { key: &sample.key, error });
+                listener(Message::Failed { key: sample.key, error });
             }
             if let Some(make::News { variants, vanished, verdict, lines }) = news {
-                listener(Message::Done { key: &sample.key, variants, vanished, verdict, lines });
+                listener(Message::Done { key: sample.key, variants, vanished, verdict, lines });
             } else if outcome == Outcome::Kept {
-                listener(Message::Kept { key: &sample.key });
+                listener(Message::Kept { key: sample.key });
             }
-            entries.lock().unwrap_or_else(PoisonError::into_inner).insert(sample.key.clone(), entry);
             outcome
         };
         let Conduct { threads, most_failures, .. } = self.conduct;
-        let summary = Crew { threads, most_failures }.each(plan, &work);
+        let summary = Crew { threads, most_failures }.each(plan.places(), &work);
         if summary.left == 0 {
-            let entries = entries.into_inner().unwrap_or_else(PoisonError::into_inner);
-            let indices = self.write_indices(&entries)?;
-            journal.seal(&header, entries, indices)?;
+            let indices = self.write_indices(plan, &journal)?;
+            journal.seal(&header, indices)?;
         }
         Ok(summary)
     }
@@ -267,11 +264,18 @@ impl<E: Space> Augmentation<E> {
 /// Reads a manifest for nothing but that: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_manifest(bytes: &[u8]) {
-    if let Ok(found) = manifest::parse(bytes) {
-        let text = manifest::sealed_text(&found.header, found.entries.clone(), found.indices.clone());
-        let again = manifest::parse(text.as_bytes()).expect("what is written is read");
-        assert_eq!((again.header, again.entries, again.sealed), (found.header, found.entries, Some(true)));
-    }
+    use manifest::{Line, Manifest, Sealing, scan};
+    let Ok(found) = Manifest::from(bytes) else { return };
+    let mut sealing = Sealing::begin(Vec::new(), &found.header).expect("memory takes what is written");
+    let scanned = scan(bytes, |line, _| {
+        if !matches!(line, Line::Index(_)) {
+            sealing.add(line.text().as_bytes()).expect("memory takes what is written");
+        }
+    });
+    assert!(scanned.is_ok(), "what was read is read again");
+    let text = sealing.end(found.indices.clone()).expect("memory takes what is written");
+    let again = Manifest::from(text.as_slice()).expect("what is written is read");
+    assert_eq!(again, Manifest { sealed: Some(true), ..found });
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! SHA-256: what a file was, as the tools of every system tell it.
 
 use std::fmt::Write as _;
+use std::io::Write;
 
 use sha2::{Digest, Sha256};
 
@@ -32,6 +33,42 @@ pub(crate) fn hexadecimal(digest: &[u8]) -> String {
         let _ = write!(digits, "{byte:02x}");
     }
     digits
+}
+
+/// Passes on what is written, and tells its digest.
+pub(crate) struct Hashed<W> {
+    out: W,
+    digest: Sha256,
+    bytes: u64,
+}
+
+impl<W> Hashed<W> {
+    pub(crate) fn new(out: W) -> Self {
+        Self { out, digest: Sha256::new(), bytes: 0 }
+    }
+
+    /// The bytes that were written, and their digest.
+    pub(crate) fn told(&self) -> (u64, String) {
+        (self.bytes, hexadecimal(&self.digest.clone().finalize()))
+    }
+
+    /// Where it was written to.
+    pub(crate) fn into_inner(self) -> W {
+        self.out
+    }
+}
+
+impl<W: Write> Write for Hashed<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.digest.update(bytes.get(..written).unwrap_or_default());
+        self.bytes = self.bytes.saturating_add(written as u64);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
+    }
 }
 
 #[cfg(test)]

@@ -25,6 +25,7 @@ pub(super) struct Machine {
 
 #[derive(Deserialize)]
 struct Case {
+    threads: usize,
     reference: String,
     smooth: String,
     stages: Stages,
@@ -49,19 +50,33 @@ struct Stages {
 pub(super) const ALL: &[&str] = &[];
 pub(super) const CACHED: &[&str] = &["--reference", "cached", "--smooth", "none"];
 
-/// One turn at this size: frames `cached`, `estimated`, `smoothed`, `restored`, and the stages by name.
-pub(super) fn turn(
-    turns: &mut Turns,
-    (width, height): Size,
-    threads: usize,
-    frames: &str,
-    wanted: &[&str],
-) -> Result<Machine> {
-    let (size, threads) = (format!("{width}x{height}"), threads.to_string());
-    let arguments = ["bench", "--json", "--size", &size, "--threads", &threads, "--frames", frames];
+/// One turn at this size on one thread: frames `cached`, `estimated`, `smoothed`, `restored`, and the stages by name.
+pub(super) fn turn(turns: &mut Turns, size: Size, frames: &str, wanted: &[&str]) -> Result<Machine> {
+    let report = report(size, frames, &[&["--threads", "1"], wanted].concat())?;
+    add(turns, report.results.iter());
+    for restored in &report.restorations {
+        turns.add("restored", restored.ms_per_frame);
+    }
+    Ok(report.machine)
+}
+
+/// One turn on one thread and one on all, of cached frames.
+pub(super) fn turns(alone: &mut Turns, together: &mut Turns, size: Size, frames: &str) -> Result<()> {
+    let report = report(size, frames, CACHED)?;
+    add(alone, report.results.iter().filter(|case| case.threads == 1));
+    add(together, report.results.iter().filter(|case| case.threads > 1));
+    Ok(())
+}
+
+fn report((width, height): Size, frames: &str, wanted: &[&str]) -> Result<Report> {
+    let size = format!("{width}x{height}");
+    let arguments = ["bench", "--json", "--size", &size, "--frames", frames];
     let said = output(command(target().join("release/aquafuse"), &[&arguments[..], wanted].concat()))?;
-    let report: Report = serde_json::from_str(&said).context("`aquafuse bench --json` is not what it was")?;
-    for Case { reference, smooth, stages, speed } in &report.results {
+    serde_json::from_str(&said).context("`aquafuse bench --json` is not what it was")
+}
+
+fn add<'a>(turns: &mut Turns, cases: impl Iterator<Item = &'a Case>) {
+    for Case { reference, smooth, stages, speed, .. } in cases {
         let name = match (reference.as_str(), smooth.as_str()) {
             (reference, "none") => reference,
             ("cached", _) => "smoothed",
@@ -79,8 +94,4 @@ pub(super) fn turn(
             }
         }
     }
-    for restored in &report.restorations {
-        turns.add("restored", restored.ms_per_frame);
-    }
-    Ok(report.machine)
 }

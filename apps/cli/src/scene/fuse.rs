@@ -137,13 +137,7 @@ impl Fuse {
     /// Refuses a folder that is somebody else's.
     fn check(&self, items: &[Item]) -> Result<(), Failure> {
         let is_recorded = items.iter().any(|item| folder_of(item).join(RECORD).is_file());
-        let is_empty = !self.output.read_dir().is_ok_and(|mut entries| entries.next().is_some());
-        (self.overwrite || is_recorded || is_empty).then_some(()).ok_or_else(|| {
-            Failure::usage(anyhow!(
-                "{} is not empty; name another folder with -o, or add --overwrite",
-                shown(&self.output)
-            ))
-        })
+        if self.overwrite || is_recorded { Ok(()) } else { output::refuse_filled(&self.output, &[]) }
     }
 
     /// What is done already, folder by folder; pictures that are not ours are refused.

@@ -58,7 +58,9 @@ impl Sfm {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let names = self.names()?;
         let tool = self.tool()?;
-        self.check()?;
+        if !self.overwrite {
+            output::refuse_filled(&self.output, &[WORK])?;
+        }
         let work = self.output.join(WORK);
         if work.is_dir() {
             std::fs::remove_dir_all(&work).map_err(|error| cannot_write(&work, &error))?;
@@ -126,18 +128,6 @@ impl Sfm {
             )));
         }
         Ok(names)
-    }
-
-    /// Refuses a folder that is somebody else's.
-    fn check(&self) -> Result<(), Failure> {
-        let mut entries = self.output.read_dir().into_iter().flatten().flatten();
-        if !self.overwrite && entries.any(|entry| entry.file_name() != WORK) {
-            return Err(Failure::usage(anyhow!(
-                "{} is not empty; name another folder with -o, or add --overwrite",
-                shown(&self.output)
-            )));
-        }
-        Ok(())
     }
 
     /// Whether all pictures have one size, as those of one lens have.

@@ -4,17 +4,14 @@ mod shards;
 #[cfg(feature = "parquet")]
 mod tables;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
-use super::journal::Journal;
+use super::journal::{Journal, Slot};
 use super::make::{Made, Maker, News};
-use super::manifest::{Container, Entry, Line, Source, Written};
+use super::manifest::{Container, Line, Source, Written};
 use super::plan::Planned;
 use crate::dataset::Layout;
-use crate::digest::{hexadecimal, sha256};
+use crate::digest::sha256;
 use crate::picture::{FileError, Format, Opened, Picture, ReadOptions};
 use crate::treatment::Space;
 
@@ -38,48 +35,29 @@ struct Varied {
 
 impl<E: Space> Maker<'_, E> {
     /// Makes a container, unless it is there as it would be made now. A picture that fails leaves the others as they are.
-    pub(super) fn make_container(&self, sample: &Planned, known: Entry, journal: &Journal) -> Made {
-        let made = self.make_container_or_fail(sample, known, journal);
-        made.unwrap_or_else(|error| Made { entry: Entry::default(), news: None, failures: vec![error] })
-    }
-
-    fn make_container_or_fail(
-        &self,
-        sample: &Planned,
-        known: Entry,
-        journal: &Journal,
-    ) -> Result<Made, FileError> {
-        let input = self.job.dataset.root.join(&sample.key);
+    pub(super) fn make_container(&self, sample: &Planned<'_>, journal: &Journal) -> Result<Made, FileError> {
+        let input = self.job.dataset.root.join(sample.key);
         let about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
         let is_current = |old: &Container| {
             old.failed.is_empty() && old.source.bytes == about.len() && self.stands(&old.written, &about)
         };
-        if let Some(old) = known.container.filter(|old| is_current(old)) {
-            return Ok(Made {
-                entry: Entry { container: Some(old), ..Entry::default() },
-                news: None,
-                failures: Vec::new(),
-            });
+        if journal.entry(sample.place)?.container.is_some_and(|old| is_current(&old)) {
+            return Ok(Made::default());
         }
+        journal.forget(sample.place, Slot::Container);
         let mut container = Container {
-            key: sample.key.clone(),
+            key: sample.key.to_owned(),
             source: Source { bytes: about.len(), sha256: String::new(), depth_sha256: None },
-            written: Written { output: sample.key.clone(), bytes: 0, sha256: String::new() },
+            written: Written { output: sample.key.to_owned(), bytes: 0, sha256: String::new() },
             variants: Vec::new(),
             skipped: Vec::new(),
             failed: Vec::new(),
         };
         let failures = self.write_container(&input, &mut container)?;
-        let line = Line::Container(Box::new(container.clone()));
-        journal.add(std::slice::from_ref(&line))?;
-        let news = News {
-            variants: container.variants.len(),
-            vanished: News::vanished(container.variants.iter()),
-            verdict: None,
-            lines: line.text(),
-        };
-        let entry = Entry { container: Some(Box::new(container)), ..Entry::default() };
-        Ok(Made { entry, news: Some(news), failures })
+        let (variants, vanished) = (container.variants.len(), News::vanished(container.variants.iter()));
+        let line = Line::Container(Box::new(container));
+        journal.add(sample.place, std::slice::from_ref(&line))?;
+        Ok(Made { news: Some(News { variants, vanished, verdict: None, lines: line.text() }), failures })
     }
 
     /// Writes it, and says in `container` what was made; the failures of single pictures come back.
@@ -144,35 +122,4 @@ pub(super) fn picture_of(
 /// The extension of a variant: that of its picture, if we write that format.
 fn written(extension: &str) -> &str {
     if Format::written(format!("x.{extension}").as_ref()).is_some() { extension } else { "png" }
-}
-
-/// What is written, and its digest.
-struct Hashed<W> {
-    out: W,
-    digest: Sha256,
-    bytes: u64,
-}
-
-impl<W> Hashed<W> {
-    fn new(out: W) -> Self {
-        Self { out, digest: Sha256::new(), bytes: 0 }
-    }
-
-    /// Says of `written` what was.
-    fn describe(self, written: &mut Written) {
-        (written.sha256, written.bytes) = (hexadecimal(&self.digest.finalize()), self.bytes);
-    }
-}
-
-impl<W: Write> Write for Hashed<W> {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let written = self.out.write(bytes)?;
-        self.digest.update(bytes.get(..written).unwrap_or_default());
-        self.bytes = self.bytes.saturating_add(written as u64);
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.out.flush()
-    }
 }

@@ -1,9 +1,8 @@
 //! What belongs to all pictures: the manifest's first line, and the files about the whole data set.
 
-use std::collections::BTreeMap;
-
-use super::manifest::{Entry, Header, Settings, StoredDepth, Written};
-use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Water};
+use super::journal::{Journal, Slot};
+use super::manifest::{Header, Settings, StoredDepth, Written};
+use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Recipe, Water};
 use crate::dataset::{Dataset, Made, join, split};
 use crate::digest::sha256;
 use crate::picture::{FileError, write_bytes};
@@ -45,23 +44,19 @@ impl<E: Space> Recipe<E> {
 
 impl<E: Space> Augmentation<E> {
     /// Writes the files about all pictures, for what was made of them.
-    pub(super) fn write_indices(&self, entries: &BTreeMap<String, Entry>) -> Result<Vec<Written>, FileError> {
-        let ranks = self.dataset.samples.iter().map(|sample| (sample.key.clone(), sample.rank));
-        let keep = self.recipe.keep_originals;
-        let is_made = |key: &String| {
-            entries.get(key).is_some_and(|entry| entry.original.is_some() || !entry.variants.is_empty())
-        };
-        let variants = |entry: &Entry| {
-            let of = |(number, variant): (&u32, &super::manifest::Variant)| {
-                (*number, variant.written.output.clone())
-            };
-            entry.variants.iter().map(of).collect()
+    pub(super) fn write_indices(&self, plan: &Plan, journal: &Journal) -> Result<Vec<Written>, FileError> {
+        let variants = |place: usize| {
+            let slots = journal.slots(place);
+            let is_made = slots.iter().any(|slot| matches!(slot, Slot::Original | Slot::Variant(_)));
+            let planned = plan.planned(&self.dataset, place).filter(|_| is_made)?;
+            let made = planned.variants.into_iter().map(|variant| (variant.number, variant.output));
+            Some(made.filter(|(number, _)| slots.contains(&Slot::Variant(*number))).collect())
         };
         let made = Made {
-            variants: entries.iter().map(|(key, entry)| (key.clone(), variants(entry))).collect(),
-            ranks: ranks.filter(|(key, _)| is_made(key)).collect(),
+            samples: &self.dataset.samples,
+            variants: &variants,
             per_image: self.recipe.per_image,
-            originals: keep,
+            originals: self.recipe.keep_originals,
         };
         let write = |index: &crate::dataset::Index| {
             let bytes = index.for_made(&self.dataset.root, &made)?;
@@ -86,7 +81,8 @@ impl<E: Space> Augmentation<E> {
         #[cfg(feature = "parquet")]
         if self.conduct.manifest_table {
             let (name, header) = (self.shard.manifest_table(), self.recipe.header(&self.dataset));
-            written.push(super::manifest_table::write(&self.output, name, &header, entries.values())?);
+            let entries = plan.places().iter().map(|&place| journal.entry(place));
+            written.push(super::manifest_table::write(&self.output, name, &header, entries)?);
         }
         written.sort_by(|a, b| a.output.cmp(&b.output));
         Ok(written)

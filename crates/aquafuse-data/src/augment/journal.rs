@@ -1,25 +1,69 @@
 //! The manifest of a run that goes on.
+//!
+//! What was made stands in the file alone. Memory holds where the lines of each picture stand there, so that it does not
+//! grow with what is said of them.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::manifest::{Entry, Header, Line, Manifest, Written, parse, sealed_text};
+use super::manifest::{Entry, Header, Line, Manifest, Place, ScanError, Scanned, Sealing, Written, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
-use crate::picture::{FileError, write_text};
+use crate::picture::{FileError, write_atomically};
 use crate::settings::differences;
 
 /// What the names of manifests begin and end with.
 const NAMES: (&str, &str) = ("manifest", ".jsonl");
 
 /// A manifest, open and locked against other processes until dropped.
+///
+/// Pictures are called by their places in the data set.
 #[derive(Debug)]
 pub(super) struct Journal {
     path: PathBuf,
-    file: Mutex<File>,
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    file: File,
+    /// The bytes of whole lines.
+    end: u64,
+    /// The lines of each picture that hold, in the order of a manifest.
+    lines: BTreeMap<usize, Vec<(Slot, Place)>>,
+    /// Lines that could not be added when they should have been.
+    owed: Vec<(usize, Line)>,
+}
+
+/// What a line says of a picture; a later line of the same slot replaces an earlier one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Slot {
+    Original,
+    Container,
+    Variant(u32),
+    Skipped,
+    Failed,
+}
+
+impl Slot {
+    fn of(line: &Line) -> Option<Self> {
+        match line {
+            Line::Original(_) => Some(Self::Original),
+            Line::Container(_) => Some(Self::Container),
+            Line::Variant(variant) => Some(Self::Variant(variant.number)),
+            Line::Skipped { .. } => Some(Self::Skipped),
+            Line::Failed { .. } => Some(Self::Failed),
+            Line::Job(_) | Line::Index(_) | Line::End { .. } => None,
+        }
+    }
+
+    /// Whether it is something that was made: what was skipped or failed is tried again.
+    fn is_made(self) -> bool {
+        !matches!(self, Self::Skipped | Self::Failed)
+    }
 }
 
 /// The manifests in a folder: one, or one a shard.
@@ -38,8 +82,8 @@ pub(super) fn manifests(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
 }
 
 impl Journal {
-    /// Begins the manifest in `folder`, or goes on with it: gives what is known of each picture by now, from this shard's
-    /// manifest and from those of others.
+    /// Begins the manifest in `folder`, or goes on with it and with what the manifests of other shards say of this one's
+    /// pictures. `place` gives the place of a picture that takes part, by its key.
     ///
     /// With `overwrite`, what a run of other settings made is removed.
     pub(super) fn open(
@@ -47,73 +91,186 @@ impl Journal {
         shard: Shard,
         header: &Header,
         overwrite: bool,
-    ) -> Result<(Self, BTreeMap<String, Entry>), AugmentError> {
+        place: &dyn Fn(&str) -> Option<usize>,
+    ) -> Result<Self, AugmentError> {
         let path = folder.join(shard.manifest());
-        let cannot_write =
-            |error: std::io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
+        let cannot_write = |error: io::Error| cannot_write(&path, &error);
         let options = OpenOptions::new().read(true).append(true).create(true).open(&path);
         let mut file = options.map_err(cannot_write)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(FileError::Busy { folder: folder.to_owned() }.into());
         }
-        let mut text = Vec::new();
-        file.read_to_end(&mut text).map_err(|error| FileError::Read { path: path.clone(), error })?;
-        let mut known = BTreeMap::new();
-        let mut kept = 0;
-        // A process that was killed at once has left no whole line.
-        if text.contains(&b'\n') {
-            match parse(&text) {
-                Ok(found) if found.header.makes_as(header) => {
-                    kept = found.body;
-                    learn(&mut known, found);
-                }
-                Ok(found) if overwrite => remove(folder, &found),
-                Ok(found) => return Err(other_settings(folder, &found.header, header)),
-                Err(line) => return Err(AugmentError::Manifest { path, line }),
+        let mut lines: BTreeMap<usize, Vec<(Slot, Place)>> = BTreeMap::new();
+        let known = scan(BufReader::new(&file), |line, at| {
+            let slot = Slot::of(&line).filter(|slot| slot.is_made());
+            if let (Some(slot), Some(sample)) = (slot, line.key().and_then(place)) {
+                put(lines.entry(sample).or_default(), slot, at);
             }
+        });
+        let end = match known {
+            Ok(Scanned { header: was, body, .. }) if was.makes_as(header) => body,
+            Ok(_) if overwrite => {
+                file.rewind().map_err(cannot_write)?;
+                let was = Manifest::from(BufReader::new(&file)).map_err(|error| error.of(&path))?;
+                remove(folder, &was);
+                lines.clear();
+                0
+            }
+            Ok(Scanned { header: was, .. }) => return Err(other_settings(folder, &was, header)),
+            // A process that was killed at once has left no whole line.
+            Err(ScanError::Line(1)) if !has_a_line(&mut file).map_err(cannot_write)? => 0,
+            Err(error) => return Err(error.of(&path)),
+        };
+        file.set_len(end).map_err(cannot_write)?;
+        let state = Mutex::new(State { file, end, lines, owed: Vec::new() });
+        let journal = Self { path: path.clone(), state };
+        if end == 0 {
+            journal.state().write(&[Line::Job(Box::new(header.clone()))]).map_err(cannot_write)?;
         }
         for other in manifests(folder)?.into_iter().filter(|other| *other != path) {
-            let found = Manifest::read(&other)?;
-            if !found.header.makes_as(header) {
-                return Err(other_settings(folder, &found.header, header));
+            journal.adopt(folder, &other, header, place)?;
+        }
+        Ok(journal)
+    }
+
+    /// Adds what another manifest says was made of pictures of this shard, where this one says nothing.
+    fn adopt(
+        &self,
+        folder: &Path,
+        other: &Path,
+        header: &Header,
+        place: &dyn Fn(&str) -> Option<usize>,
+    ) -> Result<(), AugmentError> {
+        let open = || File::open(other).map_err(|error| FileError::Read { path: other.to_owned(), error });
+        let Scanned { header: theirs, .. } =
+            scan(BufReader::new(open()?), |_, _| {}).map_err(|error| error.of(other))?;
+        if !theirs.makes_as(header) {
+            return Err(other_settings(folder, &theirs, header));
+        }
+        let mut failure = None;
+        let scanned = scan(BufReader::new(open()?), |line, _| {
+            let slot = Slot::of(&line).filter(|slot| slot.is_made());
+            if let (Some(slot), Some(sample), None) = (slot, line.key().and_then(place), &failure)
+                && !self.slots(sample).contains(&slot)
+            {
+                failure = self.add(sample, &[line]).err();
             }
-            learn(&mut known, found);
-        }
-        file.set_len(kept as u64).map_err(cannot_write)?;
-        let journal = Self { path: path.clone(), file: Mutex::new(file) };
-        if kept == 0 {
-            journal.add(&[Line::Job(Box::new(header.clone()))])?;
-        }
-        Ok((journal, known))
+        });
+        scanned.map_err(|error| error.of(other))?;
+        failure.map_or(Ok(()), |error| Err(error.into()))
     }
 
-    fn file(&self) -> MutexGuard<'_, File> {
-        self.file.lock().unwrap_or_else(PoisonError::into_inner)
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds lines, all or none.
-    pub(super) fn add(&self, lines: &[Line]) -> Result<(), FileError> {
-        let failed =
-            |error: std::io::Error| FileError::Write { path: self.path.clone(), cause: error.to_string() };
-        let text: String = lines.iter().map(Line::text).collect();
-        let mut file = self.file();
-        let whole = file.metadata().map_err(failed)?.len();
-        file.write_all(text.as_bytes()).map_err(|error| {
-            // Half a line on a full disk would spoil the next one.
-            let _ = file.set_len(whole);
-            failed(error)
-        })
+    /// Adds lines about a picture, all or none.
+    pub(super) fn add(&self, sample: usize, lines: &[Line]) -> Result<(), FileError> {
+        let mut state = self.state();
+        let places = state.write(lines).map_err(|error| cannot_write(&self.path, &error))?;
+        let of_sample = state.lines.entry(sample).or_default();
+        for (line, place) in lines.iter().zip(places) {
+            if let Some(slot) = Slot::of(line) {
+                put(of_sample, slot, place);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a line about a picture now if that can be done, or else when the run ends.
+    pub(super) fn add_or_owe(&self, sample: usize, line: Line) {
+        if self.add(sample, std::slice::from_ref(&line)).is_err() {
+            self.state().owed.push((sample, line));
+        }
+    }
+
+    /// What was made of a picture does not hold any more.
+    pub(super) fn forget(&self, sample: usize, slot: Slot) {
+        if let Some(lines) = self.state().lines.get_mut(&sample) {
+            lines.retain(|(other, _)| *other != slot);
+        }
+    }
+
+    /// What is known of a picture, in the order of a manifest.
+    pub(super) fn slots(&self, sample: usize) -> Vec<Slot> {
+        let state = self.state();
+        state.lines.get(&sample).into_iter().flatten().map(|(slot, _)| *slot).collect()
+    }
+
+    /// What its lines say of a picture.
+    pub(super) fn entry(&self, sample: usize) -> Result<Entry, FileError> {
+        let mut state = self.state();
+        let places = state.lines.get(&sample).cloned().unwrap_or_default();
+        let mut entry = Entry::default();
+        for (_, place) in places {
+            let line = state.read(place).and_then(|text| Ok(serde_json::from_slice(&text)?));
+            entry.learn(line.map_err(|error| FileError::Read { path: self.path.clone(), error })?);
+        }
+        Ok(entry)
     }
 
     /// Writes the manifest of a run that has ended.
-    pub(super) fn seal(
-        self,
-        header: &Header,
-        entries: BTreeMap<String, Entry>,
-        indices: Vec<Written>,
-    ) -> Result<(), FileError> {
-        write_text(&self.path, &sealed_text(header, entries, indices), true)
+    pub(super) fn seal(self, header: &Header, indices: Vec<Written>) -> Result<(), FileError> {
+        let owed = std::mem::take(&mut self.state().owed);
+        for (sample, line) in owed {
+            self.add(sample, &[line])?;
+        }
+        let mut state = self.state();
+        write_atomically(&self.path, true, |out| -> io::Result<()> {
+            let mut sealing = Sealing::begin(out, header)?;
+            let places: Vec<Place> = state.lines.values().flatten().map(|(_, place)| *place).collect();
+            for place in places {
+                sealing.add(&state.read(place)?)?;
+            }
+            sealing.end(indices).map(|_| ())
+        })
     }
+}
+
+impl State {
+    /// Writes lines behind all others, and says where they stand.
+    fn write(&mut self, lines: &[Line]) -> io::Result<Vec<Place>> {
+        let (mut text, mut places) = (String::new(), Vec::new());
+        for line in lines {
+            let line = line.text();
+            places.push(Place { first: self.end.saturating_add(text.len() as u64), bytes: line.len() });
+            text.push_str(&line);
+        }
+        if let Err(error) = self.file.write_all(text.as_bytes()) {
+            // Half a line on a full disk would spoil the next one.
+            let _ = self.file.set_len(self.end);
+            return Err(error);
+        }
+        self.end = self.end.saturating_add(text.len() as u64);
+        Ok(places)
+    }
+
+    /// The line that stands at a place.
+    fn read(&mut self, Place { first, bytes }: Place) -> io::Result<Vec<u8>> {
+        let mut text = vec![0; bytes];
+        self.file.seek(SeekFrom::Start(first))?;
+        self.file.read_exact(&mut text)?;
+        Ok(text)
+    }
+}
+
+/// Puts a line into its order, instead of another of its slot.
+fn put(lines: &mut Vec<(Slot, Place)>, slot: Slot, place: Place) {
+    match lines.binary_search_by_key(&slot, |(slot, _)| *slot) {
+        Ok(at) => lines.iter_mut().skip(at).take(1).for_each(|line| line.1 = place),
+        Err(at) => lines.insert(at, (slot, place)),
+    }
+}
+
+fn has_a_line(file: &mut File) -> io::Result<bool> {
+    file.rewind()?;
+    let mut text = Vec::new();
+    BufReader::new(file).read_until(b'\n', &mut text)?;
+    Ok(text.ends_with(b"\n"))
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> FileError {
+    FileError::Write { path: path.to_owned(), cause: error.to_string() }
 }
 
 /// What is said where a folder was filled with other settings.
@@ -121,18 +278,6 @@ fn other_settings(folder: &Path, was: &Header, is: &Header) -> AugmentError {
     let value = |header: &Header| serde_json::to_value(header).unwrap_or_default();
     let differences = differences(&value(was), &value(is));
     FileError::OtherSettings { folder: folder.to_owned(), differences }.into()
-}
-
-/// Adds what a manifest says to what is known.
-fn learn(known: &mut BTreeMap<String, Entry>, found: Manifest) {
-    for (key, entry) in found.entries {
-        // What was skipped or failed is tried again.
-        let Entry { original, container, variants, .. } = entry;
-        let known = known.entry(key).or_default();
-        known.container = container.or(known.container.take());
-        known.original = original.or(known.original.take());
-        known.variants.extend(variants);
-    }
 }
 
 /// Removes what a manifest lists.

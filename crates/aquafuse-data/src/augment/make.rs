@@ -7,21 +7,20 @@ use aquafuse::fusion::{Gain, Incidence, Options};
 use aquafuse::waterbody::{Quality, Reason, Verdict};
 
 use super::depth::Maps;
-use super::journal::Journal;
-use super::manifest::{Entry, Line, Original, Source, Variant, Written};
+use super::journal::{Journal, Slot};
+use super::manifest::{Line, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
 use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
 use crate::analysis::{Analysis, DepthSource, analyse};
 use crate::dataset::Companion;
 use crate::digest::sha256;
 use crate::memory::{Budget, Reservation};
-use crate::picture::{FileError, Format, Opened, Picture, write_bytes};
+use crate::picture::{FileError, Format, Opened, Picture, one_line, write_bytes};
 use crate::treatment::{Space, Treated, Treatment};
 
 /// What became of one picture.
+#[derive(Default)]
 pub(super) struct Made {
-    /// All that is known of it.
-    pub(super) entry: Entry,
     /// What is new; none where all was there.
     pub(super) news: Option<News>,
     /// What failed: the picture, or some of a file that holds several, whose others are made.
@@ -166,80 +165,62 @@ impl<'a, E: Space> Maker<'a, E> {
     }
 
     /// Makes what is not there yet.
-    pub(super) fn make(&self, sample: &Planned, known: Entry, journal: &Journal) -> Made {
-        if self.job.dataset.layout.holds_many() {
-            return self.make_container(sample, known, journal);
-        }
-        let mut entry = Entry::default();
-        let made = self.make_into(&mut entry, sample, known, journal);
-        match made {
-            Ok(news) => Made { entry, news, failures: Vec::new() },
-            Err(error) => {
-                // Without a place in the manifest it is listed when the run ends.
-                let failed = Line::Failed { key: sample.key.clone(), error: error.to_string() };
-                let _ = journal.add(&[failed]);
-                Made { entry, news: None, failures: vec![error] }
-            }
-        }
+    pub(super) fn make(&self, sample: &Planned<'_>, journal: &Journal) -> Made {
+        let made = match self.job.dataset.layout.holds_many() {
+            true => self.make_container(sample, journal),
+            false => self.make_variants(sample, journal).map(|news| Made { news, failures: Vec::new() }),
+        };
+        made.unwrap_or_else(|error| {
+            let (key, said) = (sample.key.to_owned(), one_line(&error.to_string()));
+            journal.add_or_owe(sample.place, Line::Failed { key, error: said });
+            Made { news: None, failures: vec![error] }
+        })
     }
 
-    fn make_into(
-        &self,
-        entry: &mut Entry,
-        sample: &Planned,
-        mut known: Entry,
-        journal: &Journal,
-    ) -> Result<Option<News>, FileError> {
+    fn make_variants(&self, sample: &Planned<'_>, journal: &Journal) -> Result<Option<News>, FileError> {
         let recipe = &self.job.recipe;
-        let input = self.job.dataset.root.join(&sample.key);
+        let input = self.job.dataset.root.join(sample.key);
         let input_about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
-        let mut lines = Vec::new();
+        let known = journal.entry(sample.place)?;
+        let (mut lines, mut skipped) = (Vec::new(), None);
         let mut missing: Vec<&PlannedVariant> = Vec::new();
         for planned in &sample.variants {
-            match known
-                .variants
-                .remove(&planned.number)
-                .filter(|old| self.is_current(old, planned, sample, &input_about))
-            {
-                Some(old) => {
-                    entry.variants.insert(planned.number, old);
-                }
-                None => missing.push(planned),
+            let old = known.variants.get(&planned.number);
+            if !old.is_some_and(|old| self.is_current(old, planned, sample, &input_about)) {
+                journal.forget(sample.place, Slot::Variant(planned.number));
+                missing.push(planned);
             }
         }
         let verdict = if missing.is_empty() {
             None
         } else {
             let opened = Picture::open(&input, &recipe.reading)?;
-            let read = recipe.read(opened, &self.maps.source(&sample.key)?, &self.budget)?;
+            let read = recipe.read(opened, &self.maps.source(sample.key)?, &self.budget)?;
             let quality = read.found.estimate.quality;
             if let Some(why) = recipe.skipped(quality) {
-                lines.push(Line::Skipped { key: sample.key.clone(), why: why.clone() });
-                entry.skipped = Some(why);
+                skipped = Some(Line::Skipped { key: sample.key.to_owned(), why });
                 missing.clear();
             }
             for planned in &missing {
-                let variant = self.write_variant(&read, sample, planned)?;
+                let line = Line::Variant(self.write_variant(&read, sample, planned)?);
                 // Each by itself: what is on the disk is known, whenever the process ends.
-                journal.add(&[Line::Variant(variant.clone())])?;
-                lines.push(Line::Variant(variant.clone()));
-                entry.variants.insert(planned.number, variant);
+                journal.add(sample.place, std::slice::from_ref(&line))?;
+                lines.push(line);
             }
             Some(quality.verdict)
         };
         if recipe.keep_originals {
-            match known.original.take().filter(|old| self.is_original(old, sample, &input_about)) {
-                Some(old) => entry.original = Some(old),
-                None => {
-                    let original = self.write_original(sample)?;
-                    journal.add(&[Line::Original(original.clone())])?;
-                    lines.push(Line::Original(original.clone()));
-                    entry.original = Some(original);
-                }
+            let old = known.original.as_ref();
+            if !old.is_some_and(|old| self.is_original(old, sample, &input_about)) {
+                journal.forget(sample.place, Slot::Original);
+                let line = Line::Original(self.write_original(sample)?);
+                journal.add(sample.place, std::slice::from_ref(&line))?;
+                lines.push(line);
             }
         }
-        if let Some(why) = &entry.skipped {
-            journal.add(&[Line::Skipped { key: sample.key.clone(), why: why.clone() }])?;
+        if let Some(line) = skipped {
+            journal.add(sample.place, std::slice::from_ref(&line))?;
+            lines.push(line);
         }
         let made = lines.iter().filter_map(|line| match line {
             Line::Variant(variant) => Some(variant),
@@ -257,7 +238,7 @@ impl<'a, E: Space> Maker<'a, E> {
     fn write_variant(
         &self,
         read: &Read<'_, E>,
-        sample: &Planned,
+        sample: &Planned<'_>,
         planned: &PlannedVariant,
     ) -> Result<Variant, FileError> {
         let recipe = &self.job.recipe;
@@ -272,11 +253,11 @@ impl<'a, E: Space> Maker<'a, E> {
         let companions =
             sample.companions.iter().zip(&planned.companions).map(carry).collect::<Result<_, _>>()?;
         let written = self.write(&planned.output, &bytes)?;
-        Ok(read.described(&sample.key, planned.number, planned.draw, treated, written, companions))
+        Ok(read.described(sample.key, planned.number, planned.draw, treated, written, companions))
     }
 
     /// Carries the picture and what is about it over as they are.
-    fn write_original(&self, sample: &Planned) -> Result<Original, FileError> {
+    fn write_original(&self, sample: &Planned<'_>) -> Result<Original, FileError> {
         let carry = |path: &str| {
             let input = self.job.dataset.root.join(path);
             let bytes = std::fs::read(&input).map_err(|error| FileError::Read { path: input, error })?;
@@ -284,7 +265,7 @@ impl<'a, E: Space> Maker<'a, E> {
         };
         let companions =
             sample.companions.iter().map(|companion| carry(&companion.path)).collect::<Result<_, _>>()?;
-        Ok(Original { key: sample.key.clone(), written: carry(&sample.key)?, companions })
+        Ok(Original { key: sample.key.to_owned(), written: carry(sample.key)?, companions })
     }
 
     fn write(&self, output: &str, bytes: &[u8]) -> Result<Written, FileError> {
@@ -297,7 +278,7 @@ impl<'a, E: Space> Maker<'a, E> {
         &self,
         old: &Variant,
         planned: &PlannedVariant,
-        sample: &Planned,
+        sample: &Planned<'_>,
         input: &Metadata,
     ) -> bool {
         let Draw { water, theta, alpha } = planned.draw;
@@ -307,7 +288,7 @@ impl<'a, E: Space> Maker<'a, E> {
             && old.written.output == planned.output
             && old.source.bytes == input.len()
             && self.stands(&old.written, input)
-            && self.is_of_depth(old, &sample.key)
+            && self.is_of_depth(old, sample.key)
             && old.companions.len() == sample.companions.len()
             && companions.into_iter().all(|((companion, output), old)| {
                 old.output == *output && about(companion).is_ok_and(|about| self.stands(old, &about))
@@ -326,7 +307,7 @@ impl<'a, E: Space> Maker<'a, E> {
         }
     }
 
-    fn is_original(&self, old: &Original, sample: &Planned, input: &Metadata) -> bool {
+    fn is_original(&self, old: &Original, sample: &Planned<'_>, input: &Metadata) -> bool {
         let about = |companion: &Companion| self.job.dataset.root.join(&companion.path).metadata();
         let companions = sample.companions.iter().zip(&old.companions);
         old.written.output == sample.key

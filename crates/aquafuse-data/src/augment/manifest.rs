@@ -5,15 +5,17 @@
 //! and a last line that holds the digest of all before it. Two runs that did the same have the same manifest.
 
 use std::collections::BTreeMap;
+use std::io::{self, BufRead, BufReader, Write};
 use std::iter;
 use std::path::Path;
 
 use aquafuse::waterbody::Reason;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::AugmentError;
 use super::water::StoredWater;
-use crate::digest::sha256;
+use crate::digest::{Hashed, hexadecimal};
 use crate::picture::FileError;
 
 /// It changes when a field changes its meaning or goes.
@@ -177,6 +179,17 @@ pub(super) enum Line {
 }
 
 impl Line {
+    /// The key of the picture that it is about; none where it is about all.
+    pub(super) fn key(&self) -> Option<&str> {
+        match self {
+            Self::Job(_) | Self::Index(_) | Self::End { .. } => None,
+            Self::Variant(variant) => Some(&variant.key),
+            Self::Original(original) => Some(&original.key),
+            Self::Container(container) => Some(&container.key),
+            Self::Skipped { key, .. } | Self::Failed { key, .. } => Some(key),
+        }
+    }
+
     pub(super) fn text(&self) -> String {
         serde_json::to_string(self).expect("names and numbers are JSON") + "\n"
     }
@@ -200,8 +213,6 @@ pub(super) struct Manifest {
     pub(super) indices: Vec<Written>,
     /// Whether its last line is there and right; none where it has none.
     pub(super) sealed: Option<bool>,
-    /// The bytes before the files about all pictures.
-    pub(super) body: usize,
 }
 
 impl Entry {
@@ -224,38 +235,68 @@ impl Entry {
         own.chain(held)
     }
 
-    /// What it says, as lines in their order.
-    pub(super) fn lines(self, key: &str) -> Vec<Line> {
-        let Self { original, container, variants, skipped, failed } = self;
-        let mut lines: Vec<Line> = original.map(Line::Original).into_iter().collect();
-        lines.extend(container.map(Line::Container));
-        lines.extend(variants.into_values().map(Line::Variant));
-        lines.extend(skipped.map(|why| Line::Skipped { key: key.to_owned(), why }));
-        lines.extend(failed.map(|error| Line::Failed { key: key.to_owned(), error }));
-        lines
+    /// Adds what a line says of it.
+    pub(super) fn learn(&mut self, line: Line) {
+        match line {
+            Line::Original(original) => self.original = Some(original),
+            Line::Container(container) => self.container = Some(container),
+            Line::Variant(variant) => {
+                self.variants.insert(variant.number, variant);
+            }
+            Line::Skipped { why, .. } => self.skipped = Some(why),
+            Line::Failed { error, .. } => self.failed = Some(error),
+            Line::Job(_) | Line::Index(_) | Line::End { .. } => {}
+        }
     }
 }
 
-/// The text of a whole manifest.
-pub(super) fn sealed_text(
-    header: &Header,
-    entries: BTreeMap<String, Entry>,
-    indices: Vec<Written>,
-) -> String {
-    let mut text = Line::Job(Box::new(header.clone())).text();
-    for (key, entry) in entries {
-        text.extend(entry.lines(&key).iter().map(Line::text));
+/// A manifest as it is written at the end of a run.
+pub(super) struct Sealing<W: Write>(Hashed<W>);
+
+impl<W: Write> Sealing<W> {
+    pub(super) fn begin(out: W, header: &Header) -> io::Result<Self> {
+        let mut sealing = Self(Hashed::new(out));
+        sealing.add(Line::Job(Box::new(header.clone())).text().as_bytes())?;
+        Ok(sealing)
     }
-    text.extend(indices.into_iter().map(|written| Line::Index(written).text()));
-    let end = Line::End { sha256: sha256(text.as_bytes()) };
-    text + &end.text()
+
+    /// Adds a line, with its end.
+    pub(super) fn add(&mut self, line: &[u8]) -> io::Result<()> {
+        self.0.write_all(line)
+    }
+
+    /// Ends it with the files about all pictures and the digest of all before.
+    pub(super) fn end(mut self, indices: Vec<Written>) -> io::Result<W> {
+        for written in indices {
+            self.add(Line::Index(written).text().as_bytes())?;
+        }
+        let (_, sha256) = self.0.told();
+        self.add(Line::End { sha256 }.text().as_bytes())?;
+        Ok(self.0.into_inner())
+    }
 }
 
 impl Manifest {
     /// Reads a manifest; a last line without its end is left out.
     pub(super) fn read(path: &Path) -> Result<Self, AugmentError> {
-        let bytes = std::fs::read(path).map_err(|error| FileError::Read { path: path.to_owned(), error })?;
-        parse(&bytes).map_err(|line| AugmentError::Manifest { path: path.to_owned(), line })
+        let file =
+            std::fs::File::open(path).map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+        Self::from(BufReader::new(file)).map_err(|error| error.of(path))
+    }
+
+    /// Reads one from anywhere.
+    pub(super) fn from(source: impl BufRead) -> Result<Self, ScanError> {
+        let (mut entries, mut indices) = (BTreeMap::new(), Vec::new());
+        let scanned = scan(source, |line, _| {
+            if let Line::Index(written) = line {
+                indices.push(written);
+            } else if let Some(key) = line.key() {
+                let entry: &mut Entry = entries.entry(key.to_owned()).or_default();
+                entry.learn(line);
+            }
+        })?;
+        let Scanned { header, sealed, .. } = scanned;
+        Ok(Self { header, entries, indices, sealed })
     }
 
     /// Every variant, with the key of the file that holds it where it is none itself.
@@ -269,46 +310,75 @@ impl Manifest {
     }
 }
 
-/// Reads a manifest; the number of the line that is none otherwise.
-pub(super) fn parse(bytes: &[u8]) -> Result<Manifest, usize> {
-    let (mut header, mut entries, mut indices, mut sealed) = (None, BTreeMap::new(), Vec::new(), None);
-    let (mut before, mut body) = (0_usize, 0);
-    for (text, number) in bytes.split_inclusive(|&byte| byte == b'\n').zip(1..) {
+/// Where a line stands: its first byte, and how many there are with its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) first: u64,
+    pub(super) bytes: usize,
+}
+
+/// What is known of a manifest when its lines have been seen.
+pub(super) struct Scanned {
+    pub(super) header: Header,
+    /// Whether its last line is there and right; none where it has none.
+    pub(super) sealed: Option<bool>,
+    /// The bytes before the files about all pictures.
+    pub(super) body: u64,
+}
+
+/// A manifest cannot be read.
+#[derive(Debug)]
+pub(super) enum ScanError {
+    Read(io::Error),
+    /// The number of the line that is none.
+    Line(usize),
+}
+
+impl ScanError {
+    pub(super) fn of(self, path: &Path) -> AugmentError {
+        let path = path.to_owned();
+        match self {
+            Self::Read(error) => FileError::Read { path, error }.into(),
+            Self::Line(line) => AugmentError::Manifest { path, line },
+        }
+    }
+}
+
+/// Shows every line but the first and the last to `each`, with its place; a last line without its end is left out.
+pub(super) fn scan(
+    mut source: impl BufRead,
+    mut each: impl FnMut(Line, Place),
+) -> Result<Scanned, ScanError> {
+    let (mut header, mut sealed, mut is_body) = (None, None, true);
+    let (mut first, mut body) = (0_u64, 0_u64);
+    let (mut text, mut digest) = (Vec::new(), Sha256::new());
+    for number in 1.. {
+        text.clear();
+        let bytes = source.read_until(b'\n', &mut text).map_err(ScanError::Read)?;
         if !text.ends_with(b"\n") {
             break;
         }
-        let line: Line = serde_json::from_slice(text).map_err(|_| number)?;
+        let none = |_| ScanError::Line(number);
+        let line: Line = serde_json::from_slice(&text).map_err(none)?;
         // Nothing stands before the first line or behind the last.
         if header.is_none() != matches!(line, Line::Job(_)) || sealed.is_some() {
-            return Err(number);
+            return Err(ScanError::Line(number));
         }
         match line {
             Line::Job(found) if found.schema == SCHEMA => header = Some(*found),
-            Line::Job(_) => return Err(number),
-            Line::Original(original) => {
-                let entry: &mut Entry = entries.entry(original.key.clone()).or_default();
-                entry.original = Some(original);
-            }
-            Line::Container(container) => {
-                let entry = entries.entry(container.key.clone()).or_default();
-                entry.container = Some(container);
-            }
-            Line::Variant(variant) => {
-                let entry = entries.entry(variant.key.clone()).or_default();
-                entry.variants.insert(variant.number, variant);
-            }
-            Line::Skipped { key, why } => entries.entry(key).or_default().skipped = Some(why),
-            Line::Failed { key, error } => entries.entry(key).or_default().failed = Some(error),
-            Line::Index(written) => indices.push(written),
-            Line::End { sha256: told } => {
-                sealed = Some(bytes.get(..before).is_some_and(|all| sha256(all) == told));
+            Line::Job(_) => return Err(ScanError::Line(number)),
+            Line::End { sha256: told } => sealed = Some(hexadecimal(&digest.clone().finalize()) == told),
+            line => {
+                is_body &= !matches!(line, Line::Index(_));
+                each(line, Place { first, bytes });
             }
         }
-        before = before.saturating_add(text.len());
-        if indices.is_empty() && sealed.is_none() {
-            body = before;
+        digest.update(&text);
+        first = first.saturating_add(bytes as u64);
+        if is_body && sealed.is_none() {
+            body = first;
         }
     }
-    let header = header.ok_or(1_usize)?;
-    Ok(Manifest { header, entries, indices, sealed, body })
+    let header = header.ok_or(ScanError::Line(1))?;
+    Ok(Scanned { header, sealed, body })
 }

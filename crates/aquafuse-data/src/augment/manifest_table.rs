@@ -1,5 +1,6 @@
 //! The variants of a manifest as a table of Parquet: one row each, for programs that filter and join.
 
+use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -13,20 +14,28 @@ use super::manifest::{Entry, Header, Variant, Written};
 use crate::digest::sha256_of;
 use crate::picture::{FileError, write_atomically};
 
+/// The columns that need not have a value in every row.
+const LACKING: [&str; 4] = ["container", "depth_sha256", "water", "contrast_left"];
+/// Pictures whose rows are written at once.
+const AT_ONCE: usize = 1000;
+
 /// Writes the table `name` into `folder`.
-pub(super) fn write<'a>(
+pub(super) fn write(
     folder: &Path,
     name: String,
     header: &Header,
-    entries: impl Iterator<Item = &'a Entry>,
+    mut entries: impl Iterator<Item = Result<Entry, FileError>>,
 ) -> Result<Written, FileError> {
-    let all: Vec<(&Variant, Option<&str>)> = entries.flat_map(Entry::all_variants).collect();
     let path = folder.join(&name);
-    write_atomically(&path, true, |out| {
-        let rows = rows(header, &all)?;
-        let mut writer = ArrowWriter::try_new(out, rows.schema(), None)?;
-        writer.write(&rows)?;
-        writer.close().map(|_| ())
+    write_atomically(&path, true, |out| -> Result<(), Box<dyn Error>> {
+        let mut writer = ArrowWriter::try_new(out, rows(header, &[])?.schema(), None)?;
+        loop {
+            let some: Vec<Entry> = entries.by_ref().take(AT_ONCE).collect::<Result<_, _>>()?;
+            if some.is_empty() {
+                return Ok(writer.close().map(|_| ())?);
+            }
+            writer.write(&rows(header, &some.iter().flat_map(Entry::all_variants).collect::<Vec<_>>())?)?;
+        }
     })?;
     let failed = |error| FileError::Read { path: path.clone(), error };
     let bytes = path.metadata().map_err(failed)?.len();
@@ -80,5 +89,7 @@ fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch
         ("seed", Arc::new(all.iter().map(|_| Some(header.settings.seed)).collect::<UInt64Array>())),
         ("version", Arc::new(StringArray::from_iter_values(all.iter().map(|_| &header.version)))),
     ];
-    Ok(RecordBatch::try_from_iter(columns)?)
+    // Whether a column may lack values is said of the table, not of these rows.
+    let columns = columns.into_iter().map(|(name, column)| (name, column, LACKING.contains(&name)));
+    Ok(RecordBatch::try_from_iter_with_nullable(columns)?)
 }

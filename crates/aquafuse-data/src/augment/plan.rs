@@ -1,34 +1,80 @@
 //! What is to be made of each picture: refused here where it cannot be.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
-use super::{Augmentation, DepthPlan, Draw};
-use crate::dataset::{Companion, join, split, stem};
+use super::{Augmentation, DepthPlan, Draw, Draws};
+use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
 use crate::picture::{Format, shown};
 use crate::treatment::Space;
 
-/// What is to be made of a data set, in full.
+/// What is to be made of a data set.
+///
+/// It knows by which rule, and works out what that is picture by picture.
 #[derive(Clone, Debug)]
-pub struct Plan(pub(super) Vec<Planned>);
+pub struct Plan {
+    /// The places of the pictures that take part.
+    places: Vec<usize>,
+    rule: Rule,
+}
+
+/// How variants are drawn and called.
+#[derive(Clone, Debug)]
+struct Rule {
+    draws: Draws,
+    /// How waters are called in names.
+    slugs: Vec<String>,
+    /// Variants of each picture; none of files of many, of which is not known what they hold before they are read.
+    per_image: u32,
+    keep_originals: bool,
+}
 
 impl Plan {
     /// The files of the data set that take part.
     pub fn files(&self) -> usize {
-        self.0.len()
+        self.places.len()
     }
 
     /// Variants of them; 0 where [files hold many](crate::dataset::Layout::holds_many), which are not opened yet.
     pub fn variants(&self) -> usize {
-        self.0.iter().map(|sample| sample.variants.len()).fold(0, usize::saturating_add)
+        self.files().saturating_mul(usize::try_from(self.rule.per_image).unwrap_or(usize::MAX))
+    }
+
+    /// The places of those files in the data set.
+    pub(super) fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// Those files.
+    pub(super) fn samples<'a>(&self, all: &'a [Sample]) -> impl Iterator<Item = &'a Sample> {
+        self.places.iter().filter_map(|&place| all.get(place))
+    }
+
+    /// What is to be made of the picture of a place.
+    pub(super) fn planned<'a>(&self, dataset: &'a Dataset, place: usize) -> Option<Planned<'a>> {
+        Some(self.rule.planned(dataset.samples.get(place)?, place))
+    }
+
+    /// The folders that outputs go to.
+    pub(super) fn folders(&self, dataset: &Dataset) -> BTreeSet<String> {
+        let mut folders = BTreeSet::new();
+        for planned in self.places.iter().filter_map(|&place| self.planned(dataset, place)) {
+            for folder in planned.folders().filter(|&folder| !folders.contains(folder)).collect::<Vec<_>>() {
+                folders.insert(folder.to_owned());
+            }
+        }
+        folders
     }
 }
 
 /// A picture, and what is to be made of it.
 #[derive(Clone, Debug)]
-pub(super) struct Planned {
-    pub(super) key: String,
-    pub(super) companions: Vec<Companion>,
+pub(super) struct Planned<'a> {
+    /// Its place in the data set.
+    pub(super) place: usize,
+    pub(super) key: &'a str,
+    pub(super) companions: &'a [Companion],
     pub(super) variants: Vec<PlannedVariant>,
 }
 
@@ -43,12 +89,69 @@ pub(super) struct PlannedVariant {
     pub(super) companions: Vec<String>,
 }
 
-impl Planned {
+impl Planned<'_> {
     /// The folders that its outputs go to.
     fn folders(&self) -> impl Iterator<Item = &str> {
         let own = self.companions.iter().map(|companion| companion.path.as_str());
         let new = self.variants.iter().map(|variant| variant.output.as_str());
-        own.chain(new).chain([self.key.as_str()]).map(|path| split(path).0)
+        own.chain(new).chain([self.key]).map(|path| split(path).0)
+    }
+}
+
+impl Rule {
+    fn planned<'a>(&self, sample: &'a Sample, place: usize) -> Planned<'a> {
+        let variants = (0..self.per_image).map(|number| self.variant(sample, number)).collect();
+        Planned { place, key: &sample.key, companions: &sample.companions, variants }
+    }
+
+    fn variant(&self, sample: &Sample, number: u32) -> PlannedVariant {
+        let draw = self.draws.draw(&sample.key, number, self.slugs.len());
+        let slug = self.slugs.get(draw.water).map_or("", String::as_str);
+        let (folder, name) = split(&sample.key);
+        let new_stem = format!("{}__{slug}__{number}", stem(name));
+        let output = join(folder, &format!("{new_stem}.{}", extension(name)));
+        let companion = |companion: &Companion| {
+            let (folder, name_of) = split(&companion.path);
+            let rest = name_of.strip_prefix(stem(name)).filter(|rest| rest.starts_with(['.', '_', '-']));
+            let rest = rest.map_or_else(|| format!(".{}", extension(name_of)), str::to_owned);
+            join(folder, &format!("{new_stem}{rest}"))
+        };
+        let companions = sample.companions.iter().map(companion).collect();
+        PlannedVariant { number, draw, output, companions }
+    }
+
+    /// The pictures that are made of one.
+    fn outputs(&self, sample: &Sample) -> impl Iterator<Item = String> {
+        let own = self.keep_originals.then(|| sample.key.clone());
+        let variants: Vec<String> =
+            (0..self.per_image).map(|number| self.variant(sample, number).output).collect();
+        own.into_iter().chain(variants)
+    }
+
+    /// Refuses two pictures that would make one file.
+    fn check_names<'a>(&self, samples: impl Iterator<Item = &'a Sample> + Clone) -> Result<(), PlanError> {
+        let digest = |output: &String| {
+            let mut hasher = DefaultHasher::new();
+            output.hash(&mut hasher);
+            hasher.finish()
+        };
+        // Names themselves are held only where digests say that some may be equal: data sets are large.
+        let mut digests: Vec<u64> =
+            samples.clone().flat_map(|sample| self.outputs(sample)).map(|output| digest(&output)).collect();
+        digests.sort_unstable();
+        if !digests.windows(2).any(|pair| pair.first() == pair.last()) {
+            return Ok(());
+        }
+        let mut owners: BTreeMap<String, &str> = BTreeMap::new();
+        for sample in samples {
+            for output in self.outputs(sample) {
+                if let Some(other) = owners.insert(output.clone(), &sample.key) {
+                    let (one, other) = (sample.key.clone(), other.to_owned());
+                    return Err(PlanError::OneName { one, other, output });
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -131,40 +234,17 @@ impl<E: Space> Augmentation<E> {
             return Err(PlanError::MapsOfMany);
         }
         self.check_place()?;
-        let slugs: Vec<String> = recipe.waters.iter().map(super::Water::slug).collect();
-        let mut owners: BTreeMap<String, &str> = BTreeMap::new();
-        let mut plan = Vec::new();
-        for sample in self.dataset.samples.iter().filter(|sample| self.shard.holds(&sample.key)) {
-            let variant = |number| {
-                let draw = draws.draw(&sample.key, number, slugs.len());
-                let slug = slugs.get(draw.water).map_or("", String::as_str);
-                let (folder, name) = split(&sample.key);
-                let new_stem = format!("{}__{slug}__{number}", stem(name));
-                let output = join(folder, &format!("{new_stem}.{}", extension(name)));
-                let companion = |companion: &Companion| {
-                    let (folder, name_of) = split(&companion.path);
-                    let rest =
-                        name_of.strip_prefix(stem(name)).filter(|rest| rest.starts_with(['.', '_', '-']));
-                    let rest = rest.map_or_else(|| format!(".{}", extension(name_of)), str::to_owned);
-                    join(folder, &format!("{new_stem}{rest}"))
-                };
-                let companions = sample.companions.iter().map(companion).collect();
-                PlannedVariant { number, draw, output, companions }
-            };
-            // What is in a file of many is not known before it is read.
-            let many = if self.dataset.layout.holds_many() { 0 } else { recipe.per_image };
-            let variants: Vec<PlannedVariant> = (0..many).map(variant).collect();
-            let own = recipe.keep_originals.then_some(&sample.key).into_iter();
-            for output in own.chain(variants.iter().map(|variant| &variant.output)) {
-                if let Some(other) = owners.insert(output.clone(), &sample.key) {
-                    let (one, other) = (sample.key.clone(), other.to_owned());
-                    return Err(PlanError::OneName { one, other, output: output.clone() });
-                }
-            }
-            let (key, companions) = (sample.key.clone(), sample.companions.clone());
-            plan.push(Planned { key, companions, variants });
-        }
-        Ok(Plan(plan))
+        let rule = Rule {
+            draws: *draws,
+            slugs: recipe.waters.iter().map(super::Water::slug).collect(),
+            per_image: if self.dataset.layout.holds_many() { 0 } else { recipe.per_image },
+            keep_originals: recipe.keep_originals,
+        };
+        let holds = |sample: &Sample| self.shard.holds(&sample.key);
+        let all = self.dataset.samples.iter();
+        rule.check_names(all.clone().filter(|sample| holds(sample)))?;
+        let places = all.enumerate().filter(|(_, sample)| holds(sample)).map(|(place, _)| place).collect();
+        Ok(Plan { places, rule })
     }
 
     /// Refuses an output that is not ours to fill.
@@ -194,11 +274,6 @@ impl<E: Space> Augmentation<E> {
             false => Err(PlanError::Foreign { output }),
         }
     }
-}
-
-/// The folders that outputs go to.
-pub(super) fn folders(plan: &[Planned]) -> BTreeSet<&str> {
-    plan.iter().flat_map(Planned::folders).collect()
 }
 
 /// The extension of a variant: that of its picture, if we write that format.

@@ -1,6 +1,7 @@
 #[cfg(feature = "parquet")]
 mod tables;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 

@@ -233,38 +233,39 @@ fn outside(sides: &[f64], [width, height]: [Option<f64>; 2]) -> Option<String> {
 
 impl File {
     /// The file for the pictures that were made.
-    pub(super) fn for_made(&self, text: &str, made: &Made) -> Result<Vec<u8>, String> {
+    pub(super) fn for_made(&self, text: &str, made: &Made<'_>) -> Result<Vec<u8>, String> {
         let said = |error: serde_json::Error| one_line(&error.to_string());
         let top: Entries<'_> = serde_json::from_str(text).map_err(said)?;
         let lists: Lists<'_> = serde_json::from_str(text).map_err(said)?;
         let mut images = Vec::new();
-        let mut by_id: BTreeMap<&str, &str> = BTreeMap::new();
+        let mut by_id = BTreeMap::new();
         for (raw, key) in lists.images.iter().zip(&self.keys) {
-            let Some(key) = key.as_deref().filter(|key| made.ranks.contains_key(*key)) else { continue };
+            let Some((sample, variants)) = key.as_deref().and_then(|key| made.of(key)) else { continue };
             let image: Image<'_> = serde_json::from_str(raw.get()).map_err(said)?;
-            by_id.insert(image.id.get(), key);
+            let numbers: Vec<u32> = variants.iter().map(|(number, _)| *number).collect();
+            by_id.insert(image.id.get(), (sample.rank, numbers));
             if made.originals {
                 images.push(raw.get().to_owned());
             }
             let fields: Entries<'_> = serde_json::from_str(raw.get()).map_err(said)?;
-            for (number, path) in made.of(key) {
+            for (number, path) in &variants {
                 let name = join(split(&image.file_name).0, split(path).1);
                 let name = serde_json::to_string(&name).map_err(said)?;
-                let id = self.image_id(made, key, *number).to_string();
+                let id = self.image_id(made, sample.rank, *number).to_string();
                 images.push(fields.with(&[("id", &id), ("file_name", &name)]));
             }
         }
         let mut annotations = Vec::new();
         for (raw, place) in lists.annotations.iter().zip(0_i64..) {
             let Ok(annotation) = serde_json::from_str::<Annotation<'_>>(raw.get()) else { continue };
-            let Some(key) = by_id.get(annotation.image_id.get()) else { continue };
+            let Some((rank, numbers)) = by_id.get(annotation.image_id.get()) else { continue };
             if made.originals {
                 annotations.push(raw.get().to_owned());
             }
             let fields: Entries<'_> = serde_json::from_str(raw.get()).map_err(said)?;
-            for (number, _) in made.of(key) {
+            for number in numbers {
                 let id = nth(self.first_annotation, place, made.per_image, *number).to_string();
-                let image_id = self.image_id(made, key, *number).to_string();
+                let image_id = self.image_id(made, *rank, *number).to_string();
                 annotations.push(fields.with(&[("id", &id), ("image_id", &image_id)]));
             }
         }
@@ -273,8 +274,7 @@ impl File {
     }
 
     /// The id of a variant: the same for any subset of the data set.
-    fn image_id(&self, made: &Made, key: &str, number: u32) -> i64 {
-        let rank = made.ranks.get(key).copied().unwrap_or_default();
+    fn image_id(&self, made: &Made<'_>, rank: u64, number: u32) -> i64 {
         nth(self.first_image, i64::try_from(rank).unwrap_or(i64::MAX), made.per_image, number)
     }
 }
@@ -290,13 +290,10 @@ pub(crate) fn try_parse(text: &str) {
     let files = ["a.jpg", "images/b.jpg"].map(str::to_owned).into_iter().collect();
     let tree = Tree { root: std::path::PathBuf::new(), files, faults: Vec::new() };
     let Ok(found) = examine(&tree, "instances.json", text) else { return };
-    let keys = found.file.keys.iter().flatten().cloned();
-    let made = Made {
-        variants: keys.clone().map(|key| (key, vec![(0, "v.jpg".to_owned())])).collect(),
-        ranks: keys.zip(0..).collect(),
-        per_image: 1,
-        originals: true,
-    };
+    let keys: BTreeSet<&String> = found.file.keys.iter().flatten().collect();
+    let samples: Vec<Sample> = keys.into_iter().map(|key| Sample::new(key, Vec::new())).collect();
+    let variants = |_| Some(vec![(0, "v.jpg".to_owned())]);
+    let made = Made { samples: &samples, variants: &variants, per_image: 1, originals: true };
     let written = found.file.for_made(text, &made).expect("what was read is written");
     let written = String::from_utf8(written).expect("text stays text");
     assert!(serde_json::from_str::<Lists<'_>>(&written).is_ok(), "what is written is read");

@@ -1,9 +1,8 @@
 //! Files about all pictures of a data set, written anew for the pictures that were made.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{coco, join, stem};
+use super::{Sample, coco, join, stem};
 use crate::picture::FileError;
 
 /// A file about all pictures of a data set.
@@ -37,21 +36,33 @@ pub enum Index {
 }
 
 /// What was made of a data set.
-#[derive(Clone, Debug, Default)]
-pub struct Made {
-    /// The variants of each picture, by its key: their number among those of the picture, and their paths.
-    pub variants: BTreeMap<String, Vec<(u32, String)>>,
-    /// The place of each picture in the data set.
-    pub ranks: BTreeMap<String, u64>,
+#[derive(Clone, Copy)]
+pub struct Made<'a> {
+    /// The pictures of the data set, sorted by key.
+    pub samples: &'a [Sample],
+    /// The variants of the picture of this place: their numbers among those of the picture, and their paths. None where
+    /// nothing was made of it.
+    pub variants: &'a dyn Fn(usize) -> Option<Vec<(u32, String)>>,
     /// Variants that a picture may have at most.
     pub per_image: u32,
     /// Whether the pictures themselves are there too.
     pub originals: bool,
 }
 
-impl Made {
-    pub(super) fn of(&self, key: &str) -> &[(u32, String)] {
-        self.variants.get(key).map_or(&[], Vec::as_slice)
+impl Made<'_> {
+    /// A picture and its variants; none where nothing was made of it.
+    pub(super) fn of(&self, key: &str) -> Option<(&Sample, Vec<(u32, String)>)> {
+        let place = self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok()?;
+        Some((self.samples.get(place)?, (self.variants)(place)?))
+    }
+
+    /// The variants of pictures whose path without its extension is this.
+    fn of_stem(&self, path: &str) -> Vec<(u32, String)> {
+        let first = self.samples.partition_point(|sample| sample.key.as_str() < path);
+        let all = (first..).zip(self.samples.iter().skip(first));
+        let alike = all.take_while(|(_, sample)| sample.key.starts_with(path));
+        let own = alike.filter(|(_, sample)| stem(&sample.key) == path);
+        own.filter_map(|(place, _)| (self.variants)(place)).flatten().collect()
     }
 }
 
@@ -77,7 +88,7 @@ impl Index {
     /// # Errors
     ///
     /// [`FileError`] when the file cannot be read again.
-    pub fn for_made(&self, root: &Path, made: &Made) -> Result<Vec<u8>, FileError> {
+    pub fn for_made(&self, root: &Path, made: &Made<'_>) -> Result<Vec<u8>, FileError> {
         let path = root.join(self.path());
         let bytes = std::fs::read(&path).map_err(|error| FileError::Read { path: path.clone(), error })?;
         let text = String::from_utf8_lossy(&bytes);
@@ -87,14 +98,13 @@ impl Index {
             Self::Paths { .. } => Ok(lines(&text, made.originals, |line| {
                 let key = super::inside(line).unwrap_or_default();
                 let folder = line.strip_suffix(&key).unwrap_or_default().to_owned();
-                made.of(&key).iter().map(|(_, path)| format!("{folder}{path}")).collect()
+                let variants = made.of(&key).map(|(_, variants)| variants).unwrap_or_default();
+                variants.iter().map(|(_, path)| format!("{folder}{path}")).collect()
             })),
             Self::Stems { folder, .. } => Ok(lines(&text, made.originals, |line| {
                 let (name, rest) = line.split_at(line.find(char::is_whitespace).unwrap_or(line.len()));
-                let from = join(folder, name);
-                let all = made.variants.range(from.clone()..).take_while(|(key, _)| key.starts_with(&from));
-                let variants = all.filter(|(key, _)| stem(key) == from).flat_map(|(_, variants)| variants);
-                variants.map(|(_, path)| format!("{}{rest}", stem(super::split(path).1))).collect()
+                let variants = made.of_stem(&join(folder, name));
+                variants.iter().map(|(_, path)| format!("{}{rest}", stem(super::split(path).1))).collect()
             })),
             Self::Coco(file) => {
                 file.for_made(&text, made).map_err(|cause| FileError::Damaged { path, cause })
@@ -127,23 +137,24 @@ mod tests {
 
     #[test]
     fn lists_name_the_variants_behind_what_they_are_of() {
-        let variants = BTreeMap::from([
-            ("JPEGImages/a.jpg".to_owned(), vec![(0, "JPEGImages/a__w__0.jpg".to_owned())]),
-            ("JPEGImages/ab.jpg".to_owned(), vec![(0, "JPEGImages/ab__w__0.jpg".to_owned())]),
-        ]);
+        let samples = ["JPEGImages/a.jpg", "JPEGImages/ab.jpg", "JPEGImages/c.jpg"]
+            .map(|key| Sample::new(key, Vec::new()));
+        let variants = |place: usize| {
+            let paths = ["JPEGImages/a__w__0.jpg", "JPEGImages/ab__w__0.jpg"];
+            Some(vec![(0, (*paths.get(place)?).to_owned())])
+        };
+        let made = |originals| Made { samples: &samples, variants: &variants, per_image: 1, originals };
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("l.txt"), "a  1\nab -1\nc 0\n").unwrap();
         let list = Index::Stems { path: "l.txt".into(), folder: "JPEGImages".into() };
         let text = |originals: bool| {
-            let made = Made { variants: variants.clone(), originals, ..Made::default() };
-            String::from_utf8(list.for_made(folder.path(), &made).unwrap()).unwrap()
+            String::from_utf8(list.for_made(folder.path(), &made(originals)).unwrap()).unwrap()
         };
         assert_eq!(text(true), "a  1\na__w__0  1\nab -1\nab__w__0 -1\nc 0\n");
         assert_eq!(text(false), "a__w__0  1\nab__w__0 -1\n");
         std::fs::write(folder.path().join("l.txt"), "./JPEGImages/a.jpg\n").unwrap();
         let paths = Index::Paths { path: "l.txt".into() };
-        let made = Made { variants, originals: true, ..Made::default() };
-        let text = String::from_utf8(paths.for_made(folder.path(), &made).unwrap()).unwrap();
+        let text = String::from_utf8(paths.for_made(folder.path(), &made(true)).unwrap()).unwrap();
         assert_eq!(text, "./JPEGImages/a.jpg\n./JPEGImages/a__w__0.jpg\n");
     }
 

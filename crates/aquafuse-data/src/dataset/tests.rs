@@ -154,15 +154,11 @@ fn links_that_lead_out_of_the_data_set_are_not_followed() {
 fn of_coco_nothing_changes_but_ids_and_names() {
     let source = coco(COCO);
     let dataset = opened(&source);
-    let variants = |key: &str| {
-        (key.to_owned(), vec![(0, key.replace(".jpg", "__w__0.jpg")), (1, key.replace(".jpg", "__w__1.jpg"))])
+    let variants = |place: usize| {
+        let key = &dataset.samples[place].key;
+        Some(vec![(0, key.replace(".jpg", "__w__0.jpg")), (1, key.replace(".jpg", "__w__1.jpg"))])
     };
-    let made = Made {
-        variants: ["images/a.jpg", "images/b.jpg"].map(variants).into(),
-        ranks: [("images/a.jpg".to_owned(), 0), ("images/b.jpg".to_owned(), 1)].into(),
-        per_image: 2,
-        originals: true,
-    };
+    let made = Made { samples: &dataset.samples, variants: &variants, per_image: 2, originals: true };
     let written = dataset.indices[0].for_made(&dataset.root, &made).unwrap();
     let written = String::from_utf8(written).unwrap();
     // Digits stay digits, fields their order.
@@ -187,7 +183,8 @@ fn of_coco_nothing_changes_but_ids_and_names() {
         assert_eq!(ids.len(), 6, "{list}");
     }
     // The same ids for the part that holds one picture only.
-    let part = Made { ranks: [("images/b.jpg".to_owned(), 1)].into(), originals: false, ..made };
+    let second = |place: usize| if place == 1 { variants(place) } else { None };
+    let part = Made { variants: &second, originals: false, ..made };
     let part = String::from_utf8(dataset.indices[0].for_made(&dataset.root, &part).unwrap()).unwrap();
     let part: serde_json::Value = serde_json::from_str(&part).unwrap();
     for (list, count) in [("images", 2), ("annotations", 2)] {

@@ -8,10 +8,10 @@ use tar::Builder;
 
 use super::super::make::Maker;
 use super::super::manifest::Container;
-use super::{Hashed, Held, written};
+use super::{Held, written};
 use crate::dataset::shards::{Group, Member, groups};
 use crate::dataset::{join, split};
-use crate::digest::hexadecimal;
+use crate::digest::{Hashed, hexadecimal};
 use crate::picture::{FileError, ReadOptions, one_line, open_file, write_atomically};
 use crate::treatment::Space;
 
@@ -61,7 +61,8 @@ impl<E: Space> Maker<'_, E> {
                 unread = Some(error);
                 return Err(std::io::Error::other("its input cannot be read"));
             }
-            builder.into_inner()?.describe(&mut container.written);
+            let written = &mut container.written;
+            (written.bytes, written.sha256) = builder.into_inner()?.told();
             Ok(())
         });
         match unread {

@@ -12,10 +12,10 @@ use parquet::schema::types::ColumnPath;
 
 use super::super::make::Maker;
 use super::super::manifest::Container;
-use super::{Hashed, Held, written};
+use super::{Held, written};
 use crate::dataset::tables::{Cell, Table, binary, cell, texts};
 use crate::dataset::{join, split, stem};
-use crate::digest::sha256_of;
+use crate::digest::{Hashed, sha256_of};
 use crate::picture::{FileError, Format, ReadOptions, one_line, open_file, write_atomically};
 use crate::treatment::Space;
 
@@ -82,7 +82,7 @@ impl<E: Space> Maker<'_, E> {
                 first = first.saturating_add(rows.num_rows() as u64);
             }
             writer.close()?;
-            hashed.describe(&mut container.written);
+            (container.written.bytes, container.written.sha256) = hashed.told();
             Ok(())
         });
         match unread {

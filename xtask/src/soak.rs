@@ -8,8 +8,10 @@ mod table;
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::Command;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, Result, bail};
 
@@ -40,27 +42,49 @@ pub(crate) fn run_for(minutes: u64) -> Result<()> {
     build.env("RUSTFLAGS", FLAGS);
     run(build)?;
     let programs = root().join("fuzz/target").join(&triple).join("release");
-    let mut table = read()?;
-    let mut failed = Vec::new();
-    for (target, seconds) in shares(&targets, &table, 60 * minutes) {
-        say(&format!("Fuzzing {target} for {seconds} s"));
-        let row = fuzz(&target, &programs, seconds)?;
-        if row.crashes > 0 {
-            failed.push(target.clone());
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let table = read()?;
+    let mut queue = shares(&targets, &table, 60 * minutes * cores as u64, 60 * minutes);
+    // The longest first, so that the cores end together.
+    queue.sort_by_key(|(_, seconds)| *seconds);
+    let (queue, table, failed) = (Mutex::new(queue), Mutex::new(table), Mutex::new(Vec::new()));
+    let work = || -> Result<()> {
+        while let Some((target, seconds)) = taken(&queue).pop() {
+            say(&format!("Fuzzing {target} for {seconds} s"));
+            let row = fuzz(&target, &programs, seconds)?;
+            if row.crashes > 0 {
+                taken(&failed).push(target.clone());
+            }
+            let mut table = taken(&table);
+            table.entry(target).or_default().add(&row);
+            write_section(RESULTS, "soak", &rows(&table))?;
         }
-        table.entry(target.clone()).or_default().add(&row);
-        write_section(RESULTS, "soak", &rows(&table))?;
-    }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let crew: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        crew.into_iter().try_for_each(|one| one.join().expect("a fuzzing thread does not panic"))
+    })?;
     kills()?;
+    let failed = failed.into_inner().unwrap_or_default();
     if failed.is_empty() {
         return Ok(());
     }
     bail!("{} failed; the inputs lie in fuzz/artifacts", failed.join(", "))
 }
 
-/// The seconds of each target that still lacks executions, in proportion to the time that those will take; alike
-/// for all once none lacks any.
-fn shares(targets: &[String], table: &BTreeMap<String, Row>, seconds: u64) -> Vec<(String, u64)> {
+fn taken<T>(of_all: &Mutex<T>) -> MutexGuard<'_, T> {
+    of_all.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The seconds of each target that still lacks executions, in proportion to the time that those will take but none more
+/// than `most`; alike for all once none lacks any.
+fn shares(
+    targets: &[String],
+    table: &BTreeMap<String, Row>,
+    seconds: u64,
+    most: u64,
+) -> Vec<(String, u64)> {
     let rate = |row: &Row| row.executions as f64 / row.seconds.max(1) as f64;
     let slowest = table.values().map(rate).fold(f64::INFINITY, f64::min).min(PROMISED as f64);
     let lacks = |target: &String| {
@@ -72,9 +96,10 @@ fn shares(targets: &[String], table: &BTreeMap<String, Row>, seconds: u64) -> Ve
     let all: f64 = targets.iter().map(lacks).sum();
     let share = |target: &String| match all {
         0.0 => seconds / targets.len() as u64,
-        _ => (seconds as f64 * (lacks(target) / all).min(1.0)).ceil() as u64,
+        // No longer than is needed, with something to spare for a rate that was measured at another time.
+        _ => (seconds as f64 * (lacks(target) / all).min(1.0)).min(1.2 * lacks(target)).ceil() as u64,
     };
-    let shares = targets.iter().map(|target| (target.clone(), share(target)));
+    let shares = targets.iter().map(|target| (target.clone(), share(target).min(most)));
     shares.filter(|(_, seconds)| *seconds > 0).collect()
 }
 
@@ -160,14 +185,16 @@ mod tests {
         let names = ["done", "fast", "slow"].map(str::to_owned);
         let rows = [row(PROMISED, 10), row(PROMISED / 2, 100), row(PROMISED / 2, 300)];
         let table = names.iter().cloned().zip(rows).collect();
-        let shares = shares(&names, &table, 400);
-        assert_eq!(shares, [("fast".to_owned(), 100), ("slow".to_owned(), 300)]);
+        let given = |seconds, most| shares(&names, &table, seconds, most).into_iter().map(|(_, share)| share);
+        assert!(given(400, 400).eq([100, 300]));
+        assert!(given(400, 250).eq([100, 250]), "no target has more than the time there is");
+        assert!(given(4000, 4000).eq([120, 360]), "nor much more than it lacks");
     }
 
     #[test]
     fn once_nothing_lacks_all_have_the_same() {
         let names = ["a", "b"].map(str::to_owned);
         let table = names.iter().cloned().map(|name| (name, row(PROMISED, 1))).collect();
-        assert_eq!(shares(&names, &table, 60).iter().map(|(_, share)| *share).collect::<Vec<_>>(), [30, 30]);
+        assert_eq!(shares(&names, &table, 60, 60).iter().map(|(_, share)| *share).collect::<Vec<_>>(), [30, 30]);
     }
 }

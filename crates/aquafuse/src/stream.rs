@@ -105,32 +105,45 @@ impl Stream {
     /// [`SizeError`] when the two differ in size.
     pub fn fuse_into(&mut self, frame: &Image<u8>, fused: &mut Image<u8>) -> Result<Clipping, SizeError> {
         crate::image::check_same_size(frame.size(), fused.size())?;
+        if self.options.smoothing == Smoothing::Bilateral {
+            let (rough, clipping) = self.rough(frame);
+            self.smooth(rough, fused);
+            return Ok(clipping);
+        }
         let (depth, bounded) = self.look_at(frame);
         let clipping = fusion::fuse_into(frame, &depth, bounded.waters(), &bounded.options, fused)?;
         self.levels = depth.into_levels();
-        self.smooth(fused);
         Ok(clipping)
     }
 
     /// [`Stream::fuse_into`] in place.
     pub fn fuse_mut(&mut self, frame: &mut Image<u8>) -> Clipping {
+        if self.options.smoothing == Smoothing::Bilateral {
+            let (rough, clipping) = self.rough(frame);
+            self.smooth(rough, frame);
+            return clipping;
+        }
         let (depth, bounded) = self.look_at(frame);
         let clipping = fusion::fuse_mut(frame, &depth, bounded.waters(), &bounded.options);
         self.levels = depth.into_levels();
-        self.smooth(frame);
         clipping.expect("the depth map was made for this frame")
     }
 
-    fn smooth(&mut self, fused: &mut Image<u8>) {
-        if self.options.smoothing == Smoothing::Bilateral {
-            let mut samples = std::mem::take(&mut self.samples);
-            samples.clear();
-            samples.extend_from_slice(fused.as_raw());
-            let whole = Image::from_raw(fused.width(), fused.height(), samples);
-            let whole = whole.expect("the samples are those of a picture");
-            smooth::bilateral_into(&whole, fused).expect("the sizes are those of one picture");
-            self.samples = whole.into_raw();
-        }
+    /// A frame fused and not smoothed yet, in the memory of the last one.
+    fn rough(&mut self, frame: &Image<u8>) -> (Image<u8>, Clipping) {
+        let (depth, bounded) = self.look_at(frame);
+        let mut samples = std::mem::take(&mut self.samples);
+        samples.resize(frame.as_raw().len(), 0);
+        let mut rough =
+            Image::from_raw(frame.width(), frame.height(), samples).expect("there is room for all");
+        let clipping = fusion::fuse_into(frame, &depth, bounded.waters(), &bounded.options, &mut rough);
+        self.levels = depth.into_levels();
+        (rough, clipping.expect("depth map and room were made for this frame"))
+    }
+
+    fn smooth(&mut self, rough: Image<u8>, smoothed: &mut Image<u8>) {
+        smooth::bilateral_into(&rough, smoothed).expect("the sizes are those of one frame");
+        self.samples = rough.into_raw();
     }
 
     fn look_at(&mut self, frame: &Image<u8>) -> (DepthMap, Bounded<crate::image::Encoded>) {

@@ -190,7 +190,7 @@ fn estimate_from<E: Encoding>(
 ) -> Estimate<E> {
     let Look { statistics, light, growth, attenuation } = look::<E>(whole, image, quantised, depth, options);
     let intervals = judge::intervals::<E>(&growth, &light);
-    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth, quantised);
+    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth);
     Estimate {
         water: Waterbody {
             veiling_light: VeilingLight::new(growth.veil),

@@ -14,7 +14,7 @@ use super::veiling_light::{Reading, VeilingLightSource};
 use crate::depth::{DepthMap, Quantised};
 use crate::image::{Encoding, Image};
 use envelope::Point;
-use posterior::{Bell, Posterior, Trust, weigh};
+use posterior::{Bell, Grid, Posterior, Trust, weigh};
 
 /// What tells how fast backscatter grows with distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,7 +90,8 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
     let base = if depth.model().is_some() { FROM_COLOUR } else { GIVEN };
     let noise = NOISE_LEFT * light.noise / 255.0;
     let trust = Trust { deviation: base.deviation.hypot(noise), ..base };
-    let coarse = even(RANGE[0].ln(), RANGE[1].ln(), COARSE);
+    let bins: Vec<f32> = statistics.bins.iter().map(|bin| bin.z / statistics.z95).collect();
+    let coarse = Grid::new(even(RANGE[0].ln(), RANGE[1].ln(), COARSE), &bins);
     let line = depth.model().filter(|_| open);
     let line = line.and_then(|model| mixing_line::optical_depth(statistics, veil, model, &coarse));
     let prior = |c: usize| match line {
@@ -103,7 +104,7 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
         VEILS.iter().map(|&ln| (ln, 0.5 * (ln / VEIL_DEVIATION).powi(2))).collect()
     };
     let look =
-        |c: usize, prior: Bell, taus: &[f32]| weigh::<E>(&envelopes[c], veil[c], trust, prior, taus, &veils);
+        |c: usize, prior: Bell, tried: &Grid| weigh::<E>(&envelopes[c], veil[c], trust, prior, tried, &veils);
 
     let first: [Bell; 3] = std::array::from_fn(|c| {
         let seen = look(c, prior(c), &coarse).ln_tau;
@@ -113,7 +114,8 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
         let others = of_others(first, c);
         let near = first[c].and(others);
         let reach = REACH * near.deviation.max(LEAST_DEVIATION);
-        look(c, prior(c).and(others), &even(near.mean - reach, near.mean + reach, FINE))
+        let fine = Grid::new(even(near.mean - reach, near.mean + reach, FINE), &bins);
+        look(c, prior(c).and(others), &fine)
     });
     Growth {
         veil: std::array::from_fn(|c| (veil[c] * found[c].ln_veil.mean.exp()).min(1.0)),

@@ -6,7 +6,7 @@ use super::quality::{Quality, Reason, Reasons};
 use super::statistics::Statistics;
 use super::veiling_light::{Reading, VeilingLightSource};
 use super::{Intervals, attenuation};
-use crate::depth::{DepthMap, Quantised};
+use crate::depth::DepthMap;
 use crate::image::Encoding;
 
 /// Deviations of a normal error to either side that hold nine in ten.
@@ -70,7 +70,6 @@ pub(super) fn quality<E: Encoding>(
     statistics: &Statistics<E>,
     attenuation: &[attenuation::Fit; 3],
     depth: &DepthMap,
-    quantised: &Quantised<'_>,
 ) -> Quality {
     let from_colour = depth.model().is_some();
     let demands = if from_colour { FROM_COLOUR } else { GIVEN };
@@ -79,7 +78,7 @@ pub(super) fn quality<E: Encoding>(
     let mut reasons = Reasons::default();
     reasons.add_if(light.source != VeilingLightSource::OpenWater, Reason::NoOpenWater);
     reasons.add_if(is_flat(statistics), Reason::FlatDepth);
-    reasons.add_if(from_colour && is_saturated(&quantised.levels), Reason::SaturatedDepth);
+    reasons.add_if(from_colour && is_saturated(statistics), Reason::SaturatedDepth);
     reasons.add_if(is_glare(growth.veil.map(E::to_encoded)), Reason::LightOutsideWaterHues);
     reasons.add_if(any(&|c| growth.on_curve[c] < demands.on_curve), Reason::LargeResidual);
     let few_dark =
@@ -96,9 +95,8 @@ fn is_flat<E: Encoding>(statistics: &Statistics<E>) -> bool {
     far.z - near.z < FLAT * statistics.z95
 }
 
-fn is_saturated(levels: &[u8]) -> bool {
-    let at = |end: u8| levels.iter().filter(|&&level| level == end).count() as f64;
-    at(0).max(at(255)) > SATURATED * levels.len() as f64
+fn is_saturated<E: Encoding>(statistics: &Statistics<E>) -> bool {
+    statistics.at_ends.iter().any(|&share| share > SATURATED)
 }
 
 fn is_glare([red, green, blue]: [f32; 3]) -> bool {

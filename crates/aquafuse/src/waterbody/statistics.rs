@@ -18,6 +18,8 @@ pub(super) struct Statistics<E: Encoding> {
     /// z that 95 % of the pixels do not exceed, those beyond the steps of depth left out; the scale on which
     /// coefficients are bounded. Never 0.
     pub(super) z95: f32,
+    /// Share of all pixels at the nearest and at the farthest level.
+    pub(super) at_ends: [f64; 2],
 }
 
 /// The colours of one range of depths.
@@ -41,6 +43,7 @@ impl<E: Encoding> Statistics<E> {
     pub(super) fn gather(image: &Image<u8>, depth: &Quantised<'_>) -> Self {
         let Quantised { levels, step, beyond } = depth;
         let mut counts = count(levels);
+        let at_ends = [counts[0], counts[LEVELS - 1]].map(|count| count as f64 / levels.len().max(1) as f64);
         if let Some(beyond) = beyond.map(usize::from)
             && counts[beyond] < levels.len() as u64
         {
@@ -56,28 +59,27 @@ impl<E: Encoding> Statistics<E> {
             level.unwrap_or(LEVELS - 1)
         };
         let whole = counts.iter().sum::<u64>().max(1);
-        let mut seen = 0;
+        let (mut seen, mut weighted, mut count) = (0, [0; BINS as usize], [0; BINS as usize]);
         // A level belongs where its middle pixel does.
         let bin_of: [u8; LEVELS] = std::array::from_fn(|level| {
             let middle = 2 * seen + counts[level];
             seen += counts[level];
-            (middle * BINS / (2 * whole)).min(BINS - 1) as u8
+            let bin = (middle * BINS / (2 * whole)).min(BINS - 1);
+            weighted[bin as usize] += counts[level] * level as u64;
+            count[bin as usize] += counts[level];
+            bin as u8
         });
         let values = count_by_bin(image.pixels(), levels, &bin_of, &counts);
-        let mut bins: Vec<Bin<E>> = values
-            .into_iter()
-            .map(|values| Bin { z: 0.0, count: 0, values, encoding: PhantomData })
-            .collect();
-        for (index, bin) in bins.iter_mut().enumerate() {
-            let members = (0..LEVELS).filter(|&level| usize::from(bin_of[level]) == index);
-            let weighted: u64 = members.clone().map(|level| counts[level] * level as u64).sum();
-            bin.count = members.map(|level| counts[level]).sum();
-            bin.z = (weighted as f64 / bin.count.max(1) as f64) as f32 * step;
-        }
-        bins.retain(|bin| bin.count >= LEAST_PIXELS);
+        let bins =
+            values.into_iter().zip(count).zip(weighted).filter(|((_, count), _)| *count >= LEAST_PIXELS);
+        let bin = |((values, count), weighted): ((_, u64), u64)| {
+            let z = (weighted as f64 / count as f64) as f32 * step;
+            Bin { z, count, values, encoding: PhantomData }
+        };
+        let bins = bins.map(bin).collect();
         // Depth that is 0 everywhere has no scale; any will do, since no coefficient can be read off it.
         let z95 = level_at(0.95).max(1) as f32 * step;
-        Self { bins, z95 }
+        Self { bins, z95, at_ends }
     }
 }
 

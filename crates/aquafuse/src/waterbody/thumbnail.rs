@@ -83,10 +83,22 @@ fn thin<T: Copy>(row: &[T], stride: usize, thinned: &mut [T]) {
     let far = &far[far.len().saturating_sub(1) % stride..];
     let (to_near, to_far) = thinned.split_at_mut(near.len().div_ceil(stride));
     for (to, from) in [(to_near, near), (to_far, far)] {
-        for (to, from) in to.iter_mut().zip(from.chunks(stride)) {
-            *to = from[0];
+        match stride {
+            // Of most large pictures: known to the compiler, it costs a third.
+            2 => pick::<T, 2>(from, to),
+            3 => pick::<T, 3>(from, to),
+            4 => pick::<T, 4>(from, to),
+            _ => to.iter_mut().zip(from.iter().step_by(stride)).for_each(|(to, from)| *to = *from),
         }
     }
+}
+
+/// The first of every `STRIDE` values.
+fn pick<T: Copy, const STRIDE: usize>(from: &[T], to: &mut [T]) {
+    let (whole, rest) = from.as_chunks::<STRIDE>();
+    let (of_whole, of_rest) = to.split_at_mut(whole.len());
+    of_whole.iter_mut().zip(whole).for_each(|(to, values)| *to = values[0]);
+    of_rest.iter_mut().zip(rest).for_each(|(to, from)| *to = *from);
 }
 
 #[cfg(test)]

@@ -13,8 +13,6 @@ const MOVED: [f32; 2] = [2.65, 0.9];
 /// One bin of depth, in one channel.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::waterbody) struct Point {
-    /// z in units of z95.
-    pub(super) z: f32,
     /// The darkest things, what noise took from them given back, in the encoding of the fit.
     pub(in crate::waterbody) dark: f32,
     /// How much of the encoding one step of an encoded value is there: 1 for encoded values.
@@ -31,7 +29,6 @@ pub(super) fn read<E: Encoding>(statistics: &Statistics<E>, channel: usize, nois
         // Cut at black and white, so that what is divided by is what was spanned.
         let [low, high] = [-STEP, STEP].map(|step| (encoded + step).clamp(0.0, 1.0));
         Point {
-            z: bin.z / statistics.z95,
             dark: E::from_encoded(encoded),
             slope: ((E::from_encoded(high) - E::from_encoded(low)) / (high - low)).max(LEAST_SLOPE),
         }

@@ -1,6 +1,7 @@
 //! What optical depth a depth from colour must have, from the water's colour alone.
 
 use super::super::statistics::Statistics;
+use super::posterior::Grid;
 use crate::depth::DepthModel;
 use crate::image::Encoding;
 
@@ -21,7 +22,7 @@ pub(super) fn optical_depth<E: Encoding>(
     statistics: &Statistics<E>,
     veil: [f32; 3],
     model: DepthModel,
-    taus: &[f32],
+    tried: &Grid,
 ) -> Option<[f32; 3]> {
     let depth_of = model.of_colours()?;
     let grey = E::from_encoded(GREY);
@@ -36,16 +37,14 @@ pub(super) fn optical_depth<E: Encoding>(
         let before = line.last().map_or(0.0, |&(z, _)| z);
         line.push((depth_of(colour).max(before), t));
     }
-    let of_bins: Vec<(f32, f32)> =
-        statistics.bins.iter().map(|bin| (bin.z / statistics.z95, thickness_around(&line, bin.z))).collect();
+    let of_bins: Vec<f32> = statistics.bins.iter().map(|bin| thickness_around(&line, bin.z)).collect();
     let best = |c: usize| {
         // What the line says is left of each bin.
-        let of_bins: Vec<(f32, f32)> = of_bins.iter().map(|&(z, t)| (z, (-t * SLOPE[c]).exp())).collect();
-        let misfit = |ln_tau: f32| -> f32 {
-            let off = |&(z, left): &(f32, f32)| (-ln_tau.exp() * z).exp() - left;
-            of_bins.iter().map(|bin| off(bin).powi(2)).sum()
+        let of_bins: Vec<f32> = of_bins.iter().map(|t| (-t * SLOPE[c]).exp()).collect();
+        let misfit = |factors: &[f32]| -> f32 {
+            factors.iter().zip(&of_bins).map(|(factor, left)| (factor - left).powi(2)).sum()
         };
-        let costs = taus.iter().map(|&ln_tau| (ln_tau, misfit(ln_tau)));
+        let costs = tried.iter().map(|(ln_tau, factors)| (ln_tau, misfit(factors)));
         costs.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0.0, |(ln_tau, _)| ln_tau)
     };
     Some(std::array::from_fn(best))

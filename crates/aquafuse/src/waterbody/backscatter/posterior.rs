@@ -39,18 +39,45 @@ impl Bell {
         0.5 * ((value - self.mean) / self.deviation).powi(2)
     }
 
-    /// Mean and deviation of `values` weighted by e^-cost.
-    fn of(values: &[f32], costs: &[f32]) -> Self {
-        let least = costs.iter().copied().fold(f32::INFINITY, f32::min);
+    /// Mean and deviation of `values` by their weights.
+    fn of(values: impl Iterator<Item = f32>, weights: &[f32]) -> Self {
         let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
-        for (value, cost) in values.iter().zip(costs) {
-            let weight = (least - cost).exp();
+        for (value, weight) in values.zip(weights) {
             sum += weight;
             first += weight * value;
             second += weight * value * value;
         }
         let mean = first / sum;
         Self { mean, deviation: (second / sum - mean * mean).max(0.0).sqrt() }
+    }
+}
+
+/// e^-cost, the largest 1.
+fn weights(mut costs: Vec<f32>) -> Vec<f32> {
+    let least = costs.iter().copied().fold(f32::INFINITY, f32::min);
+    costs.iter_mut().for_each(|cost| *cost = (least - *cost).exp());
+    costs
+}
+
+/// Optical depths that are tried, and what each leaves of a thing's own light in each bin.
+pub(super) struct Grid {
+    ln_taus: Vec<f32>,
+    /// e^(-τ z), bin after bin for each optical depth.
+    factors: Vec<f32>,
+}
+
+impl Grid {
+    /// The grid of these optical depths (as logarithms) for bins at these z, in units of z95.
+    pub(super) fn new(ln_taus: Vec<f32>, bins: &[f32]) -> Self {
+        let factors = ln_taus.iter().map(|ln_tau| ln_tau.exp());
+        let factors = factors.flat_map(|tau| bins.iter().map(move |z| (-tau * z).exp())).collect();
+        Self { ln_taus, factors }
+    }
+
+    /// Each optical depth (as a logarithm) with what it leaves in each bin.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (f32, &[f32])> {
+        let bins = self.factors.len() / self.ln_taus.len();
+        self.ln_taus.iter().enumerate().map(move |(i, &ln_tau)| (ln_tau, &self.factors[i * bins..][..bins]))
     }
 }
 
@@ -67,7 +94,7 @@ pub(super) struct Posterior {
     pub(super) on_curve: f32,
 }
 
-/// Weighs every optical depth of `taus` (as logarithms) with every factor of `veils` on the veiling light `veil`.
+/// Weighs every optical depth that is tried with every factor of `veils` on the veiling light `veil`.
 ///
 /// The curve of a floor s is `B∞ (1 - e^(-τ z)) + s e^(-τ z)`. A bin below it contradicts it by noise alone; a
 /// bin above it may merely hold nothing dark, which is the likelier the more of a thing's own light is left.
@@ -76,47 +103,45 @@ pub(super) fn weigh<E: Encoding>(
     veil: f32,
     trust: Trust,
     prior: Bell,
-    taus: &[f32],
+    tried: &Grid,
     veils: &[(f32, f32)],
 ) -> Posterior {
     let floors = FLOORS.map(|floor| E::from_encoded(floor));
+    let lanes = std::array::from_fn(|lane| floors[lane.min(FLOORS.len() - 1)]);
+    let rarities = FREQUENCY.map(f32::ln);
     // The excess shrinks with the encoding as the largest floor does.
     let excess = EXCESS / FLOORS[4] * floors[4];
-    let cells = taus.len() * veils.len();
-    let (mut of_tau, mut of_veil, mut of_floor) =
-        (Vec::with_capacity(cells), Vec::with_capacity(cells), Vec::with_capacity(cells * FLOORS.len()));
-    let (mut ln_taus, mut ln_veils) = (Vec::with_capacity(cells), Vec::with_capacity(cells));
+    let cells = tried.ln_taus.len() * veils.len();
+    let (mut together, mut of_floor) = (Vec::with_capacity(cells), Vec::with_capacity(cells * FLOORS.len()));
     let mut best = (f32::INFINITY, 0.0);
-    let mut terms = Terms::default();
-    let mut costs = vec![0.0; points.len()];
-    for &ln_tau in taus {
+    let mut terms = Vec::with_capacity(points.len());
+    for (ln_tau, factors) in tried.iter() {
         terms.clear();
-        points.iter().for_each(|point| terms.push(point, ln_tau.exp(), trust.deviation, excess));
+        let each = points.iter().zip(factors);
+        terms.extend(each.map(|(point, &factor)| Term::new(point, factor, trust.deviation, excess)));
+        let prior = prior.cost(ln_tau);
         for &(ln_veil, veil_cost) in veils {
             let veil = (veil * ln_veil.exp()).min(1.0);
-            let mut together = Sum::default();
-            for (floor, frequency) in floors.into_iter().zip(FREQUENCY) {
-                simd::widest(Costs { terms: &terms, veil, floor, costs: &mut costs });
-                let misfit: f32 = costs.iter().sum();
-                let cost = trust.weight * misfit - frequency.ln() + prior.cost(ln_tau) + veil_cost;
+            let misfits = simd::widest(Misfits { terms: &terms, veil, floors: lanes });
+            let mut sum = Sum::default();
+            for ((floor, rarity), misfit) in floors.into_iter().zip(rarities).zip(misfits) {
+                let cost = trust.weight * misfit - rarity + prior + veil_cost;
                 if cost < best.0 {
-                    let on = (0..points.len()).filter(|&i| terms.is_on(i, veil, floor)).count();
+                    let on = terms.iter().filter(|term| term.is_on(veil, floor)).count();
                     best = (cost, on as f32 / points.len().max(1) as f32);
                 }
-                together.add(cost);
+                sum.add(cost);
                 of_floor.push(cost);
             }
-            ln_taus.push(ln_tau);
-            ln_veils.push(ln_veil);
-            of_tau.push(together.cost());
-            of_veil.push(together.cost());
+            together.push(sum.cost());
         }
     }
-    let floor_values: Vec<f32> = FLOORS.iter().copied().cycle().take(of_floor.len()).collect();
+    let (together, of_floor) = (weights(together), weights(of_floor));
+    let ln_taus = tried.ln_taus.iter().flat_map(|&ln_tau| veils.iter().map(move |_| ln_tau));
     Posterior {
-        ln_tau: Bell::of(&ln_taus, &of_tau),
-        ln_veil: Bell::of(&ln_veils, &of_veil),
-        floor: Bell::of(&floor_values, &of_floor).mean,
+        ln_tau: Bell::of(ln_taus, &together),
+        ln_veil: Bell::of(veils.iter().map(|&(ln_veil, _)| ln_veil).cycle(), &together),
+        floor: Bell::of(FLOORS.into_iter().cycle(), &of_floor).mean,
         on_curve: best.1,
     }
 }
@@ -148,73 +173,68 @@ impl Sum {
     }
 }
 
-/// The bins at one optical depth, each quantity by itself.
-#[derive(Default)]
-struct Terms {
-    dark: Vec<f32>,
-    factor: Vec<f32>,
+/// A bin at one optical depth.
+struct Term {
+    dark: f32,
+    factor: f32,
     /// 1 / deviation.
-    sharpness: Vec<f32>,
+    sharpness: f32,
     /// 1 / (deviation + excess).
-    slack: Vec<f32>,
+    slack: f32,
     /// ln of excess against deviation.
-    rarity: Vec<f32>,
+    rarity: f32,
 }
 
-impl Terms {
-    fn clear(&mut self) {
-        for quantity in
-            [&mut self.dark, &mut self.factor, &mut self.sharpness, &mut self.slack, &mut self.rarity]
-        {
-            quantity.clear();
-        }
-    }
-
-    fn push(&mut self, point: &Point, tau: f32, deviation: f32, excess: f32) {
-        let factor = (-tau * point.z).exp();
+impl Term {
+    fn new(point: &Point, factor: f32, deviation: f32, excess: f32) -> Self {
         let deviation = deviation * point.slope;
         let scale = deviation + excess * factor;
-        self.dark.push(point.dark);
-        self.factor.push(factor);
-        self.sharpness.push(deviation.recip());
-        self.slack.push(scale.recip());
-        self.rarity.push((scale / deviation).ln());
+        Self {
+            dark: point.dark,
+            factor,
+            sharpness: deviation.recip(),
+            slack: scale.recip(),
+            rarity: (scale / deviation).ln(),
+        }
     }
 
-    fn is_on(&self, i: usize, veil: f32, floor: f32) -> bool {
-        (off(self.dark[i], self.factor[i], veil, floor) * self.sharpness[i]).abs() < 2.0
+    /// How far the bin lies above the curve.
+    #[inline(always)]
+    fn off(&self, veil: f32, floor: f32) -> f32 {
+        self.dark - (veil + (floor - veil) * self.factor)
+    }
+
+    fn is_on(&self, veil: f32, floor: f32) -> bool {
+        (self.off(veil, floor) * self.sharpness).abs() < 2.0
     }
 }
 
-/// How far a bin lies above the curve.
-#[inline(always)]
-fn off(dark: f32, factor: f32, veil: f32, floor: f32) -> f32 {
-    dark - (veil + (floor - veil) * factor)
-}
+/// Floors that are weighed side by side, as a vector holds them: those of [`FLOORS`], and the last one again.
+const LANES: usize = 8;
 
-/// What each bin costs with one veil and one floor. All at once; the sum then keeps its order.
-struct Costs<'a> {
-    terms: &'a Terms,
+/// What all bins together cost with one veil, for each floor.
+struct Misfits<'a> {
+    terms: &'a [Term],
     veil: f32,
-    floor: f32,
-    costs: &'a mut [f32],
+    floors: [f32; LANES],
 }
 
-impl simd::Work for Costs<'_> {
-    type Output = ();
+impl simd::Work for Misfits<'_> {
+    type Output = [f32; LANES];
 
     #[inline(always)]
-    fn run(self) {
-        let Self { terms, veil, floor, costs } = self;
-        let of_curve = terms.dark.iter().zip(&terms.factor).zip(&terms.sharpness);
-        let of_bound = terms.slack.iter().zip(&terms.rarity);
-        for ((cost, ((dark, factor), sharpness)), (slack, rarity)) in
-            costs.iter_mut().zip(of_curve).zip(of_bound)
-        {
-            let off = off(*dark, *factor, veil, floor);
-            let squared = 0.5 * (off * sharpness).powi(2);
-            let above = (rarity + 0.7 + off * slack).min(OUTLIER + rarity);
-            *cost = squared.min(if off < 0.0 { OUTLIER } else { above });
+    fn run(self) -> [f32; LANES] {
+        let Self { terms, veil, floors } = self;
+        let mut sums = [0.0; LANES];
+        for term in terms {
+            let bound = OUTLIER + term.rarity;
+            for (sum, floor) in sums.iter_mut().zip(floors) {
+                let off = term.off(veil, floor);
+                let squared = 0.5 * (off * term.sharpness).powi(2);
+                let above = (term.rarity + 0.7 + off * term.slack).min(bound);
+                *sum += squared.min(if off < 0.0 { OUTLIER } else { above });
+            }
         }
+        sums
     }
 }

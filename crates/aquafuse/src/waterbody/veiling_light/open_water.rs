@@ -3,7 +3,7 @@
 //! The farthest pixels need not be water: depth from colour takes bright sand for far where red is dead,
 //! and turbid water for near. But open water is smooth, and much of it has one colour, wherever it is.
 
-use std::ops::Range;
+use std::ops::{AddAssign, Range};
 
 use crate::bands;
 use crate::depth::LEVELS;
@@ -269,25 +269,38 @@ impl ColumnSums {
     /// The cell of these columns and so many rows.
     fn cell(&self, columns: Range<usize>, rows: usize) -> Cell {
         let pixels = (columns.len() * rows) as u64;
-        let (mut values, mut squares) = ([0_u64; 3], [0_u64; 3]);
         let channels = 3 * columns.start..3 * columns.end;
-        let (of_values, of_squares) = (&self.values[channels.clone()], &self.squares[channels]);
-        for (value, square) in of_values.as_chunks::<3>().0.iter().zip(of_squares.as_chunks::<3>().0) {
-            for c in 0..3 {
-                values[c] += u64::from(value[c]);
-                squares[c] += u64::from(square[c]);
-            }
-        }
+        let (values, squares) = (&self.values[channels.clone()], &self.squares[channels]);
+        let [values, squares] = match pixels <= MOST_IN_32_BITS {
+            true => sums::<u32>(values, squares).map(|sums| sums.map(f64::from)),
+            false => sums::<u64>(values, squares).map(|sums| sums.map(|sum| sum as f64)),
+        };
         let levels: u64 = self.levels[columns].iter().map(|&level| u64::from(level)).sum();
         let count = pixels as f64;
-        let mean = values.map(|sum| sum as f64 / count);
-        let variance = (0..3).map(|c| squares[c] as f64 / count - mean[c] * mean[c]);
+        let mean = values.map(|sum| sum / count);
+        let variance = (0..3).map(|c| squares[c] / count - mean[c] * mean[c]);
         Cell {
             mean: mean.map(|value| value as f32),
             spread: variance.fold(0.0, f64::max).sqrt() as f32,
             level: (levels / pixels) as u8,
         }
     }
+}
+
+/// Of so many pixels the squares of a channel sum up to no more than 32 bits hold.
+const MOST_IN_32_BITS: u64 = (u32::MAX / (255 * 255)) as u64;
+
+/// The sums of each channel.
+#[inline]
+fn sums<T: Copy + Default + From<u32> + AddAssign>(values: &[u32], squares: &[u32]) -> [[T; 3]; 2] {
+    let [mut of_values, mut of_squares] = [[T::default(); 3]; 2];
+    for (value, square) in values.as_chunks::<3>().0.iter().zip(squares.as_chunks::<3>().0) {
+        for c in 0..3 {
+            of_values[c] += T::from(value[c]);
+            of_squares[c] += T::from(square[c]);
+        }
+    }
+    [of_values, of_squares]
 }
 
 struct AddRows<'a> {

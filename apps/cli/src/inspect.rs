@@ -1,5 +1,6 @@
 //! `aquafuse inspect`: what a picture tells about its depth and its water.
 
+mod doubts;
 mod plots;
 mod report;
 mod text;
@@ -25,7 +26,7 @@ pub(crate) use text::{hex, reasons, veiling_light};
 /// thickness of the water seen through: .1 is hardly any, 1 is much, 3 hides nearly everything.
 #[derive(Args)]
 // Nothing is left to estimate here where depth is given; `fuse` still needs the model, for its reference.
-#[command(mut_arg("depth_model", |model| model.conflicts_with("depth")))]
+#[command(mut_arg("depth_model", |model| model.conflicts_with("depth")), after_help = doubts::explained())]
 pub(crate) struct Inspect {
     /// PNG, JPEG, TIFF, WebP, BMP or GIF.
     image: PathBuf,

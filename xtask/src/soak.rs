@@ -79,12 +79,7 @@ fn taken<T>(of_all: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// The seconds of each target that still lacks executions, in proportion to the time that those will take but none more
 /// than `most`; alike for all once none lacks any.
-fn shares(
-    targets: &[String],
-    table: &BTreeMap<String, Row>,
-    seconds: u64,
-    most: u64,
-) -> Vec<(String, u64)> {
+fn shares(targets: &[String], table: &BTreeMap<String, Row>, seconds: u64, most: u64) -> Vec<(String, u64)> {
     let rate = |row: &Row| row.executions as f64 / row.seconds.max(1) as f64;
     let slowest = table.values().map(rate).fold(f64::INFINITY, f64::min).min(PROMISED as f64);
     let lacks = |target: &String| {
@@ -195,6 +190,9 @@ mod tests {
     fn once_nothing_lacks_all_have_the_same() {
         let names = ["a", "b"].map(str::to_owned);
         let table = names.iter().cloned().map(|name| (name, row(PROMISED, 1))).collect();
-        assert_eq!(shares(&names, &table, 60, 60).iter().map(|(_, share)| *share).collect::<Vec<_>>(), [30, 30]);
+        assert_eq!(
+            shares(&names, &table, 60, 60).iter().map(|(_, share)| *share).collect::<Vec<_>>(),
+            [30, 30]
+        );
     }
 }

@@ -201,7 +201,7 @@ fn killed_and_run_again_equals_one_clean_run() {
     run.ok(&FUSE);
     assert_eq!((pictures(&folder), parts(&folder)), (clean, 0));
     let threads = std::thread::available_parallelism().unwrap().get();
-    assert!(most_parts <= threads, "{most_parts} temporary files of {threads} threads");
+    assert!(most_parts <= threads + 1, "{most_parts} temporary files of {threads} threads");
     println!(
         "kills: {killed}, jobs finished: {}, half files: 0, differing bytes: 0, temporary files left by a kill: {most_parts} at most",
         finished + 1

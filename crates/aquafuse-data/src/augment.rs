@@ -31,7 +31,7 @@ pub use verify::{Check, verify};
 pub use water::{OnDoubtful, Water};
 
 use crate::dataset::Dataset;
-use crate::job::{Crew, Outcome, Summary};
+use crate::job::{Crew, Outcome, Summary, Turn};
 use crate::picture::{FileError, ReadOptions, remove_stale_parts, shown};
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
@@ -233,7 +233,7 @@ impl<E: Space> Augmentation<E> {
         }
         listener(Message::Started { total: plan.files() });
         let maker = make::Maker::new(self, depths);
-        let work = |&place: &usize| {
+        let work = |&place: &usize, _: &mut Turn<'_>| {
             let Some(sample) = plan.planned(&self.dataset, place) else { return Outcome::Kept };
             let make::Made { news, failures } = maker.make(&sample, &journal);
             let outcome = match (&news, failures.is_empty()) {

@@ -20,7 +20,7 @@ use crate::scores::Scores;
 use crate::treatment::{Space, Treated, Treatment};
 use crate::water_file::Numbers;
 
-pub(crate) use crew::{Crew, Outcome};
+pub(crate) use crew::{Crew, Outcome, Turn};
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use record::try_parse;
 pub use record::{Plan, RECORD, Record};
@@ -56,7 +56,7 @@ pub struct Recipe<E: Encoding = Encoded> {
 /// How a job runs; nothing that is written depends on it.
 #[derive(Clone, Debug, Default)]
 pub struct Conduct {
-    /// Pictures in work at once; none: one a core.
+    /// Pictures in work at once, beside those that wait for the disk; none: one a core.
     pub threads: Option<NonZeroUsize>,
     /// Stop once more pictures than this have failed; none: never.
     pub most_failures: Option<usize>,
@@ -173,24 +173,27 @@ impl<E: Space> Job<E> {
         listener(Message::Started { total: self.items.len() });
         let budget = self.recipe.reading.budget();
         let Conduct { threads, most_failures, .. } = self.conduct;
-        Crew { threads, most_failures }.each(&self.items, &|item| match self.make(item, &budget) {
-            Ok(Some(report)) => {
-                listener(Message::Done { item, report: Box::new(report) });
-                Outcome::Done
-            }
-            Ok(None) => {
-                listener(Message::Kept { item });
-                Outcome::Kept
-            }
-            Err(error) => {
-                listener(Message::Failed { item, error });
-                Outcome::Failed
-            }
-        })
+        Crew { threads, most_failures }.each(
+            &self.items,
+            &|item, turn| match self.make(item, &budget, turn) {
+                Ok(Some(report)) => {
+                    listener(Message::Done { item, report: Box::new(report) });
+                    Outcome::Done
+                }
+                Ok(None) => {
+                    listener(Message::Kept { item });
+                    Outcome::Kept
+                }
+                Err(error) => {
+                    listener(Message::Failed { item, error });
+                    Outcome::Failed
+                }
+            },
+        )
     }
 
     /// Makes one picture; none if it is there already.
-    fn make(&self, item: &Item, budget: &Budget) -> Result<Option<Report>, FileError> {
+    fn make(&self, item: &Item, budget: &Budget, turn: &mut Turn<'_>) -> Result<Option<Report>, FileError> {
         let mut writing = self.recipe.writing;
         if let Some(record) = &self.record {
             match record.plan(item, writing.overwrite) {
@@ -199,18 +202,24 @@ impl<E: Space> Job<E> {
                 Plan::Make | Plan::Foreign => {}
             }
         }
-        let made = self.treat(item, budget, &writing);
+        let made = self.treat(item, budget, turn, &writing);
         if let (Err(error), Some(record)) = (&made, &self.record) {
             record.failed(item, error)?;
         }
         made.map(Some)
     }
 
-    fn treat(&self, item: &Item, budget: &Budget, writing: &WriteOptions) -> Result<Report, FileError> {
+    fn treat(
+        &self,
+        item: &Item,
+        budget: &Budget,
+        turn: &mut Turn<'_>,
+        writing: &WriteOptions,
+    ) -> Result<Report, FileError> {
         let sources = self.record.as_ref().map(|record| record.sources(item)).transpose()?;
         let opened = Picture::open(&item.input, &self.recipe.reading)?;
         let format = Format::written(&item.output).unwrap_or(Format::Png);
-        let _room = budget.reserve(opened.memory_until_written(format, self.beside(item, &opened))?);
+        let room = budget.reserve(opened.memory_until_written(format, self.beside(item, &opened))?);
         let mut picture = opened.decode()?;
         let found = analyse::<E>(&picture, &item.depth)?;
         let scored = |picture: &Picture| self.conduct.scores.then(|| Scores::of(&picture.bytes()));
@@ -230,14 +239,17 @@ impl<E: Space> Job<E> {
         if self.recipe.upright {
             picture = picture.upright();
         }
+        let staged = picture.stage(&item.output, writing)?;
+        let Picture { metadata, damage, pixels } = picture;
+        drop((pixels, room));
+        turn.end();
         if let (Some(record), Some(sources)) = (&self.record, &sources) {
             record.begin(item, sources)?;
         }
-        picture.write(&item.output, writing)?;
+        staged.persist()?;
         if let (Some(record), Some(sources)) = (&self.record, sources) {
             record.done(item, sources)?;
         }
-        let Picture { metadata, damage, .. } = picture;
         Ok(Report {
             treated,
             water: Numbers::from(&estimate.water),

@@ -93,6 +93,7 @@ pub mod digest;
 pub mod evaluate;
 pub mod folder;
 pub mod job;
+mod lock;
 pub mod maps;
 pub mod memory;
 pub mod model_file;

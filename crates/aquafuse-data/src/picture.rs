@@ -15,7 +15,7 @@ use std::path::Path;
 
 use aquafuse::image::{Image, TopEdge};
 
-pub(crate) use atomic::write_atomically;
+pub(crate) use atomic::{Staged, write_atomically};
 pub use atomic::{abandon_parts, remove_stale_parts, write_bytes, write_text};
 pub use error::FileError;
 #[cfg(feature = "fuzz-targets")]
@@ -127,7 +127,12 @@ impl Picture {
     /// [`FileError`] when the name has another extension, the format cannot hold the picture, the file exists and
     /// may not be replaced, or the system refuses; whatever stood at `path` is then still there.
     pub fn write(&self, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
-        write::write(self, path, options)
+        self.stage(path, options)?.persist()
+    }
+
+    /// [`write`](Self::write) as far as the processor is needed: what is left is waiting for the disk.
+    pub(crate) fn stage(&self, path: &Path, options: &WriteOptions) -> Result<Staged, FileError> {
+        write::stage(self, path, options)
     }
 
     /// The file that [`write`](Self::write) would write at `path`, in memory.

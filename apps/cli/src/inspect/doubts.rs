@@ -36,7 +36,9 @@ fn meant(reason: Reason) -> &'static str {
         Reason::FewDarkPixels => {
             "what backscatter adds cannot be told from what things are: β_B is uncertain"
         }
-        Reason::DeadRed => "its water, and depth from colour, are not known; what is painted in red is bounded",
+        Reason::DeadRed => {
+            "its water, and depth from colour, are not known; what is painted in red is bounded"
+        }
         Reason::AttenuationNotConverged => {
             "β_D is uncertain, which matters to `restore` and --model exchange alone"
         }

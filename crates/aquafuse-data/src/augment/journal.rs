@@ -4,7 +4,7 @@
 //! grow with what is said of them.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,6 +12,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::manifest::{Entry, Header, Line, Manifest, Place, ScanError, Scanned, Sealing, Written, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
+use crate::lock::lock;
 use crate::picture::{FileError, write_atomically};
 use crate::settings::differences;
 
@@ -97,7 +98,7 @@ impl Journal {
         let cannot_write = |error: io::Error| cannot_write(&path, &error);
         let options = OpenOptions::new().read(true).append(true).create(true).open(&path);
         let mut file = options.map_err(cannot_write)?;
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        if !lock(&file) {
             return Err(FileError::Busy { folder: folder.to_owned() }.into());
         }
         let mut lines: BTreeMap<usize, Vec<(Slot, Place)>> = BTreeMap::new();

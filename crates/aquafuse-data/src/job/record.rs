@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -18,6 +18,7 @@ use serde_json::Value;
 
 use super::Item;
 use crate::analysis::DepthSource;
+use crate::lock::lock;
 use crate::picture::FileError;
 use crate::settings::differences;
 
@@ -194,7 +195,7 @@ impl Record {
             |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
         let file =
             OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(cannot_write)?;
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        if !lock(&file) {
             return Err(FileError::Busy { folder: folder.to_owned() });
         }
         let mut record = Self { path: path.clone(), file: Mutex::new(file), items: HashMap::new() };

@@ -3,7 +3,7 @@
 mod parts;
 
 use std::io::{BufWriter, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::FileError;
 use parts::Part;
@@ -42,27 +42,56 @@ pub(crate) fn write_atomically<E: std::fmt::Display>(
     overwrite: bool,
     fill: impl FnOnce(&mut dyn Output) -> Result<(), E>,
 ) -> Result<(), FileError> {
-    let failed = |cause: String| FileError::Write { path: path.to_owned(), cause };
-    let exists = || FileError::Exists { path: path.to_owned() };
-    if !overwrite && path.symlink_metadata().is_ok() {
-        return Err(exists());
+    Staged::fill(path, overwrite, fill)?.persist()
+}
+
+/// A temporary file that is filled and has not taken its name yet; it is removed if it never does.
+pub(crate) struct Staged {
+    path: PathBuf,
+    overwrite: bool,
+    part: Part,
+}
+
+impl Staged {
+    /// Fills the file that will stand at `path`.
+    pub(crate) fn fill<E: std::fmt::Display>(
+        path: &Path,
+        overwrite: bool,
+        fill: impl FnOnce(&mut dyn Output) -> Result<(), E>,
+    ) -> Result<Self, FileError> {
+        let path = path.to_owned();
+        if !overwrite && path.symlink_metadata().is_ok() {
+            return Err(FileError::Exists { path });
+        }
+        let failed = |cause: String| FileError::Write { path: path.clone(), cause };
+        // The kind alone: the whole message would name the temporary file.
+        let part = Part::create_in(folder_of(&path))
+            .map_err(|error| failed(format!("its folder: {}", error.kind())))?;
+        let mut buffered = BufWriter::new(part.file());
+        fill(&mut buffered).map_err(|error| failed(error.to_string()))?;
+        buffered.into_inner().map_err(|error| failed(error.to_string()))?;
+        Ok(Self { path, overwrite, part })
     }
-    let folder = match path.parent() {
+
+    /// Waits until it is on the disk, and gives it its name.
+    pub(crate) fn persist(self) -> Result<(), FileError> {
+        let Self { path, overwrite, part } = self;
+        let failed = |cause: String| FileError::Write { path: path.clone(), cause };
+        part.file().sync_all().map_err(|error| failed(error.to_string()))?;
+        part.persist(&path, overwrite).map_err(|error| match error.kind() {
+            std::io::ErrorKind::AlreadyExists if !overwrite => FileError::Exists { path: path.clone() },
+            _ => failed(error.to_string()),
+        })?;
+        sync_folder(folder_of(&path));
+        Ok(())
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
-    };
-    // The kind alone: the whole message would name the temporary file.
-    let part = Part::create_in(folder).map_err(|error| failed(format!("its folder: {}", error.kind())))?;
-    let mut buffered = BufWriter::new(part.file());
-    fill(&mut buffered).map_err(|error| failed(error.to_string()))?;
-    let file = buffered.into_inner().map_err(|error| failed(error.to_string()))?;
-    file.sync_all().map_err(|error| failed(error.to_string()))?;
-    part.persist(path, overwrite).map_err(|error| match error.kind() {
-        std::io::ErrorKind::AlreadyExists if !overwrite => exists(),
-        _ => failed(error.to_string()),
-    })?;
-    sync_folder(folder);
-    Ok(())
+    }
 }
 
 /// Asks for the folder entry to be on the disk too. The file has its name by now: a folder that cannot be

@@ -15,15 +15,15 @@ use super::atomic::Output;
 use super::format::WRITTEN;
 use super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::pixels::{Layers, Pixels};
-use super::{FileError, Format, Picture, WriteOptions, exif, write_atomically};
+use super::{FileError, Format, Picture, Staged, WriteOptions, exif};
 
 /// The most EXIF that a JPEG segment holds beside its length and its name.
 const JPEG_EXIF: usize = 65535 - 2 - 6;
 
-pub(super) fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
+pub(super) fn stage(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<Staged, FileError> {
     let (format, metadata) = ready(picture, path)?;
     let fill = |out: &mut dyn Output| encode_as(format, out, picture, &metadata, options.quality);
-    write_atomically(path, options.overwrite, fill)
+    Staged::fill(path, options.overwrite, fill)
 }
 
 pub(super) fn encode(picture: &Picture, path: &Path, quality: u8) -> Result<Vec<u8>, FileError> {

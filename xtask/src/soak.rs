@@ -12,6 +12,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::Command;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
@@ -25,6 +26,8 @@ const SLOWEST: &str = "2";
 /// More than this, in MiB, is a fault: the limits of the targets are lower.
 const MOST_MEMORY: &str = "512";
 const KILLS: &str = "1000";
+/// Less time than this is not shared out any more.
+const SHORT: Duration = Duration::from_secs(20);
 /// Executions of each parser.
 const PROMISED: u64 = 10_000_000;
 
@@ -42,35 +45,52 @@ pub(crate) fn run_for(minutes: u64) -> Result<()> {
     build.env("RUSTFLAGS", FLAGS);
     run(build)?;
     let programs = root().join("fuzz/target").join(&triple).join("release");
-    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let table = read()?;
-    let mut queue = shares(&targets, &table, 60 * minutes * cores as u64, 60 * minutes);
-    // The longest first, so that the cores end together.
-    queue.sort_by_key(|(_, seconds)| *seconds);
-    let (queue, table, failed) = (Mutex::new(queue), Mutex::new(table), Mutex::new(Vec::new()));
-    let work = || -> Result<()> {
-        while let Some((target, seconds)) = taken(&queue).pop() {
-            say(&format!("Fuzzing {target} for {seconds} s"));
-            let row = fuzz(&target, &programs, seconds)?;
-            if row.crashes > 0 {
-                taken(&failed).push(target.clone());
-            }
-            let mut table = taken(&table);
-            table.entry(target).or_default().add(&row);
-            write_section(RESULTS, "soak", &rows(&table))?;
-        }
-        Ok(())
-    };
-    std::thread::scope(|scope| {
-        let crew: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
-        crew.into_iter().try_for_each(|one| one.join().expect("a fuzzing thread does not panic"))
-    })?;
+    let (began, whole) = (Instant::now(), Duration::from_secs(60 * minutes));
+    let (table, failed) = (Mutex::new(read()?), Mutex::new(Vec::new()));
+    // In rounds: what one parser leaves of its share, because it is done sooner, the others have in the next.
+    while let Some(left) = whole.checked_sub(began.elapsed()).filter(|left| *left > SHORT) {
+        round(&targets, &programs, left.as_secs(), &table, &failed)?;
+    }
     kills()?;
     let failed = failed.into_inner().unwrap_or_default();
     if failed.is_empty() {
         return Ok(());
     }
     bail!("{} failed; the inputs lie in fuzz/artifacts", failed.join(", "))
+}
+
+/// Every parser that has a share of this time, as many at once as there are cores.
+fn round(
+    targets: &[String],
+    programs: &Path,
+    seconds: u64,
+    table: &Mutex<BTreeMap<String, Row>>,
+    failed: &Mutex<Vec<String>>,
+) -> Result<()> {
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let mut queue = shares(targets, &taken(table), seconds * cores as u64, seconds);
+    // The longest first, so that the cores end together.
+    queue.sort_by_key(|(_, seconds)| *seconds);
+    let queue = Mutex::new(queue);
+    let work = || -> Result<()> {
+        loop {
+            // By itself: the lock must not be held while the target runs.
+            let next = taken(&queue).pop();
+            let Some((target, seconds)) = next else { return Ok(()) };
+            let done = taken(table).get(&target).map_or(0, |row| row.executions);
+            let row = fuzz(&target, programs, seconds, PROMISED.saturating_sub(done))?;
+            if row.crashes > 0 {
+                taken(failed).push(target.clone());
+            }
+            let mut table = taken(table);
+            table.entry(target).or_default().add(&row);
+            write_section(RESULTS, "soak", &rows(&table))?;
+        }
+    };
+    std::thread::scope(|scope| {
+        let crew: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        crew.into_iter().try_for_each(|one| one.join().expect("a fuzzing thread does not panic"))
+    })
 }
 
 fn taken<T>(of_all: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -115,8 +135,11 @@ fn host() -> Result<String> {
     Ok(host.context("rustc does not say what it builds for")?.to_owned())
 }
 
-/// Runs one target; what it learns is kept under target/, so that the next run goes on from there.
-fn fuzz(target: &str, programs: &Path, seconds: u64) -> Result<Row> {
+/// Runs one target until the time is over, or until it has had what it lacks where it lacks any; what it learns is kept under
+/// target/, so that the next run goes on from there.
+fn fuzz(target: &str, programs: &Path, seconds: u64, lacking: u64) -> Result<Row> {
+    say(&format!("Fuzzing {target} for {seconds} s"));
+    let began = Instant::now();
     let (learnt, faults) =
         (root().join("target/fuzz").join(target), root().join("fuzz/artifacts").join(target));
     fs::create_dir_all(&learnt)?;
@@ -127,19 +150,20 @@ fn fuzz(target: &str, programs: &Path, seconds: u64) -> Result<Row> {
         .arg(root().join("fuzz/corpus").join(target))
         .arg(format!("-artifact_prefix={}/", faults.display()))
         .arg(format!("-max_total_time={seconds}"))
+        .arg(format!("-runs={}", if lacking == 0 { -1 } else { lacking.cast_signed() }))
         .args(["-print_final_stats=1", "-max_len=4096", "-detect_leaks=0"])
         .arg(format!("-timeout={SLOWEST}"))
         .arg(format!("-rss_limit_mb={MOST_MEMORY}"));
     let output = command.output().with_context(|| format!("cannot run {target}"))?;
     let said = String::from_utf8_lossy(&output.stderr);
-    let row = Row::of(&said, seconds, output.status.success());
+    let row = Row::of(&said, began.elapsed().as_secs(), output.status.success());
     if row.crashes > 0 {
         eprintln!(
             "{}",
             said.lines().rev().take(40).collect::<Vec<_>>().into_iter().rev().collect::<Vec<_>>().join("\n")
         );
     }
-    eprintln!("   {} executions, slowest {} s, {} MiB", row.executions, row.slowest, row.memory);
+    eprintln!("   {target}: {} executions, slowest {} s, {} MiB", row.executions, row.slowest, row.memory);
     Ok(row)
 }
 

@@ -165,6 +165,12 @@ impl From<ScaleArg> for Scale {
     }
 }
 
+/// What is said where fitting has made the order of depth no better.
+fn remark(fitted: f64, ours: f64) -> Option<&'static str> {
+    (fitted < ours)
+        .then_some("eq3 as it is built in orders these pairs better: keep it, or try --target order")
+}
+
 /// Pairs named one by one; of more, the worst.
 const NAMED: usize = 12;
 
@@ -185,6 +191,9 @@ fn report(output: &Path, gathered: &Gathered, fit: &fit::Fit) -> String {
         fit.rank_score,
         mean(&ours)
     ));
+    if let Some(remark) = remark(fit.rank_score, mean(&ours)) {
+        line(format!("  {remark}"));
+    }
     let mut pairs: Vec<_> = gathered.names.iter().zip(fit.rank_scores.iter().zip(&ours)).collect();
     pairs.sort_by(|a, b| a.1.0.total_cmp(b.1.0));
     for (name, (fitted, ours)) in pairs.iter().take(NAMED) {
@@ -197,4 +206,15 @@ fn report(output: &Path, gathered: &Gathered, fit: &fit::Fit) -> String {
         line(format!("  doubtful: {doubt}"));
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_that_orders_worse_than_what_is_built_in_is_remarked_on() {
+        assert_eq!((remark(0.8, 0.7), remark(0.8, 0.8)), (None, None));
+        assert!(remark(0.7, 0.8).is_some_and(|remark| remark.contains("--target order")));
+    }
 }

@@ -6,9 +6,9 @@ use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
 use std::path::Path;
 
-use ::image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
 use ::image::codecs::webp::WebPEncoder;
 use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use ::jpeg_encoder::{EncodingError, PixelDensity, PixelDensityUnit, SamplingFactor};
 use ::png::{BitDepth, ColorType, Compression, Encoder, Info, PixelDimensions, Unit};
 
 use super::atomic::Output;
@@ -157,11 +157,37 @@ pub(crate) fn encode_grey16(
 }
 
 fn jpeg(out: &mut dyn Write, picture: &Picture, metadata: &Metadata, quality: u8) -> io::Result<()> {
-    let mut encoder = JpegEncoder::new_with_quality(out, quality.clamp(1, 100));
+    let mut encoder = jpeg_encoder::Encoder::new(out, quality.clamp(1, 100));
+    encoder.set_sampling_factor(SamplingFactor::F_1_1);
     if let Some(resolution) = metadata.resolution {
-        encoder.set_pixel_density(density(resolution));
+        encoder.set_density(density(resolution));
     }
-    by_image(encoder, picture, metadata)
+    if let Some(exif) = &metadata.exif {
+        encoder.add_exif_metadata(exif).map_err(refusal)?;
+    }
+    if let Some(profile) = &metadata.icc_profile {
+        encoder.add_icc_profile(profile).map_err(refusal)?;
+    }
+    let layers = as_bytes(&picture.pixels);
+    let (width, height) = layers.image.size();
+    let [width, height] = [width, height].map(|side| u16::try_from(side).unwrap_or(u16::MAX));
+    encoder.encode(layers.image.as_raw(), width, height, jpeg_encoder::ColorType::Rgb).map_err(refusal)
+}
+
+/// What the system said, and not which library it was said to.
+fn refusal(error: EncodingError) -> io::Error {
+    match error {
+        EncodingError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+fn as_bytes(pixels: &Pixels) -> Cow<'_, Layers<u8>> {
+    match pixels {
+        Pixels::Bytes(layers) => Cow::Borrowed(layers),
+        Pixels::Words(layers) => Cow::Owned(layers.to_samples()),
+        Pixels::Floats(layers) => Cow::Owned(layers.to_samples()),
+    }
 }
 
 fn density(resolution: Resolution) -> PixelDensity {
@@ -177,11 +203,7 @@ fn density(resolution: Resolution) -> PixelDensity {
 }
 
 fn webp(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
-    by_image(WebPEncoder::new_lossless(out), picture, metadata)
-}
-
-/// Encodes bytes by `image`.
-fn by_image(mut encoder: impl ImageEncoder, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
+    let mut encoder = WebPEncoder::new_lossless(out);
     let unsupported = |error| failure(ImageError::Unsupported(error));
     if let Some(profile) = &metadata.icc_profile {
         encoder.set_icc_profile(profile.clone()).map_err(unsupported)?;
@@ -189,17 +211,13 @@ fn by_image(mut encoder: impl ImageEncoder, picture: &Picture, metadata: &Metada
     if let Some(exif) = &metadata.exif {
         encoder.set_exif_metadata(exif.clone()).map_err(unsupported)?;
     }
-    let layers = match &picture.pixels {
-        Pixels::Bytes(layers) => Cow::Borrowed(layers),
-        Pixels::Words(layers) => Cow::Owned(layers.to_samples()),
-        Pixels::Floats(layers) => Cow::Owned(layers.to_samples()),
-    };
+    let layers = as_bytes(&picture.pixels);
     let colour = if layers.alpha.is_some() { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
     let (width, height) = layers.image.size();
     encoder.write_image(&layers.interleaved(), side(width), side(height), colour).map_err(failure)
 }
 
-/// What the system said, and not which library it was said to.
+/// As [`refusal`].
 fn failure(error: ImageError) -> io::Error {
     match error {
         ImageError::IoError(error) => error,

@@ -1,9 +1,9 @@
 //! Small pictures, and pictures as text.
 
-use ::image::codecs::jpeg::JpegEncoder;
+use ::image::RgbImage;
 use ::image::imageops::{FilterType, resize};
-use ::image::{ExtendedColorType, ImageEncoder, RgbImage};
 use aquafuse::image::Image;
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
 use crate::base64;
 
@@ -31,10 +31,11 @@ fn scaled(side: f64, scale: f64) -> u32 {
 
 /// The picture as a JPEG that stands in a page by itself.
 pub(super) fn data_uri(image: &Image<u8>) -> String {
-    let sides = [image.width(), image.height()].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+    let [width, height] = [image.width(), image.height()].map(|side| u16::try_from(side).unwrap_or(u16::MAX));
     let mut jpeg = Vec::new();
-    let encoder = JpegEncoder::new_with_quality(&mut jpeg, QUALITY);
-    let written = encoder.write_image(image.as_raw(), sides[0], sides[1], ExtendedColorType::Rgb8);
+    let mut encoder = Encoder::new(&mut jpeg, QUALITY);
+    encoder.set_sampling_factor(SamplingFactor::F_1_1);
+    let written = encoder.encode(image.as_raw(), width, height, ColorType::Rgb);
     written.expect("a small picture of bytes fits into a JPEG");
     format!("data:image/jpeg;base64,{}", base64(&jpeg))
 }

@@ -10,7 +10,8 @@ use std::iter;
 use std::path::Path;
 
 use aquafuse::waterbody::Reason;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::AugmentError;
@@ -42,9 +43,12 @@ pub(super) struct Settings {
     pub(super) seed: u64,
     pub(super) per_image: u32,
     pub(super) with_replacement: bool,
+    #[serde(deserialize_with = "finite_range")]
     pub(super) theta_range: (f32, f32),
+    #[serde(deserialize_with = "finite_range")]
     pub(super) alpha_range: (f32, f32),
     pub(super) model: String,
+    #[serde(deserialize_with = "finite")]
     pub(super) most_gain: f32,
     pub(super) smooth: String,
     pub(super) depth: StoredDepth,
@@ -53,6 +57,21 @@ pub(super) struct Settings {
     pub(super) keep_originals: bool,
     pub(super) quality: u8,
     pub(super) lenient: bool,
+}
+
+/// A number that is one in 32 bits too.
+fn finite<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+    let number = f32::deserialize(from)?;
+    if number.is_finite() { Ok(number) } else { Err(D::Error::custom("a number is too large")) }
+}
+
+fn finite_range<'de, D: Deserializer<'de>>(from: D) -> Result<(f32, f32), D::Error> {
+    let (low, high) = <(f32, f32)>::deserialize(from)?;
+    if low.is_finite() && high.is_finite() {
+        Ok((low, high))
+    } else {
+        Err(D::Error::custom("a number is too large"))
+    }
 }
 
 /// How depth is come by.
@@ -103,7 +122,9 @@ pub(super) struct Variant {
     pub(super) number: u32,
     /// Which of the header's waters.
     pub(super) water: usize,
+    #[serde(deserialize_with = "finite")]
     pub(super) theta: f32,
+    #[serde(deserialize_with = "finite")]
     pub(super) alpha: f32,
     pub(super) source: Source,
     /// What the picture's own estimate is worth.

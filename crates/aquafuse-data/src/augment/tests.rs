@@ -385,3 +385,21 @@ fn shards_that_are_cut_short_or_lead_out_are_refused_and_a_bad_picture_spoils_no
     assert_eq!((run(&job).done, run(&job).kept), (1, 1));
     assert_eq!(members(&out.join("train-000.tar")).len(), 36);
 }
+
+#[test]
+fn a_manifest_with_a_number_too_large_for_its_settings_is_none() {
+    let place = tempfile::tempdir().unwrap();
+    let (root, out) = (place.path().join("fish"), place.path().join("out"));
+    dataset(&root);
+    run(&job(&root, &out));
+    let path = out.join("manifest.jsonl");
+    let text = fs::read_to_string(&path).unwrap();
+    for (from, line) in [("\"most_gain\":2.0", 1), ("\"theta\":", 3)] {
+        let at = text.find(from).unwrap();
+        let end = at + from.len();
+        let large = if line == 1 { "\"most_gain\":1e39" } else { "\"theta\":1e39,\"was\":" };
+        fs::write(&path, format!("{}{large}{}", &text[..at], &text[end..])).unwrap();
+        let refused = verify(&out, None).unwrap_err();
+        assert!(matches!(refused, AugmentError::Manifest { line: told, .. } if told == line), "{refused}");
+    }
+}

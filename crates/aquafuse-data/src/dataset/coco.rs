@@ -78,7 +78,7 @@ fn candidates(tree: &Tree) -> impl Iterator<Item = &String> {
 }
 
 fn is_coco(tree: &Tree, path: &str) -> bool {
-    let probe = |text: String| serde_json::from_str::<Probe>(&text).ok();
+    let probe = |text: String| object::<Probe>(&text).ok();
     let probe = tree.read(path).ok().and_then(probe);
     probe.is_some_and(|found| {
         let Probe { images, annotations, categories } = found;
@@ -122,17 +122,17 @@ struct Found {
 
 /// Finds the pictures of a file, and what is wrong with it.
 fn examine(tree: &Tree, path: &str, text: &str) -> Result<Found, String> {
-    let lists: Lists<'_> = serde_json::from_str(text).map_err(|error| one_line(&error.to_string()))?;
+    let lists: Lists<'_> = object(text)?;
     let (mut faults, mut keys) = (Vec::new(), Vec::new());
     let mut by_id: BTreeMap<&str, (Option<String>, [Option<f64>; 2])> = BTreeMap::new();
     let (mut last_image, mut last_annotation) = (0, 0);
     let mut seen = BTreeSet::new();
     for (raw, number) in lists.images.iter().zip(0_usize..) {
         let place = format!("{path}, images[{number}]");
-        let image: Image<'_> = match serde_json::from_str(raw.get()) {
+        let image: Image<'_> = match object(raw.get()) {
             Ok(image) => image,
-            Err(error) => {
-                faults.push(Fault::new(place, one_line(&error.to_string())));
+            Err(cause) => {
+                faults.push(Fault::new(place, cause));
                 keys.push(None);
                 continue;
             }
@@ -167,10 +167,10 @@ fn examine(tree: &Tree, path: &str, text: &str) -> Result<Found, String> {
     let mut ids = BTreeSet::new();
     for (raw, number) in lists.annotations.iter().zip(0_usize..) {
         let place = format!("{path}, annotations[{number}]");
-        let annotation: Annotation<'_> = match serde_json::from_str(raw.get()) {
+        let annotation: Annotation<'_> = match object(raw.get()) {
             Ok(annotation) => annotation,
-            Err(error) => {
-                faults.push(Fault::new(place, one_line(&error.to_string())));
+            Err(cause) => {
+                faults.push(Fault::new(place, cause));
                 continue;
             }
         };
@@ -211,6 +211,14 @@ fn locate(tree: &Tree, file: &str, name: &str) -> Option<String> {
     let around = ["".to_owned(), "images".into(), part.to_owned(), join("images", part)];
     let around = around.map(|folder| if above.is_empty() { folder } else { join(above, &folder) });
     beside.into_iter().chain(around).map(|folder| join(&folder, name)).find(|path| tree.holds(path))
+}
+
+/// An object with the fields of `T`: a list of their values, which would do as well for the reader of JSON, is none.
+fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
+    if !text.trim_start().starts_with('{') {
+        return Err("it is no object".into());
+    }
+    serde_json::from_str(text).map_err(|error| one_line(&error.to_string()))
 }
 
 /// An id as a number.
@@ -257,7 +265,7 @@ impl File {
         }
         let mut annotations = Vec::new();
         for (raw, place) in lists.annotations.iter().zip(0_i64..) {
-            let Ok(annotation) = serde_json::from_str::<Annotation<'_>>(raw.get()) else { continue };
+            let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { continue };
             let Some((rank, numbers)) = by_id.get(annotation.image_id.get()) else { continue };
             if made.originals {
                 annotations.push(raw.get().to_owned());

@@ -193,3 +193,13 @@ fn of_coco_nothing_changes_but_ids_and_names() {
         assert!(entries.iter().all(|entry| json[list].as_array().unwrap().contains(entry)), "{list}");
     }
 }
+
+#[test]
+fn lists_are_no_objects_of_coco() {
+    let lists = folder(&[("a.jpg", ""), ("a.json", "[[1], [2]]")]);
+    assert_eq!(opened(&lists).layout, Layout::Folder);
+    let entries =
+        opened(&coco(&COCO.replace(r#"{"id": 5, "image_id": 9, "caption": "two fish"}"#, "[5, 9]")));
+    let [fault] = &entries.faults[..] else { panic!("{:?}", entries.faults) };
+    assert!(fault.to_string().contains("annotations[1]"), "{fault}");
+}

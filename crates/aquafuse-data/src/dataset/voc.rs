@@ -230,7 +230,9 @@ pub(super) fn renamed(bytes: &[u8], picture: &str) -> Vec<u8> {
         if said.trim().is_empty() {
             continue;
         }
-        let kept = if is_path { said.rfind(['/', '\\']).map_or(0, |at| at.saturating_add(1)) } else { 0 };
+        // A comment among the text is no part of a path.
+        let folders = if is_path && !said.contains('<') { said.rfind(['/', '\\']) } else { None };
+        let kept = folders.map_or(0, |at| at.saturating_add(1));
         out.push_str(text.get(done..range.start).unwrap_or_default());
         out.push_str(said.get(..kept).unwrap_or_default());
         out.push_str(&name);
@@ -272,6 +274,13 @@ mod tests {
             .replace("a &amp; b.jpg", "a__&lt;w&gt;__0.jpg")
             .replace("pics\\a.jpg", "pics\\a__&lt;w&gt;__0.jpg");
         assert_eq!(renamed, expected);
+    }
+
+    #[test]
+    fn a_path_with_a_comment_in_it_is_replaced_as_a_whole() {
+        let odd = GOOD.replace("C:\\pics\\a.jpg", "C:\\pics<!-- a/b -->\\a.jpg");
+        let renamed = String::from_utf8(renamed(odd.as_bytes(), "w.jpg")).unwrap();
+        assert!(renamed.contains("<path>w.jpg</path>") && parse(&renamed).is_ok(), "{renamed}");
     }
 
     #[test]

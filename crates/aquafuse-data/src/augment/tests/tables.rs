@@ -167,3 +167,19 @@ fn tables_that_are_damaged_or_hold_no_pictures_are_refused_by_name() {
     let manifest = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
     assert!(manifest.contains("it has no column of pictures"), "{manifest}");
 }
+
+#[test]
+fn a_few_bytes_that_say_they_are_many_rows_are_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let fields = Fields::from(vec![Field::new("bytes", DataType::Binary, true)]);
+    let empty: ArrayRef = Arc::new(StructArray::new_null(fields, 100_000));
+    let rows = RecordBatch::try_from_iter_with_nullable([("image", empty, true)]).unwrap();
+    let path = place.path().join("a.parquet");
+    let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
+    writer.write(&rows).unwrap();
+    writer.close().unwrap();
+    let (file, bytes) = open_file(&path).unwrap();
+    assert!(bytes < 10_000, "{bytes}");
+    let refused = Table::open(&path, file, &ReadOptions::default()).err().unwrap().to_string();
+    assert!(refused.contains("it says that it has 100000 rows"), "{refused}");
+}

@@ -49,6 +49,7 @@ impl Table {
 
     fn of<R: ChunkReader + 'static>(path: &Path, from: R, options: &ReadOptions) -> Result<Self, FileError> {
         let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
+        let bytes = from.len();
         let opened = behind(|| ParquetRecordBatchReaderBuilder::try_new(from));
         let builder = opened.ok_or_else(|| damaged(FELL.into()))?;
         let builder = builder.map_err(|error| damaged(one_line(&error.to_string())))?;
@@ -59,6 +60,13 @@ impl Table {
             let most = options.most_memory;
             let cause = format!("a group of its rows has {largest} bytes, {most} are allowed (--max-memory)");
             return Err(FileError::TooLarge { path: path.to_owned(), cause });
+        }
+        // Rows of pictures take bytes; a few bytes can say that they are millions of rows with nothing in them.
+        let rows =
+            metadata.row_groups().iter().map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
+        let rows = rows.fold(0, u64::saturating_add);
+        if rows > bytes {
+            return Err(damaged(format!("it says that it has {rows} rows, and has {bytes} bytes")));
         }
         let schema = builder.schema().clone();
         let column = column(&schema).map_err(damaged)?;

@@ -1,9 +1,9 @@
 #![no_main]
 
-use aquafuse_data::{hush_decoders, targets::named};
+use aquafuse_data::{hush_decoders, targets};
 
 libfuzzer_sys::fuzz_target!(
     // A decoder's panic is caught and becomes an error: only what gets past that is a fault.
     init: hush_decoders(),
-    |bytes: &[u8]| (named("bmp").expect("it is in the list").run)(bytes)
+    |bytes: &[u8]| (targets::BMP.run)(bytes)
 );

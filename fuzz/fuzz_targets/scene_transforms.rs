@@ -1,5 +1,5 @@
 #![no_main]
 
-use aquafuse_scene::targets::named;
+use aquafuse_scene::targets;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (named("scene-transforms").expect("it is in the list").run)(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (targets::SCENE_TRANSFORMS.run)(bytes));

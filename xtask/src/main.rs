@@ -35,7 +35,8 @@ cargo xtask COMMAND
   multiply   [PICTURES] a data set of 10,000 small pictures multiplied, and killed 50 times, into docs/results.md
   helps      whether a small network learns more from a data set multiplied, into docs/results.md
   corpus     the examples that fuzzing starts from, made anew
-  soak       [MINUTES] every parser fuzzed, and a folder's job killed 1,000 times, into docs/results.md
+  soak       [MINUTES] [PARSERS] every parser fuzzed, each law tried on 100,000 cases, and a folder's job killed 1,000 times,
+             into docs/results.md; where parsers are named, those are fuzzed and nothing else is done
   scene      splats trained on a truth scene, with the water inside, and scenes beside themselves fused, into
              docs/results.md
   instructions
@@ -68,9 +69,9 @@ fn main() -> ExitCode {
         }
         ["helps"] => helps::run_all(),
         ["corpus"] => corpus::run_all(),
-        ["soak"] => soak::run_for(soak::DEFAULT_MINUTES),
-        ["soak", minutes] if minutes.parse::<u64>().is_ok() => {
-            soak::run_for(minutes.parse().unwrap_or(soak::DEFAULT_MINUTES))
+        ["soak"] => soak::run_for(soak::DEFAULT_MINUTES, &[]),
+        ["soak", minutes, ref parsers @ ..] if minutes.parse::<u64>().is_ok() => {
+            soak::run_for(minutes.parse().unwrap_or(soak::DEFAULT_MINUTES), parsers)
         }
         ["test-arm64"] => arm64::run(),
         ["instructions"] => instructions::renew(),

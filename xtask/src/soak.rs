@@ -1,4 +1,5 @@
-//! `cargo xtask soak`: every parser fuzzed for its share of the time, and a folder's job killed again and again.
+//! `cargo xtask soak`: every parser fuzzed for its share of the time, each law tried on cases drawn anew, and a folder's
+//! job killed again and again.
 //!
 //! Executions add up over runs in the table of `docs/results.md`; time goes to the parsers that lack most. The fuzzer is LLVM's, which counts on the compiler
 //! to mark every branch; the flags for that are those cargo-fuzz uses, and a stable toolchain knows them.
@@ -26,18 +27,27 @@ const SLOWEST: &str = "2";
 /// More than this, in MiB, is a fault: the limits of the targets are lower.
 const MOST_MEMORY: &str = "512";
 const KILLS: &str = "1000";
+/// Of each law.
+const CASES: &str = "100000";
 /// Less time than this is not shared out any more.
 const SHORT: Duration = Duration::from_secs(20);
 /// Executions of each parser.
 const PROMISED: u64 = 10_000_000;
 
-/// What makes the compiler mark branches and comparisons for the fuzzer.
+/// What makes the compiler mark branches and comparisons for the fuzzer. Crates are cut into small units, for after each
+/// input the fuzzer looks through all branches of the program, and whole units are linked: a program that held all parsers
+/// would run a small one four times as long.
 const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
-    -Cllvm-args=-sanitizer-coverage-trace-compares -Cllvm-args=-simplifycfg-branch-fold-threshold=0 -Ccodegen-units=1";
+    -Cllvm-args=-sanitizer-coverage-trace-compares -Cllvm-args=-simplifycfg-branch-fold-threshold=0 -Ccodegen-units=256";
 
-pub(crate) fn run_for(minutes: u64) -> Result<()> {
-    let targets = targets()?;
+/// Everything there is to soak, or the parsers that are named and nothing else.
+pub(crate) fn run_for(minutes: u64, parsers: &[&str]) -> Result<()> {
+    let mut targets = targets()?;
+    if let Some(unknown) = parsers.iter().find(|parser| !targets.iter().any(|target| target == *parser)) {
+        bail!("{unknown} is no parser; there are {}", targets.join(", "));
+    }
+    targets.retain(|target| parsers.is_empty() || parsers.contains(&target.as_str()));
     say(&format!("Building {} fuzz targets", targets.len()));
     let triple = host()?;
     let mut build = cargo(&["build", "--release", "--manifest-path", "fuzz/Cargo.toml", "--target", &triple]);
@@ -51,7 +61,10 @@ pub(crate) fn run_for(minutes: u64) -> Result<()> {
     while let Some(left) = whole.checked_sub(began.elapsed()).filter(|left| *left > SHORT) {
         round(&targets, &programs, left.as_secs(), &table, &failed)?;
     }
-    kills()?;
+    if parsers.is_empty() {
+        laws()?;
+        kills()?;
+    }
     let failed = failed.into_inner().unwrap_or_default();
     if failed.is_empty() {
         return Ok(());
@@ -165,6 +178,14 @@ fn fuzz(target: &str, programs: &Path, seconds: u64, lacking: u64) -> Result<Row
     }
     eprintln!("   {target}: {} executions, slowest {} s, {} MiB", row.executions, row.slowest, row.memory);
     Ok(row)
+}
+
+/// The laws of the method on cases drawn anew, many more than the tests try.
+fn laws() -> Result<()> {
+    say(&format!("Trying each law on {CASES} cases"));
+    let mut command = cargo(&["test", "--release", "--package", "aquafuse", "--test", "laws"]);
+    command.env("PROPTEST_CASES", CASES);
+    run(command)
 }
 
 /// The tests that kill and stop a folder's job.

@@ -8,6 +8,10 @@ use anyhow::{Context, Result, bail};
 use crate::setup::{Tools, set_up};
 use crate::shell::{cargo, say};
 
+/// What property tests draw their cases from: the same ones wherever this runs, so that what failed once fails again.
+/// Other cases are for [`crate::soak`], and for `cargo test`, which draws anew each time.
+const SEED: &str = "2411";
+
 pub(crate) fn run() -> Result<()> {
     let tools = set_up()?;
     crate::checks::run(&tools)?;
@@ -22,6 +26,9 @@ pub(crate) fn run() -> Result<()> {
     total.add(guarded("64-bit Arm", crate::arm64::run_if_possible()?));
     total.add(guarded("instructions", crate::instructions::guard()?));
 
+    if !total.failures.is_empty() {
+        println!("\nWhat the failed tests said:\n{}", total.failures);
+    }
     println!("\n{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);
     match total {
         Tally { broken: true, .. } => bail!("tests failed; they are listed above"),
@@ -42,13 +49,15 @@ fn guarded(name: &str, skipped: Option<String>) -> Tally {
 }
 
 /// Outcomes as the test runner reports them.
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 struct Tally {
     passed: usize,
     failed: usize,
     skipped: usize,
     /// The runner itself ended without success: a failed test, or one that does not compile.
     broken: bool,
+    /// What it said of failed tests, to be shown once more at the end, where it is looked for.
+    failures: String,
 }
 
 impl Tally {
@@ -57,6 +66,7 @@ impl Tally {
         self.failed += other.failed;
         self.skipped += other.skipped;
         self.broken |= other.broken;
+        self.failures += &other.failures;
     }
 }
 
@@ -67,13 +77,19 @@ fn test(tools: &Tools, arguments: &[&str]) -> Result<Tally> {
     let mut command: Command = cargo(&[&["test", "--locked", "--no-fail-fast"][..], arguments].concat());
     // What a passing test prints is hidden by default, and a reason to skip would be hidden with it.
     command.args(["--", "--show-output"]);
-    command.env("AQUAFUSE_PYTHON", &tools.python).stdout(Stdio::piped());
+    command.env("AQUAFUSE_PYTHON", &tools.python).env("PROPTEST_RNG_SEED", SEED).stdout(Stdio::piped());
     let mut child = command.spawn().context("cannot start cargo test")?;
     let mut tally = Tally::default();
+    let mut of_failures = false;
     if let Some(stdout) = child.stdout.take() {
         for line in BufReader::new(stdout).lines() {
             let line = line.context("cannot read what cargo test prints")?;
             println!("{line}");
+            of_failures = (of_failures || line == "failures:") && !line.starts_with("test result: ");
+            if of_failures {
+                tally.failures += &line;
+                tally.failures.push('\n');
+            }
             if line.starts_with("skipped: ") {
                 tally.skipped += 1;
                 tally.passed = tally.passed.saturating_sub(1);

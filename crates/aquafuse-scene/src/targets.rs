@@ -7,19 +7,24 @@ use aquafuse_data::targets::{Target, check_error};
 use crate::files::{SceneFileError, attempts};
 use crate::train::try_state;
 
-/// Every parser there is.
-pub const ALL: [Target; 5] = [
-    Target { name: "scene-checkpoint", run: try_state },
-    Target { name: "scene-colmap-binary", run: |bytes| refusals(&attempts::binary(file(), bytes)) },
-    Target { name: "scene-colmap-text", run: |bytes| refusals(&attempts::text(file(), bytes)) },
-    Target { name: "scene-ply", run: |bytes| refusals(&attempts::splats(file(), bytes)) },
-    Target { name: "scene-transforms", run: |bytes| refusals(&attempts::frames(file(), bytes)) },
-];
+/// States of training.
+pub const SCENE_CHECKPOINT: Target = Target { name: "scene-checkpoint", run: try_state };
+/// COLMAP's binary models.
+pub const SCENE_COLMAP_BINARY: Target =
+    Target { name: "scene-colmap-binary", run: |bytes| refusals(&attempts::binary(file(), bytes)) };
+/// COLMAP's text models.
+pub const SCENE_COLMAP_TEXT: Target =
+    Target { name: "scene-colmap-text", run: |bytes| refusals(&attempts::text(file(), bytes)) };
+/// Splats as PLY.
+pub const SCENE_PLY: Target =
+    Target { name: "scene-ply", run: |bytes| refusals(&attempts::splats(file(), bytes)) };
+/// Cameras as `transforms.json`.
+pub const SCENE_TRANSFORMS: Target =
+    Target { name: "scene-transforms", run: |bytes| refusals(&attempts::frames(file(), bytes)) };
 
-/// The target of a name.
-pub fn named(name: &str) -> Option<Target> {
-    ALL.into_iter().find(|target| target.name == name)
-}
+/// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
+pub const ALL: [Target; 5] =
+    [SCENE_CHECKPOINT, SCENE_COLMAP_BINARY, SCENE_COLMAP_TEXT, SCENE_PLY, SCENE_TRANSFORMS];
 
 fn file() -> &'static Path {
     Path::new(aquafuse_data::targets::NAME)

@@ -1,6 +1,8 @@
 //! Parquet as Hugging Face lays out pictures: tables with a column of structs of `bytes` and `path`, and any others.
 
 #[cfg(feature = "parquet")]
+mod pages;
+#[cfg(feature = "parquet")]
 mod rows;
 
 #[cfg(feature = "fuzz-targets")]

@@ -113,6 +113,8 @@ impl Annotation {
 /// An XML text, element by element.
 struct Texts<'a> {
     reader: Reader<&'a [u8]>,
+    /// Where the reader begins: it drops a byte order mark and does not count it.
+    begin: usize,
     stack: Vec<String>,
     /// Where the text of the last element begins, while no other one is in it.
     text: Option<usize>,
@@ -122,9 +124,11 @@ struct Texts<'a> {
 
 impl<'a> Texts<'a> {
     fn of(text: &'a str) -> Self {
+        let marked = text.len();
+        let text = text.trim_start_matches('\u{feff}');
         let mut reader = Reader::from_str(text);
         reader.config_mut().expand_empty_elements = true;
-        Self { reader, stack: Vec::new(), text: None, ended: false }
+        Self { reader, begin: marked.saturating_sub(text.len()), stack: Vec::new(), text: None, ended: false }
     }
 
     /// The next begin of an element, or the text of one that holds nothing else; the stack names the elements it is in.
@@ -162,7 +166,7 @@ impl<'a> Texts<'a> {
     }
 
     fn place(&self) -> usize {
-        usize::try_from(self.reader.buffer_position()).unwrap_or(usize::MAX)
+        self.begin.saturating_add(usize::try_from(self.reader.buffer_position()).unwrap_or(usize::MAX))
     }
 
     fn is_in(&self, path: &[&str]) -> bool {
@@ -274,6 +278,14 @@ mod tests {
             .replace("a &amp; b.jpg", "a__&lt;w&gt;__0.jpg")
             .replace("pics\\a.jpg", "pics\\a__&lt;w&gt;__0.jpg");
         assert_eq!(renamed, expected);
+    }
+
+    #[test]
+    fn a_byte_order_mark_moves_nothing() {
+        let marked = format!("\u{feff}{GOOD}");
+        assert_eq!(parse(&marked).unwrap(), parse(GOOD).unwrap());
+        let expected = [b"\xef\xbb\xbf".to_vec(), renamed(GOOD.as_bytes(), "w.jpg")].concat();
+        assert_eq!(renamed(marked.as_bytes(), "w.jpg"), expected);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use arrow_array::types::Int64Type;
 use arrow_array::{Array, ArrayRef, RecordBatch, StructArray};
 use arrow_schema::{DataType, Field, Fields, Schema};
 use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
@@ -182,4 +183,33 @@ fn a_few_bytes_that_say_they_are_many_rows_are_refused() {
     assert!(bytes < 10_000, "{bytes}");
     let refused = Table::open(&path, file, &ReadOptions::default()).err().unwrap().to_string();
     assert!(refused.contains("it says that it has 100000 rows"), "{refused}");
+}
+
+#[test]
+fn a_page_that_says_it_unpacks_to_more_than_is_allowed_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    // Nothing that could be packed, so that a page is no smaller than what it holds.
+    let noise: Vec<u8> = (0_u32..100_000).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    let fields = Fields::from(vec![Field::new("bytes", DataType::Binary, true)]);
+    let bytes = binary(&DataType::Binary, &[Some(&noise)]);
+    let pictures: ArrayRef = Arc::new(StructArray::new(fields, vec![bytes], None));
+    let rows = RecordBatch::try_from_iter([("image", pictures)]).unwrap();
+    let path = place.path().join("a.parquet");
+    let properties =
+        WriterProperties::builder().set_compression(Compression::SNAPPY).set_dictionary_enabled(false);
+    let file = File::create(&path).unwrap();
+    let mut writer = ArrowWriter::try_new(file, rows.schema(), Some(properties.build())).unwrap();
+    writer.write(&rows).unwrap();
+    let at = usize::try_from(writer.close().unwrap().row_group(0).column(0).data_page_offset()).unwrap();
+
+    let options = ReadOptions { most_memory: 1 << 19, ..ReadOptions::default() };
+    let open = || Table::open(&path, open_file(&path).unwrap().0, &options);
+    open().unwrap();
+    // A page of data, and how much it unpacks to: three bytes hold a mebibyte at most.
+    let mut written = fs::read(&path).unwrap();
+    assert_eq!(written[at..at + 3], [0x15, 0, 0x15]);
+    written[at + 3..at + 6].copy_from_slice(&[0xfe, 0xff, 0x7f]);
+    fs::write(&path, written).unwrap();
+    let refused = open().err().unwrap().to_string();
+    assert!(refused.contains("1048575 bytes, 524288 are allowed"), "{refused}");
 }

@@ -10,11 +10,14 @@ use arrow_array::{
     StringArray, StringViewArray, StructArray,
 };
 use arrow_schema::{DataType, Field, SchemaRef};
-use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
+};
 use parquet::basic::Compression;
-use parquet::file::metadata::{ColumnChunkMetaData, KeyValue, RowGroupMetaData};
+use parquet::file::metadata::{ColumnChunkMetaData, KeyValue};
 use parquet::file::reader::ChunkReader;
 
+use super::pages;
 use crate::barrier::behind;
 use crate::picture::{FileError, ReadOptions, one_line};
 
@@ -50,16 +53,20 @@ impl Table {
     fn of<R: ChunkReader + 'static>(path: &Path, from: R, options: &ReadOptions) -> Result<Self, FileError> {
         let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
         let bytes = from.len();
-        let opened = behind(|| ParquetRecordBatchReaderBuilder::try_new(from));
-        let builder = opened.ok_or_else(|| damaged(FELL.into()))?;
-        let builder = builder.map_err(|error| damaged(one_line(&error.to_string())))?;
-        let metadata = builder.metadata();
-        let largest = metadata.row_groups().iter().map(RowGroupMetaData::total_byte_size).max();
-        let largest = u64::try_from(largest.unwrap_or(0)).unwrap_or(u64::MAX);
-        if largest > options.most_memory {
-            let most = options.most_memory;
-            let cause = format!("a group of its rows has {largest} bytes, {most} are allowed (--max-memory)");
-            return Err(FileError::TooLarge { path: path.to_owned(), cause });
+        let loaded = behind(|| ArrowReaderMetadata::load(&from, ArrowReaderOptions::new()));
+        let loaded = loaded.ok_or_else(|| damaged(FELL.into()))?;
+        let loaded = loaded.map_err(|error| damaged(one_line(&error.to_string())))?;
+        let metadata = loaded.metadata();
+        for group in metadata.row_groups() {
+            let said = u64::try_from(group.total_byte_size()).unwrap_or(u64::MAX);
+            let unpacked =
+                pages::unpacked(&from, group).map_err(|error| damaged(one_line(&error.to_string())))?;
+            let (largest, most) = (said.max(unpacked), options.most_memory);
+            if largest > most {
+                let cause =
+                    format!("a group of its rows has {largest} bytes, {most} are allowed (--max-memory)");
+                return Err(FileError::TooLarge { path: path.to_owned(), cause });
+            }
         }
         // Rows of pictures take bytes; a few bytes can say that they are millions of rows with nothing in them.
         let rows =
@@ -68,7 +75,7 @@ impl Table {
         if rows > bytes {
             return Err(damaged(format!("it says that it has {rows} rows, and has {bytes} bytes")));
         }
-        let schema = builder.schema().clone();
+        let schema = loaded.schema().clone();
         let column = column(&schema).map_err(damaged)?;
         let first = metadata.row_groups().first();
         let leaf = first.and_then(|group| {
@@ -77,6 +84,7 @@ impl Table {
         });
         let compression = leaf.map_or(Compression::SNAPPY, ColumnChunkMetaData::compression);
         let notes = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
+        let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(from, loaded);
         let built = behind(|| builder.with_batch_size(ROWS).build());
         let built = built.ok_or_else(|| damaged(FELL.into()))?;
         let reader = built.map_err(|error| damaged(one_line(&error.to_string())))?;

@@ -189,7 +189,7 @@ fn estimate_from<E: Encoding>(
     options: &EstimateOptions,
 ) -> Estimate<E> {
     let Look { statistics, light, growth, attenuation } = look::<E>(whole, image, quantised, depth, options);
-    let intervals = judge::intervals::<E>(&growth, &light);
+    let intervals = judge::intervals::<E>(&growth, &light, depth);
     let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth);
     Estimate {
         water: Waterbody {
@@ -224,11 +224,11 @@ fn look<E: Encoding>(
     let (statistics, mut light) = bands::both(
         whole.levels.len(),
         || Statistics::<E>::gather(image, quantised),
-        || veiling_light::read(whole, counted, options.top, options.veiling_light),
+        || veiling_light::read(whole, counted, depth.model().is_none(), options),
     );
     let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     if depth.model().is_none() && is_seen_through(&light, &growth, quantised) {
-        light = veiling_light::read_without_open_water(image, &quantised.levels, options.top);
+        light = veiling_light::read_things(image, &quantised.levels, options.top);
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
@@ -252,7 +252,7 @@ fn fit<E: Encoding>(
 }
 
 /// Share of the direct signal that open water may still let through at the distance it was seen at.
-const LEFT_IN_OPEN_WATER: f32 = 0.2;
+const LEFT_IN_OPEN_WATER: f32 = 0.1;
 
 /// Whether what was taken for open water is too near to be any: at its distance, if that is known, light from
 /// things would still come through.

@@ -8,6 +8,7 @@ mod envelope;
 mod mixing_line;
 mod posterior;
 mod published;
+mod veils;
 
 use super::statistics::Statistics;
 use super::veiling_light::{Reading, VeilingLightSource};
@@ -15,6 +16,7 @@ use crate::depth::{DepthMap, Quantised};
 use crate::image::{Encoding, Image};
 use envelope::Point;
 use posterior::{Bell, Grid, Posterior, Trust, weigh};
+use veils::Veils;
 
 /// What tells how fast backscatter grows with distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,8 +43,10 @@ const FINE: usize = 33;
 const REACH: f32 = 3.5;
 const LEAST_DEVIATION: f32 = 0.06;
 
-/// With given depth a bin is wrong by its byte; with depth from colour by a good deal, and all bins alike.
+/// With given depth a bin is wrong by its byte, and where the veiling light is fitted with the curve by what its darkest
+/// things are, which one floor for all bins does not tell; with depth from colour by a good deal, and all bins alike.
 const GIVEN: Trust = Trust { deviation: 1.0 / 255.0, weight: 1.0 };
+const GIVEN_BEHIND_THINGS: Trust = Trust { weight: 0.2, ..GIVEN };
 const FROM_COLOUR: Trust = Trust { deviation: 8.0 / 255.0, weight: 0.1 };
 /// How far depth from colour strays from its mixing line.
 const LINE_DEVIATION: f32 = 0.35;
@@ -52,11 +56,6 @@ const NOISE_LEFT: f32 = 1.0;
 /// What makes red and blue thicker than green in most waters, as ln of the ratio, and how far waters stray.
 const SLOPE: [f32; 3] = [0.262, 0.0, 0.095];
 const SLOPE_DEVIATION: f32 = 0.3;
-
-/// A veiling light that no open water showed may be off by this much (deviation of its logarithm).
-const VEIL_DEVIATION: f32 = 0.15;
-/// Factors on it that are tried, as logarithms.
-const VEILS: [f32; 9] = [-0.30, -0.20, -0.12, -0.06, 0.0, 0.08, 0.16, 0.27, 0.40];
 
 /// What was found, per channel.
 pub(super) struct Growth {
@@ -87,7 +86,12 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
     let veil = light.rgb.map(E::from_encoded);
     let open = light.source == VeilingLightSource::OpenWater;
     let envelopes = envelopes(statistics, light);
-    let base = if depth.model().is_some() { FROM_COLOUR } else { GIVEN };
+    let (base, veils): (_, fn(usize) -> Veils) = match (depth.model().is_some(), open) {
+        (false, true) => (GIVEN, |_| Veils::Seen),
+        (false, false) => (GIVEN_BEHIND_THINGS, |channel| Veils::BehindThings { channel }),
+        (true, true) => (FROM_COLOUR, |_| Veils::Seen),
+        (true, false) => (FROM_COLOUR, |_| Veils::AboutAsRead),
+    };
     let noise = NOISE_LEFT * light.noise / 255.0;
     let trust = Trust { deviation: base.deviation.hypot(noise), ..base };
     let bins: Vec<f32> = statistics.bins.iter().map(|bin| bin.z / statistics.z95).collect();
@@ -98,13 +102,9 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
         Some(ln_tau) => Bell { mean: ln_tau[c], deviation: LINE_DEVIATION },
         None => EXPECTED,
     };
-    let veils: Vec<(f32, f32)> = if open {
-        vec![(0.0, 0.0)]
-    } else {
-        VEILS.iter().map(|&ln| (ln, 0.5 * (ln / VEIL_DEVIATION).powi(2))).collect()
+    let look = |c: usize, prior: Bell, tried: &Grid| {
+        weigh::<E>(&envelopes[c], veil[c], trust, prior, tried, veils(c))
     };
-    let look =
-        |c: usize, prior: Bell, tried: &Grid| weigh::<E>(&envelopes[c], veil[c], trust, prior, tried, &veils);
 
     let first: [Bell; 3] = std::array::from_fn(|c| {
         let seen = look(c, prior(c), &coarse).ln_tau;
@@ -127,7 +127,10 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
     }
 }
 
-/// The paper's fit: its veiling light is taken as it is, and nothing is said about its error.
+/// Deviation of ln B∞ that the paper's way, which says nothing about its error, is believed to have.
+const PUBLISHED_VEIL_DEVIATION: f32 = 0.3;
+
+/// The paper's fit: its veiling light is taken as it is.
 pub(super) fn fit_published<E: Encoding>(
     image: &Image<u8>,
     quantised: &Quantised<'_>,
@@ -143,7 +146,7 @@ pub(super) fn fit_published<E: Encoding>(
     let ln_tau = published::optical_depth::<E>(image, &quantised.levels, &z, veil, &taus);
     Growth {
         veil,
-        ln_veil_deviation: [0.0; 3],
+        ln_veil_deviation: [PUBLISHED_VEIL_DEVIATION; 3],
         coefficient: ln_tau.map(|ln_tau| ln_tau.exp() / statistics.z95),
         ln_deviation: [EXPECTED.deviation; 3],
         floor: [0.0; 3],

@@ -12,23 +12,41 @@ use crate::image::Encoding;
 /// Deviations of a normal error to either side that hold nine in ten.
 const NINE_IN_TEN: f32 = 1.645;
 /// Error of B∞ (encoded) beside the standard error of its reading: rounding to bytes.
-const ROUNDING: f32 = 0.04 / 255.0;
-/// Weights and base of the error of ln β_B: with open water seen, and without, where B∞ may be wrong as well.
-const WITH_WATER: [f32; 3] = [1.2, 0.0, 0.05];
-const WITHOUT_WATER: [f32; 3] = [4.5, 2.0, 0.15];
-/// Weight and base of the error of ln B∞ where no open water was seen.
-const GUESSED_VEIL: [f32; 2] = [4.0, 0.28];
+const ROUNDING: f32 = 0.05 / 255.0;
+/// Weights of the deviations of ln β_B and ln B∞, and a base, in the error of ln β_B.
+const OF_GROWTH: Cases<[f32; 3]> =
+    Cases { open: [1.2, 0.0, 0.05], given: [1.0, 1.0, 0.1], from_colour: [4.5, 2.0, 0.15] };
+/// Weight of the deviation of ln B∞, and a base, in its error where no open water was seen.
+const OF_VEIL: Cases<[f32; 2]> = Cases { open: [0.0; 2], given: [1.0, 0.1], from_colour: [4.0, 0.28] };
+
+/// A figure for each case: open water seen; none, with given depth; none, with depth from colour.
+struct Cases<T> {
+    open: T,
+    given: T,
+    from_colour: T,
+}
+
+impl<T> Cases<T> {
+    fn of(self, light: &Reading, depth: &DepthMap) -> T {
+        match light.source {
+            VeilingLightSource::OpenWater => self.open,
+            _ if depth.model().is_some() => self.from_colour,
+            _ => self.given,
+        }
+    }
+}
 
 /// How far off the numbers may be.
-pub(super) fn intervals<E: Encoding>(growth: &Growth, light: &Reading) -> Intervals {
+pub(super) fn intervals<E: Encoding>(growth: &Growth, light: &Reading, depth: &DepthMap) -> Intervals {
     let open = light.source == VeilingLightSource::OpenWater;
-    let [of_growth, of_veil, base] = if open { WITH_WATER } else { WITHOUT_WATER };
+    let [of_growth, of_veil, base] = OF_GROWTH.of(light, depth);
+    let [of_guess, guess] = OF_VEIL.of(light, depth);
     let veiling_light = std::array::from_fn(|c| {
         if open {
             let half = NINE_IN_TEN * light.standard_error[c].hypot(ROUNDING);
             [-half, half].map(|off| E::from_encoded((light.rgb[c] + off).clamp(0.0, 1.0)))
         } else {
-            let half = NINE_IN_TEN * (GUESSED_VEIL[0] * growth.ln_veil_deviation[c]).hypot(GUESSED_VEIL[1]);
+            let half = NINE_IN_TEN * (of_guess * growth.ln_veil_deviation[c]).hypot(guess);
             [-half, half].map(|ln| (growth.veil[c] * ln.exp()).min(1.0))
         }
     });

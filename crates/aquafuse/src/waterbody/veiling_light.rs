@@ -15,8 +15,8 @@ pub(super) use places::Places;
 pub(super) use reading::Reading;
 pub use reading::VeilingLightSource;
 
-use super::Seen;
-use crate::image::{Encoded, Encoding, Sample, TopEdge};
+use super::{EstimateOptions, Seen};
+use crate::image::{Encoded, Encoding, Sample};
 
 /// Veiling light B∞: the colour that remains when nothing but water is in sight, per channel in `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,15 +50,18 @@ pub enum VeilingLightMethod {
     Published,
 }
 
-pub(super) use published::read_without_open_water;
+pub(super) use published::read_things;
 
-/// Reads the veiling light of a picture by this method, with all its fallbacks: open water in the whole of it, the
-/// farthest pixels in the part that is counted.
-pub(super) fn read(whole: Seen<'_>, counted: Seen<'_>, top: TopEdge, method: VeilingLightMethod) -> Reading {
-    let Seen { image, levels } = counted;
-    match method {
-        VeilingLightMethod::OpenWater => open_water::read(whole.image, whole.levels)
-            .unwrap_or_else(|| published::read_without_open_water(image, levels, top)),
-        VeilingLightMethod::Published => published::read(image, levels, top),
-    }
+/// Reads the veiling light of a picture, with all fallbacks: open water in the whole of it, the farthest pixels in the
+/// part that is counted. `given` depth is not from colour.
+pub(super) fn read(whole: Seen<'_>, counted: Seen<'_>, given: bool, options: &EstimateOptions) -> Reading {
+    let (Seen { image, levels }, top) = (counted, options.top);
+    let open_water = match options.veiling_light {
+        VeilingLightMethod::OpenWater => open_water::read(whole.image, whole.levels),
+        VeilingLightMethod::Published => return published::read(image, levels, top),
+    };
+    open_water.unwrap_or_else(|| match given {
+        true => published::read_things(image, levels, top),
+        false => published::read(image, levels, top),
+    })
 }

@@ -1,6 +1,7 @@
 //! How likely each optical depth, each floor and each veiling light is, given the dark envelope of a channel.
 
 use super::envelope::Point;
+use super::veils::Veils;
 use crate::image::Encoding;
 use crate::simd;
 
@@ -35,7 +36,8 @@ impl Bell {
         Self { mean: (a * self.mean + b * other.mean) / (a + b), deviation: (a + b).powf(-0.5) }
     }
 
-    fn cost(self, value: f32) -> f32 {
+    /// -ln of how likely a value is, up to what does not depend on it.
+    pub(super) fn cost(self, value: f32) -> f32 {
         0.5 * ((value - self.mean) / self.deviation).powi(2)
     }
 
@@ -94,24 +96,25 @@ pub(super) struct Posterior {
     pub(super) on_curve: f32,
 }
 
-/// Weighs every optical depth that is tried with every factor of `veils` on the veiling light `veil`.
+/// Weighs every optical depth that is tried with every factor of `veils` on the veiling light `read`.
 ///
 /// The curve of a floor s is `B∞ (1 - e^(-τ z)) + s e^(-τ z)`. A bin below it contradicts it by noise alone; a
 /// bin above it may merely hold nothing dark, which is the likelier the more of a thing's own light is left.
 pub(super) fn weigh<E: Encoding>(
     points: &[Point],
-    veil: f32,
+    read: f32,
     trust: Trust,
     prior: Bell,
     tried: &Grid,
-    veils: &[(f32, f32)],
+    veils: Veils,
 ) -> Posterior {
     let floors = FLOORS.map(|floor| E::from_encoded(floor));
     let lanes = std::array::from_fn(|lane| floors[lane.min(FLOORS.len() - 1)]);
     let rarities = FREQUENCY.map(f32::ln);
     // The excess shrinks with the encoding as the largest floor does.
     let excess = EXCESS / FLOORS[4] * floors[4];
-    let cells = tried.ln_taus.len() * veils.len();
+    let ln_factors = veils.ln_factors();
+    let cells = tried.ln_taus.len() * ln_factors.len();
     let (mut together, mut of_floor) = (Vec::with_capacity(cells), Vec::with_capacity(cells * FLOORS.len()));
     let mut best = (f32::INFINITY, 0.0);
     let mut terms = Vec::with_capacity(points.len());
@@ -120,8 +123,11 @@ pub(super) fn weigh<E: Encoding>(
         let each = points.iter().zip(factors);
         terms.extend(each.map(|(point, &factor)| Term::new(point, factor, trust.deviation, excess)));
         let prior = prior.cost(ln_tau);
-        for &(ln_veil, veil_cost) in veils {
-            let veil = (veil * ln_veil.exp()).min(1.0);
+        // z95 is the unit of z: there is the far end.
+        let left = (-ln_tau.exp()).exp();
+        for &ln_factor in ln_factors {
+            let veil = (read * ln_factor.exp()).min(1.0);
+            let veil_cost = veils.cost::<E>(read, ln_factor, left);
             let misfits = simd::widest(Misfits { terms: &terms, veil, floors: lanes });
             let mut sum = Sum::default();
             for ((floor, rarity), misfit) in floors.into_iter().zip(rarities).zip(misfits) {
@@ -137,10 +143,10 @@ pub(super) fn weigh<E: Encoding>(
         }
     }
     let (together, of_floor) = (weights(together), weights(of_floor));
-    let ln_taus = tried.ln_taus.iter().flat_map(|&ln_tau| veils.iter().map(move |_| ln_tau));
+    let ln_taus = tried.ln_taus.iter().flat_map(|&ln_tau| ln_factors.iter().map(move |_| ln_tau));
     Posterior {
         ln_tau: Bell::of(ln_taus, &together),
-        ln_veil: Bell::of(veils.iter().map(|&(ln_veil, _)| ln_veil).cycle(), &together),
+        ln_veil: Bell::of(ln_factors.iter().copied().cycle(), &together),
         floor: Bell::of(FLOORS.into_iter().cycle(), &of_floor).mean,
         on_curve: best.1,
     }

@@ -21,13 +21,10 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Reading {
     read_by(image, levels, top, |histogram, _| histogram.median())
 }
 
-/// The same where open water was looked for and not found: what is farthest is then a thing, brighter than the
-/// water by its own light. Halfway from its darkest to its median is nearer to the water.
-pub(in crate::waterbody) fn read_without_open_water(
-    image: &Image<u8>,
-    levels: &[u8],
-    top: TopEdge,
-) -> Reading {
+/// The same where open water was looked for and not found, and depth is given: what is farthest is then a thing, brighter
+/// than the water by its own light. Halfway from its darkest to its median is nearer to the water. What depth from colour
+/// takes for farthest may as well be water that was not found smooth, and halfway is too dark for that.
+pub(in crate::waterbody) fn read_things(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Reading {
     read_by(image, levels, top, |histogram, source| match source {
         VeilingLightSource::Farthest | VeilingLightSource::Unfiltered => {
             let (dark, median) = (histogram.quantile(DARK), histogram.median());

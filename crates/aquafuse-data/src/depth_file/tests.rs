@@ -121,6 +121,17 @@ fn sizes_that_take_too_much_memory_are_refused_from_the_header() {
     assert!(matches!(said, Fault::TooLarge(..)), "{said:?}");
 }
 
+#[test]
+fn numbers_packed_as_a_fax_are_refused_before_they_are_unpacked() {
+    let mut tiff = file("z.tiff", &map(DepthKind::Metres));
+    // Compression, one short number: none becomes that of faxes.
+    let tag = [3, 1, 3, 0, 1, 0, 0, 0, 1, 0];
+    let at = tiff.windows(tag.len()).position(|part| part == tag).unwrap();
+    tiff[at + 8] = 4;
+    let said = decoded(&tiff).unwrap_err();
+    assert!(matches!(&said, Fault::Unsupported(what, _) if what.contains("faxes")), "{said:?}");
+}
+
 /// The check sum of a PNG chunk.
 fn crc32(bytes: &[u8]) -> u32 {
     let step = |crc: u32| if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 };

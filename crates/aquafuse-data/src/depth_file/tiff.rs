@@ -5,11 +5,15 @@ use std::io::{BufRead, Cursor, Seek};
 use ::tiff::TiffError;
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::encoder::{TiffEncoder, colortype};
+use ::tiff::tags::Tag;
 use aquafuse::depth::DepthMap;
 
 use super::{Fault, MOST_BYTES, Raster, Wanted, check_size, narrowed};
 
 const REMEDY: &str = "Save it as grey, one channel of 32-bit float or 16-bit unsigned numbers";
+
+/// Ways to pack black and white, bit by bit: of numbers they make nothing, slowly.
+const FAX: std::ops::RangeInclusive<u16> = 2..=4;
 
 pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let most = usize::try_from(MOST_BYTES).unwrap_or(usize::MAX);
@@ -23,6 +27,9 @@ pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Rast
         check_size(wanted, width.into(), height.into(), u64::from(colour.bit_depth()).div_ceil(8))?;
     if !matches!(colour, ::tiff::ColorType::Gray(8 | 16 | 32 | 64)) {
         return Err(Fault::Unsupported(format!("{colour:?} pixels"), REMEDY));
+    }
+    if decoder.find_tag_unsigned::<u16>(Tag::Compression)?.is_some_and(|way| FAX.contains(&way)) {
+        return Err(Fault::Unsupported("the compression of faxes".into(), REMEDY));
     }
     let (values, full_range) = match decoder.read_image()? {
         DecodingResult::F32(values) => (values, None),

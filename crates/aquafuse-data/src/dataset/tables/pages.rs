@@ -38,22 +38,20 @@ fn largest<R: ChunkReader>(from: &R, column: &ColumnChunkMetaData) -> io::Result
 
 /// Unpacked and packed bytes of a page, from its header.
 fn sizes(header: &mut impl Read) -> io::Result<[u64; 2]> {
-    let mut sizes = [None; 2];
+    let [mut unpacked, mut packed] = [None; 2];
     let mut field = 0;
     while let Some(kind) = next_field(header, &mut field)? {
         match (field, kind) {
-            (2 | 3, 5) => {
-                let size = u64::try_from(unfolded(number(header)?))
-                    .map_err(|_| odd("a page of less than nothing"))?;
-                sizes[usize::from(field == 3)] = Some(size);
-            }
+            (2, 5) => unpacked = Some(size(header)?),
+            (3, 5) => packed = Some(size(header)?),
             _ => pass_over(header, kind, DEEPEST)?,
         }
     }
-    match sizes {
-        [Some(unpacked), Some(packed)] => Ok([unpacked, packed]),
-        _ => Err(odd("a page without a size")),
-    }
+    unpacked.zip(packed).map(<[u64; 2]>::from).ok_or_else(|| odd("a page without a size"))
+}
+
+fn size(from: &mut impl Read) -> io::Result<u64> {
+    u64::try_from(unfolded(number(from)?)).map_err(|_| odd("a page of less than nothing"))
 }
 
 /// The kind of the next field of a struct, whose number goes on from that of the field before; none at its end.
@@ -126,7 +124,8 @@ fn number(from: &mut impl Read) -> io::Result<u64> {
 
 /// A number with its sign, which is its lowest bit.
 fn unfolded(number: u64) -> i64 {
-    (number >> 1).cast_signed() ^ -(number & 1).cast_signed()
+    let half = (number >> 1).cast_signed();
+    if number & 1 == 0 { half } else { !half }
 }
 
 fn odd(what: &str) -> io::Error {

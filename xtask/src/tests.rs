@@ -18,13 +18,13 @@ pub(crate) fn run() -> Result<()> {
 
     let mut total = Tally::default();
     say("Examples in the documentation");
-    total.add(test(&tools, &["--workspace", "--all-features", "--doc"])?);
+    total.add(&test(&tools, &["--workspace", "--all-features", "--doc"])?);
     say("The core without its features");
-    total.add(test(&tools, &["--package", "aquafuse", "--no-default-features", "--lib", "--tests"])?);
+    total.add(&test(&tools, &["--package", "aquafuse", "--no-default-features", "--lib", "--tests"])?);
     say("All tests");
-    total.add(test(&tools, &["--workspace", "--all-features", "--lib", "--bins", "--tests", "--examples"])?);
-    total.add(guarded("64-bit Arm", crate::arm64::run_if_possible()?));
-    total.add(guarded("instructions", crate::instructions::guard()?));
+    total.add(&test(&tools, &["--workspace", "--all-features", "--lib", "--bins", "--tests", "--examples"])?);
+    total.add(&guarded("64-bit Arm", crate::arm64::run_if_possible()?));
+    total.add(&guarded("instructions", crate::instructions::guard()?));
 
     if !total.failures.is_empty() {
         println!("\nWhat the failed tests said:\n{}", total.failures);
@@ -61,7 +61,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, other: Self) {
+    fn add(&mut self, other: &Self) {
         self.passed += other.passed;
         self.failed += other.failed;
         self.skipped += other.skipped;

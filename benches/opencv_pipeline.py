@@ -178,29 +178,17 @@ def veiling_light(bgr, levels):
     if water is not None:
         return (*water, True)
     usable = is_bluish_green(bgr)
-    for far, read in (
-        (True, lambda: farthest_mask(levels, usable)),
-        (False, lambda: corners_mask(levels.shape, usable, top=True)),
-        (False, lambda: corners_mask(levels.shape, usable, top=False)),
+    for read in (
+        lambda: farthest_mask(levels, usable),
+        lambda: corners_mask(levels.shape, usable, top=True),
+        lambda: corners_mask(levels.shape, usable, top=False),
     ):
         mask = read()
         if cv2.countNonZero(mask) > FEW_PIXELS:
             break
     else:
-        far, mask = True, farthest_mask(levels, None)
-    colour = median_colour(bgr, mask)
-    if far:
-        # What is farthest is a thing: halfway from its darkest to its median is nearer to the water.
-        colour = 0.5 * (colour + low_colour(bgr, mask, 0.05))
-    return colour, ROUNDING, False
-
-
-def low_colour(bgr, mask, share):
-    result = []
-    for channel in (2, 1, 0):
-        seen = np.cumsum(cv2.calcHist([bgr], [channel], mask, [256], [0, 256]).ravel().astype(np.int64))
-        result.append(int(np.searchsorted(seen, int(share * seen[-1]), side="right")) / 255.0)
-    return np.array(result)
+        mask = farthest_mask(levels, None)
+    return median_colour(bgr, mask), ROUNDING, False
 
 
 def binned(bgr, levels):

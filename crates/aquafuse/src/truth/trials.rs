@@ -1,6 +1,6 @@
-//! Random truth scenes on which no constant was fitted: harbours in Jerlov's waters.
+//! Random truth scenes, kept apart from those on which constants are chosen: harbours in Jerlov's waters.
 //!
-//! Constants of the estimators were chosen on reefs in made-up waters; what is tried here shares neither.
+//! Constants of the estimators are chosen on reefs in made-up waters; what is tried here shares neither.
 
 mod exchange;
 

@@ -10,6 +10,7 @@ use crate::picture::Pixels;
 
 /// What is done to each picture, in encoding `E`.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one a run, and it is seldom moved")]
 pub enum Treatment<E: Encoding = Encoded> {
     /// It is seen in another water.
     Fuse {

@@ -225,6 +225,7 @@ impl<E: Space> WaterFile<E> {
             veiling_light_source: stored.veiling_light_source,
             veiling_light_share: stored.veiling_light_share,
             depth_model: stored.depth.model.map(model).transpose()?,
+            depth_factors: None,
             intervals: stored.intervals,
             // The verdict follows from the reasons.
             quality: reasons.fold(Quality::default(), Quality::with),
@@ -238,8 +239,16 @@ impl<E: Space> WaterFile<E> {
 
     /// The file as text.
     pub fn to_text(&self) -> String {
-        let Estimate { water, intervals, quality, veiling_light_source, veiling_light_share, depth_model } =
-            &self.estimate;
+        let Estimate {
+            water,
+            intervals,
+            quality,
+            veiling_light_source,
+            veiling_light_share,
+            depth_model,
+            // They belong to the depth of one picture; of a reference nothing asks for them.
+            depth_factors: _,
+        } = &self.estimate;
         let stored = Stored {
             schema: SCHEMA,
             from: self.from.clone(),

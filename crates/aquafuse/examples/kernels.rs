@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
         "fusion" => {
-            let waters = Waters { content: &estimate.water, reference: &estimate.water };
+            let waters = Waters::new(&estimate.water, &estimate.water);
             // Twice one's own veil: something to add.
             let options = Options { gain: Gain::new(2.0)?, ..Options::default() };
             let mut fused = picture.clone();

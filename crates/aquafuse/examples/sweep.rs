@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (z1, z2) = (depth::estimate(&content), depth::estimate(&reference));
     let own = waterbody::estimate(&content, &z1, &Default::default())?.water;
     let other = waterbody::estimate(&reference, &z2, &Default::default())?.water;
-    let waters = Waters { content: &own, reference: &other };
+    let waters = Waters::new(&own, &other);
 
     println!("| model | θ | mean shift of R, G, B in steps of 255 | PSNR, dB | SSIM |");
     println!("|---|---|---|---|---|");

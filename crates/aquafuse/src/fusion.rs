@@ -23,7 +23,7 @@ use shift::Shifts;
 use crate::bands;
 use crate::depth::{DepthMap, level_to_z};
 use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
-use crate::waterbody::Waterbody;
+use crate::waterbody::{DepthFactors, Waterbody};
 
 /// A fused picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +60,17 @@ pub struct Waters<'a, E: Encoding> {
     /// coefficients must then be per the same unit of z as the content's. Metres and metres are, and so
     /// are depths from colour by one [`DepthModel`](crate::depth::DepthModel).
     pub reference: &'a Waterbody<E>,
+    /// The content's F by depth, where its β_B does not tell it (see
+    /// [`Estimate::depth_factors`](crate::waterbody::Estimate::depth_factors)); only [`Model::Physical`] reads it.
+    pub depth_factors: Option<&'a DepthFactors>,
+}
+
+impl<'a, E: Encoding> Waters<'a, E> {
+    /// The waters by their numbers alone. Those of two estimates, with depth factors and within bounds, are
+    /// [`Bounded::waters`].
+    pub fn new(content: &'a Waterbody<E>, reference: &'a Waterbody<E>) -> Self {
+        Self { content, reference, depth_factors: None }
+    }
 }
 
 /// Moves the water of one picture into another.
@@ -83,7 +94,7 @@ pub struct Waters<'a, E: Encoding> {
 /// let (z1, z2) = (depth::estimate(&content), depth::estimate(&reference));
 /// let own = waterbody::estimate(&content, &z1, &Default::default())?.water;
 /// let other = waterbody::estimate(&reference, &z2, &Default::default())?.water;
-/// let waters = Waters { content: &own, reference: &other };
+/// let waters = Waters::new(&own, &other);
 /// let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
 /// assert_eq!(fused.image.size(), content.size());
 /// # Ok::<(), aquafuse::image::SizeError>(())

@@ -16,7 +16,7 @@
 //! let z2 = depth::estimate(&reference);
 //! let own = waterbody::estimate(&content, &z1, &Default::default())?.water;
 //! let other = waterbody::estimate(&reference, &z2, &Default::default())?.water;
-//! let waters = Waters { content: &own, reference: &other };
+//! let waters = Waters::new(&own, &other);
 //! let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
 //! assert_eq!(fused.image.size(), (96, 64));
 //! # Ok::<(), aquafuse::image::SizeError>(())

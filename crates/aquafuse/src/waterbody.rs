@@ -5,6 +5,7 @@
 
 mod attenuation;
 mod backscatter;
+mod depth_factors;
 mod evidence;
 mod given;
 mod judge;
@@ -18,6 +19,7 @@ mod veiling_light;
 
 pub use attenuation::{Attenuation, AttenuationError};
 pub use backscatter::BackscatterMethod;
+pub use depth_factors::DepthFactors;
 pub use evidence::{DepthBin, Evidence, evidence};
 pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
@@ -95,6 +97,8 @@ pub struct Estimate<E: Encoding = Encoded> {
     pub veiling_light_share: f32,
     /// The way from colour by which depth was come by; none for depth that was given.
     pub depth_model: Option<DepthModel>,
+    /// F by depth where one β_B does not tell it: with depth from colour, open water seen.
+    pub depth_factors: Option<DepthFactors>,
     /// How far off the water may be.
     pub intervals: Intervals,
     /// Whether to rely on it.
@@ -200,6 +204,7 @@ fn estimate_from<E: Encoding>(
         veiling_light_source: light.source,
         veiling_light_share: light.share as f32,
         depth_model: depth.model(),
+        depth_factors: growth.depth_factors,
         intervals,
         quality,
     }

@@ -9,7 +9,7 @@ use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::formation::{RestoreOptions, form, restore};
 use aquafuse::fusion::{Gain, Incidence, Law, Model, Options, Waters, fuse};
 use aquafuse::image::Image;
-use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
+use aquafuse::waterbody::{Attenuation, DepthFactors, VeilingLight, Waterbody};
 use proptest::prelude::*;
 
 /// A few roundings of numbers of size 1.
@@ -38,6 +38,21 @@ fn waterbody() -> impl Strategy<Value = Waterbody> {
     )
 }
 
+/// Tables of F that fall and rise, as they do where depth from colour is wrong.
+fn depth_factors() -> impl Strategy<Value = DepthFactors> {
+    prop::collection::vec((0.01..0.5_f32, colour()), 1..=32).prop_map(|steps| {
+        let mut z = 0.0;
+        let knots: Vec<_> = steps
+            .into_iter()
+            .map(|(step, factor)| {
+                z += step;
+                (z, factor)
+            })
+            .collect();
+        DepthFactors::from_knots(&knots).unwrap()
+    })
+}
+
 fn model() -> impl Strategy<Value = Model> {
     prop::sample::select(&Model::ALL[..])
 }
@@ -61,7 +76,7 @@ fn options(model: Model, degrees: f32, gain: f32) -> Options {
 }
 
 fn law(content: &Waterbody, reference: &Waterbody, options: &Options) -> Law {
-    Law::new(Waters { content, reference }, options)
+    Law::new(Waters::new(content, reference), options)
 }
 
 /// What a model that is a shift adds at `z`.
@@ -120,6 +135,44 @@ proptest! {
         let (more, less) = (at(a.min(b)), at(a.max(b)));
         for c in 0..3 {
             prop_assert!(less[c].abs() <= more[c].abs());
+        }
+    }
+
+    #[test]
+    fn the_laws_of_physical_hold_with_a_table_of_depth_factors(
+        scene in waterbody(), other in waterbody(), factors in depth_factors(), degrees in degrees(),
+        gain in 0.0..4.0_f32, z in 0.0..20.0_f32, seen in colour(),
+    ) {
+        let at = |reference: &Waterbody, degrees: f32, gain: f32, z: f32| {
+            let waters = Waters { depth_factors: Some(&factors), ..Waters::new(&scene, reference) };
+            Law::new(waters, &options(Model::Physical, degrees, gain)).at(z)
+        };
+        prop_assert_eq!(at(&other, degrees, gain, 0.0).of(seen), seen);
+        prop_assert_eq!(at(&other, 90.0, gain, z).of(seen), seen);
+        prop_assert_eq!(at(&scene, degrees, 1.0, z).of(seen), seen);
+        let cosine = degrees.to_radians().cos();
+        let [none, one, found] = [0.0, 1.0, gain].map(|gain| at(&other, degrees, gain, z).offset);
+        let full = at(&other, 0.0, gain, z).offset;
+        for c in 0..3 {
+            let [own, veil] = [&scene, &other].map(|water| water.veiling_light.rgb()[c]);
+            prop_assert!((none[c] + gain * (one[c] - none[c]) - found[c]).abs() < 4.0 * ROUNDING);
+            prop_assert!(found[c].abs() <= cosine * (gain * veil - own).abs() + ROUNDING);
+            prop_assert!((found[c] - cosine * full[c]).abs() < 4.0 * ROUNDING);
+            let expected = cosine * (1.0 - factors.at(z)[c]) * (gain * veil - own);
+            prop_assert!((found[c] - expected).abs() < 4.0 * ROUNDING);
+        }
+    }
+
+    #[test]
+    fn only_physical_reads_a_table_of_depth_factors(
+        scene in waterbody(), other in waterbody(), factors in depth_factors(), degrees in degrees(),
+        z in 0.0..20.0_f32,
+    ) {
+        for model in [Model::Aquafuse, Model::Exchange] {
+            let waters = Waters::new(&scene, &other);
+            let with = Waters { depth_factors: Some(&factors), ..waters };
+            let options = options(model, degrees, 1.0);
+            prop_assert_eq!(Law::new(with, &options).at(z), Law::new(waters, &options).at(z));
         }
     }
 
@@ -210,7 +263,7 @@ proptest! {
         let other = with_veil(&other, std::array::from_fn(|c| {
             0.75 * scene.veiling_light.rgb()[c] + 0.25 * other.veiling_light.rgb()[c]
         }));
-        let fused = fuse(&content, &depth, Waters { content: &scene, reference: &other }, &Options::for_model(model)).unwrap();
+        let fused = fuse(&content, &depth, Waters::new(&scene, &other), &Options::for_model(model)).unwrap();
         prop_assert_eq!(fused.clipping.values, [0; 3]);
         let moved = |pixel: usize, c: usize| fused.image.pixels()[pixel][c] - content.pixels()[pixel][c];
         for c in 0..3 {
@@ -324,7 +377,7 @@ proptest! {
         let image = Image::<f32>::from_raw(1, 1, seen.to_vec()).unwrap();
         let depth = DepthMap::from_distances(1, 1, DepthKind::Metres, vec![z]).unwrap();
         let options = options(model, 0.0, gain);
-        let fused = fuse(&image, &depth, Waters { content: &scene, reference: &other }, &options).unwrap();
+        let fused = fuse(&image, &depth, Waters::new(&scene, &other), &options).unwrap();
         prop_assert!(fused.image.as_raw().iter().all(|value| (0.0..=1.0).contains(value)));
     }
 }

@@ -46,14 +46,9 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
     for model in Model::ALL {
         let fused = |content: &Image<u8>, options: &EstimateOptions| {
             let (z, water) = estimated_by(content, options);
-            fuse(
-                content,
-                &z,
-                Waters { content: &water, reference: &reference_water },
-                &Options::for_model(model),
-            )
-            .unwrap()
-            .image
+            fuse(content, &z, Waters::new(&water, &reference_water), &Options::for_model(model))
+                .unwrap()
+                .image
         };
         for (seed, water) in waters.iter().enumerate() {
             let content = picture(seed as u64, water);
@@ -87,15 +82,9 @@ fn a_picture_fused_with_itself_or_at_ninety_degrees_is_the_picture() {
     let ((z, water), (_, other)) = (estimated(&content), estimated(&reference));
     for model in Model::ALL {
         let options = Options::for_model(model);
-        assert_eq!(
-            fuse(&content, &z, Waters { content: &water, reference: &water }, &options).unwrap().image,
-            content
-        );
+        assert_eq!(fuse(&content, &z, Waters::new(&water, &water), &options).unwrap().image, content);
         let options = Options { incidence: Incidence::from_degrees(90.0).unwrap(), ..options };
-        assert_eq!(
-            fuse(&content, &z, Waters { content: &water, reference: &other }, &options).unwrap().image,
-            content
-        );
+        assert_eq!(fuse(&content, &z, Waters::new(&water, &other), &options).unwrap().image, content);
     }
 }
 
@@ -110,17 +99,13 @@ fn with_everything_given_physical_is_the_truth_and_aquafuse_its_closed_form() {
         let truth_a = scene.seen_through(&reference);
 
         let physical = Options::for_model(Model::Physical);
-        let fused =
-            fuse(&content, &scene.depth, Waters { content: &scene_water, reference: &reference }, &physical)
-                .unwrap();
+        let fused = fuse(&content, &scene.depth, Waters::new(&scene_water, &reference), &physical).unwrap();
         for (found, truth) in fused.image.as_raw().iter().zip(truth_a.as_raw()) {
             assert!((found - truth.clamp(0.0, 1.0)).abs() < 1e-6, "{found} is not {truth}");
         }
 
         let aquafuse = Options::default();
-        let fused =
-            fuse(&content, &scene.depth, Waters { content: &scene_water, reference: &reference }, &aquafuse)
-                .unwrap();
+        let fused = fuse(&content, &scene.depth, Waters::new(&scene_water, &reference), &aquafuse).unwrap();
         let distances = scene.depth.distances();
         for ((found, before), z) in fused.image.pixels().iter().zip(content.pixels()).zip(distances) {
             for c in 0..3 {
@@ -140,7 +125,7 @@ fn with_everything_given_exchange_is_the_scene_in_the_whole_other_water() {
         let scene = Scene::new(seed as u64, SIZE);
         let (own, other) = (waters[from].water, waters[to].water);
         let truth_b = scene.seen_through(&other);
-        let exchanged = Waters { content: &own, reference: &other };
+        let exchanged = Waters::new(&own, &other);
         let options = Options { max_gain: 8.0, ..Options::for_model(Model::Exchange) };
         let fused = fuse(&scene.seen_through(&own), &scene.depth, exchanged, &options).unwrap().image;
         let mut bounded = 0;
@@ -169,16 +154,10 @@ fn bytes_are_the_exact_fusion_rounded_once() {
     let bytes: Image<u8> = scene.seen_through(&own).to_samples();
     for model in Model::ALL {
         let options = Options::for_model(model);
-        let exact = fuse(
-            &bytes.to_samples::<f32>(),
-            &scene.depth,
-            Waters { content: &own, reference: &other },
-            &options,
-        )
-        .unwrap()
-        .image;
-        let fused =
-            fuse(&bytes, &scene.depth, Waters { content: &own, reference: &other }, &options).unwrap().image;
+        let exact = fuse(&bytes.to_samples::<f32>(), &scene.depth, Waters::new(&own, &other), &options)
+            .unwrap()
+            .image;
+        let fused = fuse(&bytes, &scene.depth, Waters::new(&own, &other), &options).unwrap().image;
         for (byte, exact) in fused.as_raw().iter().zip(exact.as_raw()) {
             assert!((f32::from(*byte) - 255.0 * exact).abs() <= 0.5 + 1e-3);
         }
@@ -195,13 +174,8 @@ fn clipping_is_counted() {
         attenuation: waters()[0].water.attenuation,
     };
     let bright = Waterbody { veiling_light: VeilingLight::new([0.5, 0.0, 0.0]), ..dark };
-    let fused = fuse(
-        &content,
-        &z,
-        Waters { content: &dark, reference: &bright },
-        &Options::for_model(Model::Physical),
-    )
-    .unwrap();
+    let fused =
+        fuse(&content, &z, Waters::new(&dark, &bright), &Options::for_model(Model::Physical)).unwrap();
     assert_eq!(fused.clipping.values, [1, 0, 0]);
     assert_eq!(fused.image.pixels(), [[255, 100, 100], [228, 100, 100]]);
 }
@@ -215,7 +189,7 @@ fn sizes_that_differ_are_an_error() {
         Err(SizeError::Mismatch { left: (96, 64), right: (1, 1) })
     ));
     let water = waters()[0].water;
-    assert!(fuse(&content, &z, Waters { content: &water, reference: &water }, &Options::default()).is_err());
+    assert!(fuse(&content, &z, Waters::new(&water, &water), &Options::default()).is_err());
 }
 
 #[test]
@@ -223,7 +197,7 @@ fn a_picture_of_one_pixel_has_water_too() {
     let content = Image::<u8>::from_raw(1, 1, vec![10, 20, 30]).unwrap();
     let (z, water) = estimated(&content);
     assert!(water.backscatter_coefficient.iter().all(|b| b.is_finite() && *b >= 0.0));
-    assert!(fuse(&content, &z, Waters { content: &water, reference: &water }, &Options::default()).is_ok());
+    assert!(fuse(&content, &z, Waters::new(&water, &water), &Options::default()).is_ok());
 }
 
 #[test]
@@ -257,7 +231,7 @@ fn the_unit_of_depth_cancels_from_estimation_to_picture() {
         let distances = scene.depth.distances().into_iter().map(|z| z * unit).collect();
         let z = DepthMap::from_distances(SIZE.width, SIZE.height, DepthKind::Metres, distances).unwrap();
         let own = waterbody::estimate::<Encoded>(&image, &z, &EstimateOptions::default()).unwrap().water;
-        let exchanged = Waters { content: &own, reference: &waters[0].water };
+        let exchanged = Waters::new(&own, &waters[0].water);
         let fused = fuse(&image, &z, exchanged, &Options::for_model(Model::Physical)).unwrap().image;
         (fused, restore(&image, &z, &own, &Default::default()).unwrap())
     };
@@ -286,7 +260,7 @@ fn linear_light_has_its_own_water_and_its_own_truth() {
     }
     let brighter = Waterbody { veiling_light: VeilingLight::new([0.1, 0.3, 0.5]), ..linear };
     let content = image.to_linear();
-    let exchanged = Waters { content: &linear, reference: &brighter };
+    let exchanged = Waters::new(&linear, &brighter);
     let fused = fuse(&content, &scene.depth, exchanged, &Options::for_model(Model::Physical)).unwrap().image;
     // Open water is exchanged but for what the fitted curve leaves of it at that distance, in linear light.
     let left = linear.depth_factor(OPEN_WATER)[2];

@@ -15,6 +15,9 @@ pub(super) struct Report {
     image: Size,
     depth: Depth,
     waterbody: Water,
+    /// F by the 256 levels of z, from 0 to 1, where it is a table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth_factor: Option<Vec<[f32; 3]>>,
     intervals: Intervals,
     veiling_light_source: VeilingLightSource,
     veiling_light_share: f32,
@@ -76,12 +79,18 @@ impl Report {
                 attenuation: water.attenuation.map(|curve| curve.mu()),
                 attenuation_held_beyond: water.attenuation.map(|curve| curve.held_beyond()),
             },
+            depth_factor: estimate.depth_factors.map(|table| levels().map(|z| table.at(z)).collect()),
             intervals: estimate.intervals,
             veiling_light_source: estimate.veiling_light_source,
             veiling_light_share: estimate.veiling_light_share,
             quality: estimate.quality,
         }
     }
+}
+
+/// z of each level of depth from colour.
+fn levels() -> impl Iterator<Item = f32> {
+    (0..=u8::MAX).map(|level| f32::from(level) / f32::from(u8::MAX))
 }
 
 impl Depth {

@@ -1,9 +1,13 @@
 //! Parquet as Hugging Face lays out pictures: tables with a column of structs of `bytes` and `path`, and any others.
 
 #[cfg(feature = "parquet")]
+mod footer;
+#[cfg(feature = "parquet")]
 mod pages;
 #[cfg(feature = "parquet")]
 mod rows;
+#[cfg(feature = "parquet")]
+mod thrift;
 
 #[cfg(feature = "fuzz-targets")]
 #[cfg(feature = "parquet")]

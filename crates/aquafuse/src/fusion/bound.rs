@@ -2,7 +2,7 @@
 
 use super::{Model, Options, Waters};
 use crate::image::Encoding;
-use crate::waterbody::{Estimate, Reason, VeilingLight, Verdict, Waterbody};
+use crate::waterbody::{DepthFactors, Estimate, Reason, VeilingLight, Verdict, Waterbody};
 
 /// Brightest channel (encoded) of a veil that is taken from glare: as bright as water in the sun.
 const BRIGHTEST_WATER: f32 = 0.7;
@@ -12,6 +12,7 @@ const BRIGHTEST_WATER: f32 = 0.7;
 pub struct Bounded<E: Encoding> {
     content: Waterbody<E>,
     reference: Waterbody<E>,
+    depth_factors: Option<DepthFactors>,
     /// The options to fuse with.
     pub options: Options,
     /// Which bounds acted.
@@ -52,8 +53,13 @@ impl<E: Encoding> Bounded<E> {
     ///
     /// One's own water is not glare to itself: fused with its own estimate, a picture is still itself.
     pub fn new(content: &Estimate<E>, reference: &Estimate<E>, options: Options) -> Self {
-        let mut bounded =
-            Self { content: content.water, reference: reference.water, options, bounds: Bounds::default() };
+        let mut bounded = Self {
+            content: content.water,
+            reference: reference.water,
+            depth_factors: content.depth_factors,
+            options,
+            bounds: Bounds::default(),
+        };
         if options.model == Model::Aquafuse || content.water == reference.water {
             return bounded;
         }
@@ -72,7 +78,7 @@ impl<E: Encoding> Bounded<E> {
 
     /// The waters to fuse with.
     pub fn waters(&self) -> Waters<'_, E> {
-        Waters { content: &self.content, reference: &self.reference }
+        Waters { depth_factors: self.depth_factors.as_ref(), ..Waters::new(&self.content, &self.reference) }
     }
 
     fn hold_glare(&mut self) {
@@ -101,6 +107,7 @@ impl<E: Encoding> Bounded<E> {
             *red = others;
             self.bounds.red = true;
         }
+        self.bounds.red |= self.depth_factors.as_mut().is_some_and(DepthFactors::hold_red);
     }
 }
 
@@ -124,6 +131,7 @@ mod tests {
             veiling_light_source: VeilingLightSource::OpenWater,
             veiling_light_share: 0.2,
             depth_model: None,
+            depth_factors: None,
             intervals: Intervals::default(),
             quality,
         }
@@ -168,6 +176,20 @@ mod tests {
         }
         let paper = Bounded::new(&content, &reference, Options::for_model(Model::Aquafuse));
         assert!(!paper.bounds.any());
+    }
+
+    #[test]
+    fn a_table_of_depth_factors_comes_along_and_red_of_a_doubtful_one_is_held() {
+        let table = DepthFactors::from_knots(&[(0.5, [0.1, 0.8, 0.7])]);
+        let content = Estimate { depth_factors: table, ..estimate(BLUE, [1.0; 3], Quality::default()) };
+        let reference = estimate([0.2, 0.5, 0.3], [1.0; 3], Quality::default());
+        let physical = Options::for_model(Model::Physical);
+        let sure = Bounded::new(&content, &reference, physical);
+        assert_eq!((sure.waters().depth_factors, sure.bounds.red), (table.as_ref(), false));
+        let doubtful = Estimate { quality: Quality::default().with(Reason::DeadRed), ..content };
+        let held = Bounded::new(&doubtful, &reference, physical);
+        let factors = held.waters().depth_factors.map(|table| table.at(0.5));
+        assert_eq!((factors, held.bounds.red), (Some([0.7, 0.8, 0.7]), true));
     }
 
     #[test]

@@ -2,12 +2,13 @@
 
 use super::{Model, Options, Waters};
 use crate::image::{Encoded, Encoding};
-use crate::waterbody::Waterbody;
+use crate::waterbody::{DepthFactors, Waterbody};
 
 /// What fusion does to the pixels of each depth.
 ///
 /// [`Model::Aquafuse`] and [`Model::Physical`] add a shift, `cosθ · w(F) · (α B2∞ - B1∞)` with
-/// `F = e^(-β_B1 z)` and the model's weight w; β_D has no part in it, for the direct signal stays as it is.
+/// `F = e^(-β_B1 z)` and the model's weight w; β_D has no part in it, for the direct signal stays as it is. Where the waters
+/// come with [`DepthFactors`], `Physical` takes F from there; `Aquafuse` is the paper's, which has one exponential.
 ///
 /// [`Model::Exchange`] takes the content's water out and puts the scene into the reference's, which for one
 /// depth is a line: `U + cosθ ((U - B1) g + B2 - U)`, B2 with the veil α B2∞ and `g = e^(τ1 - τ2)` bounded by
@@ -25,7 +26,7 @@ use crate::waterbody::Waterbody;
 ///     attenuation: [Attenuation::constant(0.5)?; 3],
 /// };
 /// let green = Waterbody { veiling_light: VeilingLight::new([0.0, 0.6, 0.2]), ..blue };
-/// let law = Law::new(Waters { content: &blue, reference: &green }, &Options::default());
+/// let law = Law::new(Waters::new(&blue, &green), &Options::default());
 /// assert_eq!(law.at(0.0).of([0.1, 0.5, 0.9]), [0.1, 0.5, 0.9]);
 /// // The shift peaks at β_B z = ln 2, at a quarter of the difference times cos 45°.
 /// let peak = law.at(2.0_f32.ln()).offset;
@@ -38,6 +39,8 @@ pub struct Law<E: Encoding = Encoded> {
     cosine: f32,
     content: Waterbody<E>,
     reference: Waterbody<E>,
+    /// F instead of `e^(-β_B1 z)`.
+    depth_factors: Option<DepthFactors>,
     /// α B2∞, which may exceed 1.
     veil: [f32; 3],
     /// At least 1: less would dim a picture in its own water.
@@ -70,6 +73,7 @@ impl<E: Encoding> Law<E> {
             cosine: options.incidence.cosine(),
             content: *waters.content,
             reference: *waters.reference,
+            depth_factors: waters.depth_factors.copied().filter(|_| options.model == Model::Physical),
             veil: waters.reference.veiling_light.rgb().map(|veil| options.gain.get() * veil),
             // `max` also takes a NaN to the safe side.
             max_gain: options.max_gain.max(1.0),
@@ -87,7 +91,9 @@ impl<E: Encoding> Law<E> {
 
     /// Adds a share of the veils' difference, which depends on the content's depth factor.
     fn shift(&self, z: f32, weight: impl Fn(f32) -> f32) -> Change {
-        let (own, factor) = (self.content.veiling_light.rgb(), self.content.depth_factor(z));
+        let own = self.content.veiling_light.rgb();
+        let factor =
+            self.depth_factors.as_ref().map_or_else(|| self.content.depth_factor(z), |table| table.at(z));
         let offset = |c: usize| weight(factor[c]) * (self.cosine * (self.veil[c] - own[c]));
         Change { gain: [1.0; 3], offset: std::array::from_fn(offset) }
     }

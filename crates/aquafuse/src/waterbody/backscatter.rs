@@ -9,7 +9,9 @@ mod mixing_line;
 mod posterior;
 mod published;
 mod veils;
+mod water_share;
 
+use super::depth_factors::DepthFactors;
 use super::statistics::Statistics;
 use super::veiling_light::{Reading, VeilingLightSource};
 use crate::depth::{DepthMap, Quantised};
@@ -70,6 +72,8 @@ pub(super) struct Growth {
     /// How dark the darkest things are (encoded), and share of the bins on the curve.
     pub(super) floor: [f32; 3],
     pub(super) on_curve: [f32; 3],
+    /// F of depth from colour, where open water was seen.
+    pub(super) depth_factors: Option<DepthFactors>,
 }
 
 /// The dark envelope of each channel, near to far.
@@ -117,13 +121,19 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
         let fine = Grid::new(even(near.mean - reach, near.mean + reach, FINE), &bins);
         look(c, prior(c).and(others), &fine)
     });
+    let coefficient = found.each_ref().map(|found| found.ln_tau.mean.exp() / statistics.z95);
+    let depth_factors = match depth.model() {
+        Some(_) if open => water_share::depth_factors(statistics, &envelopes, light.rgb, veil, coefficient),
+        _ => None,
+    };
     Growth {
         veil: std::array::from_fn(|c| (veil[c] * found[c].ln_veil.mean.exp()).min(1.0)),
         ln_veil_deviation: found.each_ref().map(|found| found.ln_veil.deviation),
-        coefficient: found.each_ref().map(|found| found.ln_tau.mean.exp() / statistics.z95),
+        coefficient,
         ln_deviation: found.each_ref().map(|found| found.ln_tau.deviation),
         floor: found.each_ref().map(|found| found.floor),
         on_curve: found.each_ref().map(|found| found.on_curve),
+        depth_factors,
     }
 }
 
@@ -151,6 +161,7 @@ pub(super) fn fit_published<E: Encoding>(
         ln_deviation: [EXPECTED.deviation; 3],
         floor: [0.0; 3],
         on_curve: [1.0; 3],
+        depth_factors: None,
     }
 }
 

@@ -25,6 +25,7 @@ impl<E: Encoding> Estimate<E> {
             veiling_light_source: VeilingLightSource::Given,
             veiling_light_share: 0.0,
             depth_model: None,
+            depth_factors: None,
             quality: Quality::default(),
         }
     }

@@ -61,6 +61,8 @@ pub fn pool<E: Encoding>(estimates: &[Estimate<E>]) -> Option<Estimate<E>> {
             backscatter_coefficient: growths.map(|pooled| pooled.interval),
         },
         quality: Quality::of(common_reasons(estimates)),
+        // Depth from colour means another thing in each frame.
+        depth_factors: None,
         ..*typical
     })
 }
@@ -122,6 +124,7 @@ mod tests {
             veiling_light_source: VeilingLightSource::OpenWater,
             veiling_light_share: 0.1,
             depth_model: None,
+            depth_factors: None,
             intervals: Intervals {
                 veiling_light: water.veiling_light.rgb().map(around),
                 backscatter_coefficient: water.backscatter_coefficient.map(around),

@@ -213,3 +213,20 @@ fn a_page_that_says_it_unpacks_to_more_than_is_allowed_is_refused() {
     let refused = open().err().unwrap().to_string();
     assert!(refused.contains("1048575 bytes, 524288 are allowed"), "{refused}");
 }
+
+#[test]
+fn a_footer_whose_list_has_more_values_than_bytes_is_refused_and_not_counted_through() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("a.parquet");
+    let refused = |kind: u8| {
+        // A field of a number that no table has: a list of this kind, its length apart: 2^31 - 1.
+        let footer = [&[0xf9, 0xf0 | kind][..], &[0xff; 4], &[7, 0]].concat();
+        let tail = u32::try_from(footer.len()).unwrap().to_le_bytes();
+        fs::write(&path, [b"PAR1", &footer[..], &tail, b"PAR1"].concat()).unwrap();
+        let (file, _) = open_file(&path).unwrap();
+        Table::open(&path, file, &ReadOptions::default()).err().unwrap().to_string()
+    };
+    let [bytes, booleans] = [3, 1].map(refused);
+    assert!(bytes.contains("its footer ends too soon"), "{bytes}");
+    assert!(booleans.contains("a list of Booleans"), "{booleans}");
+}

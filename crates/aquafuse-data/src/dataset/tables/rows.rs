@@ -17,7 +17,7 @@ use parquet::basic::Compression;
 use parquet::file::metadata::{ColumnChunkMetaData, KeyValue};
 use parquet::file::reader::ChunkReader;
 
-use super::pages;
+use super::{footer, pages};
 use crate::barrier::behind;
 use crate::picture::{FileError, ReadOptions, one_line};
 
@@ -53,6 +53,7 @@ impl Table {
     fn of<R: ChunkReader + 'static>(path: &Path, from: R, options: &ReadOptions) -> Result<Self, FileError> {
         let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
         let bytes = from.len();
+        footer::check(&from).map_err(|error| damaged(one_line(&error.to_string())))?;
         let loaded = behind(|| ArrowReaderMetadata::load(&from, ArrowReaderOptions::new()));
         let loaded = loaded.ok_or_else(|| damaged(FELL.into()))?;
         let loaded = loaded.map_err(|error| damaged(one_line(&error.to_string())))?;

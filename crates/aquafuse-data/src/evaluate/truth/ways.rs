@@ -51,7 +51,7 @@ impl Way {
             let options = Options { incidence, ..Options::for_model(model) };
             let law = match (&own, &other) {
                 (Some(own), Some(other)) if self.is_papers() => {
-                    Law::new(Waters { content: &own.water, reference: &other.water }, &options)
+                    Law::new(Waters::new(&own.water, &other.water), &options)
                 }
                 (Some(own), Some(other)) => {
                     let bounded = Bounded::new(own, other, options);
@@ -59,7 +59,7 @@ impl Way {
                 }
                 _ => {
                     let (content, reference) = (&exchange.content.water, &exchange.reference.water);
-                    Law::new(Waters { content, reference }, &options)
+                    Law::new(Waters::new(content, reference), &options)
                 }
             };
             let distances = z.distances();

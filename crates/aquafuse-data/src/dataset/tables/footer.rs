@@ -1,0 +1,35 @@
+//! The end of a table, read before the library does: a list of a few bytes can say that it has thousands of millions of
+//! Booleans, which the library passes over one by one.
+//!
+//! Before the last eight bytes, which are the footer's length and four letters, stands the footer, a struct of
+//! [`super::thrift`]. <https://parquet.apache.org/docs/file-format/>
+
+use std::io::{self, BufReader, ErrorKind, Read};
+
+use parquet::file::reader::ChunkReader;
+
+use super::thrift::{STRUCT, odd, pass_over};
+
+/// After the footer: its length and what tables begin and end with.
+const TAIL: u64 = 8;
+/// Structs and lists within one another, of which statistics of a column in a group have nine.
+const DEEPEST: u32 = 16;
+
+/// Whether every list of the footer has the values that it says.
+///
+/// # Errors
+///
+/// What is wrong with the footer; of the tail the library makes better errors.
+pub(super) fn check<R: ChunkReader>(from: &R) -> io::Result<()> {
+    let Some(end) = from.len().checked_sub(TAIL) else { return Ok(()) };
+    let mut length = [0; 4];
+    from.get_read(end).map_err(io::Error::other)?.read_exact(&mut length)?;
+    let length = u64::from(u32::from_le_bytes(length));
+    let Some(start) = end.checked_sub(length) else { return Ok(()) };
+    let footer = from.get_read(start).map_err(io::Error::other)?;
+    let passed = pass_over(&mut BufReader::new(footer).take(length), STRUCT, DEEPEST);
+    passed.map_err(|error| match error.kind() {
+        ErrorKind::UnexpectedEof => odd("its footer ends too soon"),
+        _ => error,
+    })
+}

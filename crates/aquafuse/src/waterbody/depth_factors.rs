@@ -1,0 +1,103 @@
+//! The depth factor F as a table, for depth that is read off colours.
+
+/// Places of a table at most: one a bin of the estimator.
+pub(super) const KNOTS: usize = 32;
+
+/// Depth factor F by depth, where no single exponential follows it: between knots it is a straight line, before the
+/// first one that from 1 at z = 0, and beyond the last it stays.
+///
+/// Depth from colour says what is farther, not how much farther, and open water, which lets nothing through, seldom lies at
+/// its far end: in amber water it lies at the near one. [`estimate`](super::estimate) therefore counts how much of each depth is
+/// open water, where it has seen any; β_B stays the summary. `F` falls with z where depth from colour is right, and may rise where it
+/// is not. [`Model::Physical`](crate::fusion::Model::Physical) reads it.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::waterbody::DepthFactors;
+///
+/// let half = DepthFactors::from_knots(&[(0.5, [0.6, 0.8, 0.7]), (1.0, [0.0; 3])]).expect("z rises, F is in [0, 1]");
+/// assert_eq!(half.at(0.0), [1.0; 3]);
+/// assert_eq!(half.at(0.5), [0.6, 0.8, 0.7]);
+/// assert!((half.at(0.75)[1] - 0.4).abs() < 1e-6);
+/// assert_eq!(half.at(9.0), [0.0; 3]);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthFactors {
+    /// Rising; the last knot fills what is left.
+    z: [f32; KNOTS],
+    factors: [[f32; 3]; KNOTS],
+}
+
+impl DepthFactors {
+    /// The table through these knots `(z, F)`; none unless there are 1 to 32 of them, z is above 0 and rises, and F lies in
+    /// `[0, 1]`.
+    pub fn from_knots(knots: &[(f32, [f32; 3])]) -> Option<Self> {
+        let &(last, factor) = knots.last()?;
+        let rises = knots.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let are_factors =
+            knots.iter().flat_map(|(_, factor)| factor).all(|factor| (0.0..=1.0).contains(factor));
+        if knots.len() > KNOTS || !rises || !are_factors || knots[0].0 <= 0.0 || !last.is_finite() {
+            return None;
+        }
+        let mut table = Self { z: [last; KNOTS], factors: [factor; KNOTS] };
+        for (i, &(z, factor)) in knots.iter().enumerate() {
+            (table.z[i], table.factors[i]) = (z, factor);
+        }
+        Some(table)
+    }
+
+    /// F of red, green and blue at one distance.
+    pub fn at(&self, z: f32) -> [f32; 3] {
+        let after = self.z.partition_point(|&knot| knot < z);
+        let (from, before) = match after.checked_sub(1) {
+            Some(i) => (self.z[i], self.factors[i]),
+            None => (0.0, [1.0; 3]),
+        };
+        let (Some(&to), Some(factors)) = (self.z.get(after), self.factors.get(after)) else { return before };
+        let share = (z - from) / (to - from);
+        std::array::from_fn(|c| (1.0 - share) * before[c] + share * factors[c])
+    }
+
+    /// Red is nowhere less than the lesser of green and blue; whether it was anywhere.
+    pub(crate) fn hold_red(&mut self) -> bool {
+        let mut held = false;
+        for [red, green, blue] in &mut self.factors {
+            let least = green.min(*blue);
+            held |= *red < least;
+            *red = red.max(least);
+        }
+        held
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_rising_depths_and_factors_are_a_table() {
+        let refused: [&[(f32, [f32; 3])]; 6] = [
+            &[],
+            &[(0.0, [0.5; 3])],
+            &[(0.5, [0.5; 3]), (0.5, [0.4; 3])],
+            &[(0.5, [0.5, 1.1, 0.5])],
+            &[(0.5, [0.5, f32::NAN, 0.5])],
+            &[(f32::INFINITY, [0.5; 3])],
+        ];
+        for knots in refused {
+            assert_eq!(DepthFactors::from_knots(knots), None, "{knots:?}");
+        }
+        let many: Vec<_> = (1..=KNOTS + 1).map(|i| (i as f32, [0.5; 3])).collect();
+        assert_eq!(DepthFactors::from_knots(&many), None);
+        assert!(DepthFactors::from_knots(&many[1..]).is_some());
+    }
+
+    #[test]
+    fn red_is_held_to_the_others() {
+        let mut table = DepthFactors::from_knots(&[(0.5, [0.1, 0.8, 0.7]), (1.0, [0.3, 0.2, 0.4])]).unwrap();
+        assert!(table.hold_red());
+        assert_eq!((table.at(0.5), table.at(1.0)), ([0.7, 0.8, 0.7], [0.3, 0.2, 0.4]));
+        assert!(!table.hold_red());
+    }
+}

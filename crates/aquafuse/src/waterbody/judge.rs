@@ -1,6 +1,8 @@
 //! From what the fits found to intervals and a verdict. Every number here was measured on truth scenes of
 //! reefs in made-up waters; the tables of `docs/results.md` try them on harbours in Jerlov's waters.
 
+use std::f32::consts::{FRAC_1_SQRT_2, PI};
+
 use super::backscatter::Growth;
 use super::quality::{Quality, Reason, Reasons};
 use super::statistics::Statistics;
@@ -11,9 +13,8 @@ use crate::image::Encoding;
 
 /// Deviations of a normal error to either side that hold nine in ten.
 const NINE_IN_TEN: f32 = 1.645;
-/// Error of B∞ (encoded) beside the standard error of its reading: rounding to bytes. The one number here that was chosen on the
-/// harbours: on reefs .04 was enough.
-const ROUNDING: f32 = 0.05 / 255.0;
+/// Error of B∞ beside the standard error of its reading and [`rounding`], in bytes.
+const BESIDES: f32 = 0.04;
 /// Weights of the deviations of ln β_B and ln B∞, and a base, in the error of ln β_B.
 const OF_GROWTH: Cases<[f32; 3]> =
     Cases { open: [1.2, 0.0, 0.05], given: [1.0, 1.0, 0.1], from_colour: [4.5, 2.0, 0.15] };
@@ -37,6 +38,14 @@ impl<T> Cases<T> {
     }
 }
 
+/// Error that rounding leaves in a mean of bytes whose values deviate by `noise`, in bytes: without noise all are rounded the same
+/// way; noise of deviation σ before rounding makes of a mean a sine about the truth, of amplitude `e^(-2π²σ²) / π`.
+fn rounding(noise: f32) -> f32 {
+    // Rounding itself deviates by the root of a twelfth.
+    let before = (noise * noise - 1.0 / 12.0).max(0.0);
+    (-2.0 * PI * PI * before).exp() / PI * FRAC_1_SQRT_2
+}
+
 /// How far off the numbers may be.
 pub(super) fn intervals<E: Encoding>(growth: &Growth, light: &Reading, depth: &DepthMap) -> Intervals {
     let open = light.source == VeilingLightSource::OpenWater;
@@ -44,7 +53,8 @@ pub(super) fn intervals<E: Encoding>(growth: &Growth, light: &Reading, depth: &D
     let [of_guess, guess] = OF_VEIL.of(light, depth);
     let veiling_light = std::array::from_fn(|c| {
         if open {
-            let half = NINE_IN_TEN * light.standard_error[c].hypot(ROUNDING);
+            let half =
+                NINE_IN_TEN * light.standard_error[c].hypot(rounding(light.noise).hypot(BESIDES) / 255.0);
             [-half, half].map(|off| E::from_encoded((light.rgb[c] + off).clamp(0.0, 1.0)))
         } else {
             let half = NINE_IN_TEN * (of_guess * growth.ln_veil_deviation[c]).hypot(guess);
@@ -129,4 +139,47 @@ fn is_red_dead<E: Encoding>(statistics: &Statistics<E>) -> bool {
         dead += bin.below(0, LIVELY_RED);
     }
     all > 0 && (all - dead) as f64 <= LIVELY * all as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_errs_as_much_as_means_of_rounded_values_do() {
+        for deviation in [0.2_f32, 0.35, 0.5] {
+            // Means of values rounded to whole numbers, their truth anywhere between two; noise by its own quantiles.
+            let steps = 4000;
+            let noise: Vec<f32> =
+                (0..steps).map(|i| deviation * quantile((i as f32 + 0.5) / steps as f32)).collect();
+            let mean = |of: &dyn Fn(f32) -> f32| noise.iter().map(|&off| of(off)).sum::<f32>() / steps as f32;
+            let truths = (0..50).map(|i| i as f32 / 50.0);
+            let squared: f32 = truths.map(|truth| (mean(&|off| (truth + off).round()) - truth).powi(2)).sum();
+            let found = rounding(deviation.hypot((1.0_f32 / 12.0).sqrt()));
+            let measured = (squared / 50.0).sqrt();
+            assert!(
+                (found - measured).abs() < 0.05 * measured + 1e-3,
+                "{found} for {measured} at {deviation}"
+            );
+        }
+    }
+
+    /// Of a normal value, by halving.
+    fn quantile(share: f32) -> f32 {
+        let (mut low, mut high) = (-6.0, 6.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            let below = 0.5 * (1.0 + erf(middle * FRAC_1_SQRT_2));
+            if below < share { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// Abramowitz and Stegun, 7.1.26.
+    fn erf(x: f32) -> f32 {
+        let t = 1.0 / (1.0 + 0.327_591_1 * x.abs());
+        let series = [0.254_829_6, -0.284_496_74, 1.421_413_7, -1.453_152, 1.061_405_4];
+        let sum = series.iter().rev().fold(0.0, |sum, a| (sum + a) * t);
+        (1.0 - sum * (-x * x).exp()).copysign(x)
+    }
 }

@@ -167,6 +167,12 @@ fn inspect_speaks_json_of_a_known_schema() {
     assert!(veil[0] < veil[1] && veil[1] < veil[2], "blue water has the veil {veil:?}");
     assert_eq!(water["attenuation"].as_array().unwrap().len(), 3);
     assert_eq!(water["attenuation"][0].as_array().unwrap().len(), 4);
+    let factors = report["depth_factor"].as_array().unwrap();
+    assert_eq!((factors.len(), &factors[0]), (256, &serde_json::json!([1.0, 1.0, 1.0])));
+    run.ok(&["depth", "content.png", "-o", "z.png"]);
+    let given = run.ok(&["inspect", "content.png", "--json", "--depth", "z.png", "--depth-kind", "relative"]);
+    let given: serde_json::Value = serde_json::from_str(&given.stdout).unwrap();
+    assert!(given.get("depth_factor").is_none(), "of given depth β_B tells F");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! cargo run --release -p aquafuse --example sweep -- [SEED]
 
-use aquafuse::fusion::{Incidence, Model, Options, Waters, fuse};
+use aquafuse::fusion::{Bounded, Incidence, Model, Options, fuse};
 use aquafuse::image::Image;
 use aquafuse::metrics::{psnr, ssim};
 use aquafuse::truth::{Scene, Size, waters};
@@ -16,9 +16,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let reference: Image<u8> = Scene::new(seed + 1, size).seen_through(&green.water).to_samples();
 
     let (z1, z2) = (depth::estimate(&content), depth::estimate(&reference));
-    let own = waterbody::estimate(&content, &z1, &Default::default())?.water;
-    let other = waterbody::estimate(&reference, &z2, &Default::default())?.water;
-    let waters = Waters::new(&own, &other);
+    let own = waterbody::estimate(&content, &z1, &Default::default())?;
+    let other = waterbody::estimate(&reference, &z2, &Default::default())?;
 
     println!("| model | θ | mean shift of R, G, B in steps of 255 | PSNR, dB | SSIM |");
     println!("|---|---|---|---|---|");
@@ -26,7 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for degrees in [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0] {
             let incidence = Incidence::from_degrees(degrees)?;
             let options = Options { incidence, ..Options::for_model(model) };
-            let fused = fuse(&content, &z1, waters, &options)?.image;
+            let bounded = Bounded::new(&own, &other, options);
+            let fused = fuse(&content, &z1, bounded.waters(), &bounded.options)?.image;
             let [r, g, b] = mean_shift(&content, &fused);
             println!(
                 "| `{}` | {degrees}° | {r:.1}, {g:.1}, {b:.1} | {:.2} | {:.3} |",

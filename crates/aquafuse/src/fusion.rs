@@ -8,6 +8,9 @@
 //! | [`Model::Aquafuse`] | shift of weight `F (1 - F)`, at most 1/4 | nothing | nothing |
 //! | [`Model::Physical`] | shift of weight `1 - F` | nothing | the reference's veil |
 //! | [`Model::Exchange`] | the water is taken out, the other put in | nothing | the reference's veil |
+//!
+//! F is `e^(-β_B z)`; for `Physical` with depth from colour and open water in view, a table ([`DepthFactors`]), which
+//! [`Bounded::waters`] hands on.
 
 mod bound;
 mod law;
@@ -60,7 +63,7 @@ pub struct Waters<'a, E: Encoding> {
     /// coefficients must then be per the same unit of z as the content's. Metres and metres are, and so
     /// are depths from colour by one [`DepthModel`](crate::depth::DepthModel).
     pub reference: &'a Waterbody<E>,
-    /// The content's F by depth, where its β_B does not tell it (see
+    /// The content's F by the depth map it was estimated with, where β_B does not tell it (see
     /// [`Estimate::depth_factors`](crate::waterbody::Estimate::depth_factors)); only [`Model::Physical`] reads it.
     pub depth_factors: Option<&'a DepthFactors>,
 }

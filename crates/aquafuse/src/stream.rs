@@ -57,7 +57,7 @@ pub struct Options {
     /// How the fused frames are smoothed.
     pub smoothing: Smoothing,
     /// The content's water is estimated of the first frame and of each so many frames; 0 counts as 1. Default: 1,
-    /// every frame by itself.
+    /// every frame by itself. What lies at each depth is of the frame estimated too, where F is a table.
     pub every: usize,
 }
 

@@ -4,7 +4,7 @@
 
 use aquafuse::depth::{self, DepthKind, DepthMap};
 use aquafuse::formation::restore;
-use aquafuse::fusion::{Incidence, Model, Options, Waters, fuse};
+use aquafuse::fusion::{Bounded, Incidence, Model, Options, Waters, fuse};
 use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError, TopEdge};
 use aquafuse::truth::{NamedWater, OPEN_WATER, Scene, Size, waters};
 use aquafuse::waterbody::{
@@ -59,6 +59,31 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
         let content = water_only_in_the_top_corners();
         assert_eq!(fused(&mirrored(&content), &PUBLISHED), mirrored(&fused(&content, &PUBLISHED)));
     }
+}
+
+#[test]
+fn the_laws_hold_on_pictures_whose_depth_factors_are_a_table() {
+    let waters = waters();
+    let told = |image: &Image<u8>| {
+        let z = depth::estimate(image);
+        let told = waterbody::estimate::<Encoded>(image, &z, &EstimateOptions::default()).unwrap();
+        (z, told)
+    };
+    let (_, reference) = told(&picture(2, &waters[1]));
+    let content = picture(1, &waters[0]);
+    let fused = |content: &Image<u8>, degrees: f32| {
+        let (z, own) = told(content);
+        assert!(own.depth_factors.is_some(), "open water is in view");
+        let incidence = Incidence::from_degrees(degrees).unwrap();
+        let options = Options { incidence, ..Options::for_model(Model::Physical) };
+        let [itself, other] = [&own, &reference].map(|water| Bounded::new(&own, water, options));
+        [itself, other].map(|bounded| fuse(content, &z, bounded.waters(), &bounded.options).unwrap().image)
+    };
+    let [itself, other] = fused(&content, 0.0);
+    assert_eq!(itself, content);
+    assert_ne!(other, content);
+    assert_eq!(fused(&content, 90.0)[1], content);
+    assert_eq!(fused(&mirrored(&content), 0.0)[1], mirrored(&other));
 }
 
 /// Red paint with a water-blue left and, of another blue, right corner: nothing far is blue.

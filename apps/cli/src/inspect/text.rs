@@ -55,6 +55,12 @@ pub(super) fn text(picture: &Picture, found: &Analysis, plot: Option<&Path>) -> 
     line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
     line("  nine in ten within", ranges(found.estimate.intervals.backscatter_coefficient, 2));
     line("  at the far end, β_B z95", format!("{tau_r:.2} {tau_g:.2} {tau_b:.2}"));
+    if found.estimate.depth_factors.is_some() {
+        line(
+            "  for `physical`",
+            "how much of each depth is open water too: the table F(z), in --json".to_owned(),
+        );
+    }
     line("attenuation", "the curve β_D(z), in --json".to_owned());
     line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
     if let Some(path) = plot {

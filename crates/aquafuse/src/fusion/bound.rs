@@ -25,7 +25,8 @@ pub struct Bounded<E: Encoding> {
 pub struct Bounds {
     /// The reference's veil is glare: it was darkened to the brightest water, its red to its green or blue.
     pub glare: bool,
-    /// The content is doubtful and its red β_B was larger than the others: it was taken down to them.
+    /// The content is doubtful and its red faded into the veil faster than the others: it was held to them, in β_B or, where F
+    /// is a table, there.
     pub red: bool,
     /// One of the two is doubtful: exchange does not strengthen the direct signal, or leaves it as it is.
     pub gain: bool,
@@ -56,7 +57,7 @@ impl<E: Encoding> Bounded<E> {
         let mut bounded = Self {
             content: content.water,
             reference: reference.water,
-            depth_factors: content.depth_factors,
+            depth_factors: content.depth_factors.filter(|_| options.model == Model::Physical),
             options,
             bounds: Bounds::default(),
         };
@@ -101,13 +102,16 @@ impl<E: Encoding> Bounded<E> {
     }
 
     fn hold_red(&mut self) {
+        if let Some(factors) = &mut self.depth_factors {
+            self.bounds.red = factors.hold_red();
+            return;
+        }
         let [red, green, blue] = &mut self.content.backscatter_coefficient;
         let others = green.max(*blue);
         if *red > others {
             *red = others;
             self.bounds.red = true;
         }
-        self.bounds.red |= self.depth_factors.as_mut().is_some_and(DepthFactors::hold_red);
     }
 }
 
@@ -190,6 +194,9 @@ mod tests {
         let held = Bounded::new(&doubtful, &reference, physical);
         let factors = held.waters().depth_factors.map(|table| table.at(0.5));
         assert_eq!((factors, held.bounds.red), (Some([0.7, 0.8, 0.7]), true));
+        // What exchange does not read is not held either.
+        let exchange = Bounded::new(&doubtful, &reference, Options::for_model(Model::Exchange));
+        assert_eq!((exchange.waters().depth_factors, exchange.bounds.red), (None, false));
     }
 
     #[test]

@@ -5,12 +5,12 @@ use super::super::statistics::{Bin, Statistics};
 use super::envelope::Point;
 use crate::image::Encoding;
 
-/// Bytes by which open water may differ from its colour, in every channel: what is within the first counts wholly, and less
-/// the fewer it is within, for water shades from bright to dark.
+/// Bytes by which open water may differ from its colour, in every channel, for it shades from bright to dark: what is within all
+/// three counts wholly, what is within the last alone a third.
 const NEAR: [f32; 3] = [12.0, 24.0, 36.0];
-/// Water whose brightest channel (encoded) is fainter cannot be told from shadow: at night all that is dark would be water.
-const FAINTEST_WATER: f32 = 2.0 * NEAR[0] / 255.0;
-/// A veil below this (in the encoding of the fit) hides nothing; it is divided by.
+/// Water whose brightest channel (encoded) is fainter cannot be told from shadow: black would count as water.
+const FAINTEST_WATER: f32 = NEAR[2] / 255.0;
+/// What is divided by is no less (in the encoding of the fit): a channel without a veil says nothing, and β_B stands.
 const FAINTEST: f32 = 1e-3;
 
 /// F of each bin: `(1 - w) F'`, with w its share of open water and `F' = e^(-β_B z)` that of its things.
@@ -105,6 +105,7 @@ mod tests {
 
     #[test]
     fn water_as_dark_as_shadow_is_not_looked_for() {
-        assert_eq!(amber([11, 12, 17]), None);
+        assert_eq!((amber([11, 12, 17]), amber([10, 20, 35])), (None, None));
+        assert!(amber([10, 20, 40]).is_some());
     }
 }

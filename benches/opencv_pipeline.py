@@ -44,6 +44,7 @@ VEILS, VEIL_DEVIATION = np.array([-0.30, -0.20, -0.12, -0.06, 0.0, 0.08, 0.16, 0
 GREY, LINE_SLOPE, LINE_STEPS, LINE_LAST = 0.4, np.array([1.5, 1.0, 1.1]), 64, 6.0
 VISIBLE, MOST_FLOOR, LEAST_ON, MOST_DEVIATION = 0.05, 0.08, 0.25, 0.5
 FLAT, SATURATED, GLARE, LIVELY, LIVELY_RED, BRIGHTEST = 0.12, 0.6, 0.7, 0.1, 12, 0.7
+WATER_WITHIN = 12, 24, 36
 
 
 def depth_before_median(bgr, exact):
@@ -319,6 +320,27 @@ def estimate(bgr, exact=False):
     return (levels, *backscatter(bgr, levels, *veiling_light(bgr, levels)))
 
 
+def depth_factors(bgr, levels, beta, good):
+    """F by level where open water is in view: a share of each bin is water, the rest things; the physical model reads it."""
+    veil, noise, seen = veiling_light(bgr, levels)
+    if not seen or veil.max() < WATER_WITHIN[-1] / 255.0:
+        return None
+    z, number, values, z95 = binned(bgr, levels)
+
+    def within(off):
+        low, high = (np.floor(np.clip(255.0 * veil + by, 0, 255) + 0.5).astype(int) for by in (-off, off))
+        return np.min([values[c, :, low[c] : high[c] + 1].sum(axis=1) / number for c in range(3)], axis=0)
+
+    water = np.pad(np.mean([within(off) for off in WATER_WITHIN], axis=0), 1, mode="edge")
+    things = 1 - (0.25 * water[:-2] + 0.5 * water[1:-1] + 0.25 * water[2:])
+    least = [1 - envelope(number, values[c], noise) / max(veil[c], 1e-3) for c in range(3)]
+    factors = things[:, None] * np.maximum(np.exp(-beta * (z * z95)[:, None]), np.stack(least, axis=1))
+    if not good:
+        factors[:, 0] = np.maximum(factors[:, 0], factors[:, 1:].min(axis=1))
+    z, factors = z95 * z[z > 0], factors[z > 0]
+    return np.stack([np.interp(BYTES, np.r_[0, z], np.r_[1, factors[:, c]]) for c in range(3)], axis=1)
+
+
 def bounded(veil, beta, good, reference_veil, reference_glare, model):
     """What keeps a doubtful estimate from painting what is not there."""
     if model == "aquafuse":
@@ -332,9 +354,10 @@ def bounded(veil, beta, good, reference_veil, reference_glare, model):
     return beta, reference_veil
 
 
-def fuse(bgr, levels, veil, beta, reference_veil, model):
+def fuse(bgr, levels, veil, beta, reference_veil, model, factor=None):
     """The shift is a table over depth: one positive and one negative part, each added with saturation."""
-    factor = np.exp(-beta[None, :] * BYTES[:, None])
+    if factor is None:
+        factor = np.exp(-beta[None, :] * BYTES[:, None])
     cosine = math.cos(math.radians(45.0)) if model == "aquafuse" else 1.0
     weight = factor * (1 - factor) if model == "aquafuse" else 1 - factor
     shift = np.floor(255.0 * cosine * weight * (reference_veil - veil)[None, :] + 0.5)[:, ::-1]
@@ -391,8 +414,9 @@ def main():
         return
     levels, veil, beta, (good, _) = estimate(content, exact=not given.fast)
     _, reference_veil, _, (_, glare) = estimate(reference, exact=not given.fast)
+    factor = depth_factors(content, levels, beta, good) if given.model == "physical" else None
     beta, reference_veil = bounded(veil, beta, good, reference_veil, glare, given.model)
-    cv2.imwrite(given.output, fuse(content, levels, veil, beta, reference_veil, given.model))
+    cv2.imwrite(given.output, fuse(content, levels, veil, beta, reference_veil, given.model, factor))
     if given.depth:
         cv2.imwrite(given.depth, levels.astype(np.uint16) * 257)
 

@@ -7,6 +7,8 @@ mod pages;
 #[cfg(feature = "parquet")]
 mod rows;
 #[cfg(feature = "parquet")]
+mod shapes;
+#[cfg(feature = "parquet")]
 mod thrift;
 
 #[cfg(feature = "fuzz-targets")]

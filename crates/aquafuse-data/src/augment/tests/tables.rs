@@ -216,17 +216,44 @@ fn a_page_that_says_it_unpacks_to_more_than_is_allowed_is_refused() {
 
 #[test]
 fn a_footer_whose_list_has_more_values_than_bytes_is_refused_and_not_counted_through() {
-    let place = tempfile::tempdir().unwrap();
-    let path = place.path().join("a.parquet");
-    let refused = |kind: u8| {
-        // A field of a number that no table has: a list of this kind, its length apart: 2^31 - 1.
-        let footer = [&[0xf9, 0xf0 | kind][..], &[0xff; 4], &[7, 0]].concat();
-        let tail = u32::try_from(footer.len()).unwrap().to_le_bytes();
-        fs::write(&path, [b"PAR1", &footer[..], &tail, b"PAR1"].concat()).unwrap();
-        let (file, _) = open_file(&path).unwrap();
-        Table::open(&path, file, &ReadOptions::default()).err().unwrap().to_string()
-    };
+    // A field of a number that no table has: a list of this kind, its length apart: 2^31 - 1.
+    let refused = |kind: u8| refusal_of_footer(&[&[0xf9, 0xf0 | kind][..], &[0xff; 4], &[7, 0]].concat());
     let [bytes, booleans] = [3, 1].map(refused);
     assert!(bytes.contains("its footer ends too soon"), "{bytes}");
     assert!(booleans.contains("a list of Booleans"), "{booleans}");
+}
+
+/// The library would take the bytes of such a field for something else, and what follows for other fields.
+#[test]
+fn a_footer_whose_field_holds_what_it_never_holds_is_refused() {
+    let never = "holds what it never holds";
+    let refused = [
+        // The version, a struct; the schema, a number; the schema, a list of texts; the name in it, a struct.
+        [0x1c, 0, 0, 0, 0].as_slice(),
+        &[0x25, 0, 0],
+        &[0x29, 0x18, 0, 0],
+        &[0x29, 0x1c, 0x4c, 0, 0, 0],
+        // The same number, written out, after a later field.
+        &[0x35, 0, 0x0c, 2, 0, 0],
+    ];
+    for footer in refused {
+        let said = refusal_of_footer(footer);
+        assert!(said.contains(never), "{footer:x?}: {said}");
+    }
+    // What the format has not is passed over: a struct with a number in it, of the number 9.
+    let unknown = refusal_of_footer(&[0x9c, 0x15, 0, 0, 0]);
+    assert!(unknown.contains("version is missing"), "{unknown}");
+    // Nor does a number of 16 bits wrap, so that it is one that is known.
+    let beyond = refusal_of_footer(&[0x0c, 0x82, 0x80, 8, 0, 0]);
+    assert!(beyond.contains("a number beyond all fields"), "{beyond}");
+}
+
+/// Why a table of nothing but this footer is refused.
+fn refusal_of_footer(footer: &[u8]) -> String {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("a.parquet");
+    let tail = u32::try_from(footer.len()).unwrap().to_le_bytes();
+    fs::write(&path, [b"PAR1", footer, &tail, b"PAR1"].concat()).unwrap();
+    let (file, _) = open_file(&path).unwrap();
+    Table::open(&path, file, &ReadOptions::default()).err().unwrap().to_string()
 }

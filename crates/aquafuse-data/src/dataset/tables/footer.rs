@@ -8,14 +8,15 @@ use std::io::{self, BufReader, ErrorKind, Read};
 
 use parquet::file::reader::ChunkReader;
 
-use super::thrift::{STRUCT, odd, pass_over};
+use super::shapes::FOOTER;
+use super::thrift::{odd, pass_over_struct};
 
 /// After the footer: its length and what tables begin and end with.
 const TAIL: u64 = 8;
 /// Structs and lists within one another, of which statistics of a column in a group have nine.
 const DEEPEST: u32 = 16;
 
-/// Whether every list of the footer has the values that it says.
+/// Whether every field of the footer holds what the format has it hold, and every list the values that it says.
 ///
 /// # Errors
 ///
@@ -27,7 +28,7 @@ pub(super) fn check<R: ChunkReader>(from: &R) -> io::Result<()> {
     let length = u64::from(u32::from_le_bytes(length));
     let Some(start) = end.checked_sub(length) else { return Ok(()) };
     let footer = from.get_read(start).map_err(io::Error::other)?;
-    let passed = pass_over(&mut BufReader::new(footer).take(length), STRUCT, DEEPEST);
+    let passed = pass_over_struct(&mut BufReader::new(footer).take(length), Some(FOOTER), DEEPEST);
     passed.map_err(|error| match error.kind() {
         ErrorKind::UnexpectedEof => odd("its footer ends too soon"),
         _ => error,

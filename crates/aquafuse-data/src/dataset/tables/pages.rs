@@ -8,6 +8,7 @@ use std::io::{self, Read};
 use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::reader::ChunkReader;
 
+use super::shapes::PAGE_HEADER;
 use super::thrift::{next_field, number, odd, pass_over, unfolded};
 
 /// Structs within structs, of which a header has two.
@@ -44,16 +45,18 @@ fn sizes(header: &mut impl Read) -> io::Result<[u64; 2]> {
     let mut field = 0;
     while let Some(kind) = next_field(header, &mut field)? {
         match (field, kind) {
-            (2, 5) => unpacked = Some(size(header)?),
-            (3, 5) => packed = Some(size(header)?),
-            _ => pass_over(header, kind, DEEPEST)?,
+            (2, 4..=6) => unpacked = Some(size(header)?),
+            (3, 4..=6) => packed = Some(size(header)?),
+            _ => pass_over(header, kind, PAGE_HEADER.field(field), DEEPEST)?,
         }
     }
     unpacked.zip(packed).map(<[u64; 2]>::from).ok_or_else(|| odd("a page without a size"))
 }
 
+/// A size of 32 bits: more would be cut off by the library, which would then look for the next page elsewhere.
 fn size(from: &mut impl Read) -> io::Result<u64> {
-    u64::try_from(unfolded(number(from)?)).map_err(|_| odd("a page of less than nothing"))
+    let size = i32::try_from(unfolded(number(from)?)).ok().and_then(|size| u64::try_from(size).ok());
+    size.ok_or_else(|| odd("a page of less than nothing, or of more than there can be"))
 }
 
 /// Bytes that were read.

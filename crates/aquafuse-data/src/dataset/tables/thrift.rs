@@ -1,29 +1,49 @@
 //! Thrift's compact protocol, as far as it takes to pass over what is not needed: fields with their kind and number, and
 //! values of every kind. Within a list each value has at least one byte, so that a length is as good as the bytes that
 //! follow it; lists of Booleans, which stand in no header or footer, are refused, for the library that reads tables
-//! afterwards takes them to have no bytes, and would read on elsewhere.
+//! afterwards takes them to have no bytes, and would count through thousands of millions of them.
 //! <https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md>
 
 use std::io::{self, ErrorKind, Read};
 
+use super::shapes::Shape;
+
 /// The kind of a struct.
-pub(super) const STRUCT: u8 = 12;
+const STRUCT: u8 = 12;
 
 /// The kind of the next field of a struct, whose number goes on from that of the field before; none at its end.
-pub(super) fn next_field(from: &mut impl Read, field: &mut i64) -> io::Result<Option<u8>> {
+pub(super) fn next_field(from: &mut impl Read, field: &mut i16) -> io::Result<Option<u8>> {
     let byte = byte(from)?;
-    if byte == 0 {
+    if byte & 0xf == 0 {
         return Ok(None);
     }
-    *field = match byte >> 4 {
-        0 => unfolded(number(from)?),
-        further => field.saturating_add(i64::from(further)),
+    let next = match byte >> 4 {
+        0 => i16::try_from(unfolded(number(from)?)).ok(),
+        further => field.checked_add(i16::from(further)),
     };
+    *field = next.ok_or_else(|| odd("a field with a number beyond all fields"))?;
     Ok(Some(byte & 0xf))
 }
 
-/// Reads a value and drops it; within it there may be `deepest` structs and lists, one in the other.
-pub(super) fn pass_over(from: &mut impl Read, kind: u8, deepest: u32) -> io::Result<()> {
+/// Reads a struct of this shape and drops it; within it there may be `deepest` structs and lists, one in the other.
+pub(super) fn pass_over_struct(from: &mut impl Read, shape: Option<Shape>, deepest: u32) -> io::Result<()> {
+    let mut field = 0;
+    while let Some(kind) = next_field(from, &mut field)? {
+        pass_over(from, kind, shape.and_then(|shape| shape.field(field)), deepest)?;
+    }
+    Ok(())
+}
+
+/// Reads a value of this kind and drops it; it must be of the shape, where that is known.
+pub(super) fn pass_over(
+    from: &mut impl Read,
+    kind: u8,
+    shape: Option<Shape>,
+    deepest: u32,
+) -> io::Result<()> {
+    if shape.is_some_and(|shape| !shape.is(kind)) {
+        return Err(odd("a field that holds what it never holds in a table"));
+    }
     let deeper = || deepest.checked_sub(1).ok_or_else(|| odd("structs within structs without end"));
     match kind {
         // Of a Boolean the kind is the value.
@@ -42,15 +62,10 @@ pub(super) fn pass_over(from: &mut impl Read, kind: u8, deepest: u32) -> io::Res
             if matches!(kind, 1 | 2) && length > 0 {
                 return Err(odd("a list of Booleans, which no table has"));
             }
-            (0..length).try_for_each(|_| pass_over(from, kind, deeper()?))
+            let of = shape.and_then(Shape::of_list);
+            (0..length).try_for_each(|_| pass_over(from, kind, of, deeper()?))
         }
-        STRUCT => {
-            let mut field = 0;
-            while let Some(kind) = next_field(from, &mut field)? {
-                pass_over(from, kind, deeper()?)?;
-            }
-            Ok(())
-        }
+        STRUCT => pass_over_struct(from, shape, deeper()?),
         _ => Err(odd("a field of no known kind")),
     }
 }

@@ -103,11 +103,12 @@ pub(crate) fn run_all() -> Result<()> {
     }
     let shard = [member("a.jpg", b"no picture"), member("a.txt", b"0"), vec![0; 1024]].concat();
     add(&corpus, "dataset-shards", "a.tar", &shard)?;
-    let table = made.join("a.parquet");
     let arguments = ["run", "--release", "--quiet", "--package", "aquafuse-data", "--features", "parquet"];
-    let example = ["--example", "small_table", "--", &table.to_string_lossy()];
+    let example = ["--example", "small_table", "--", &made.to_string_lossy()];
     run(cargo(&[&arguments[..], &example].concat()))?;
-    add(&corpus, "dataset-parquet", "a.parquet", &fs::read(&table)?)?;
+    for table in ["a.parquet", "lists.parquet"] {
+        add(&corpus, "dataset-parquet", table, &fs::read(made.join(table))?)?;
+    }
     let scenes =
         ["run", "--release", "--quiet", "--package", "aquafuse-scene", "--example", "parser_files", "--"];
     run(cargo(&[&scenes[..], &[&corpus.to_string_lossy()]].concat()))?;

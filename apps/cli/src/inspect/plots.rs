@@ -27,7 +27,8 @@ pub(super) fn draw(name: &str, picture: &Picture, found: &Analysis) -> Result<Im
     let z = view.depth(&found.depth);
     let water = &found.estimate.water;
     let unit = unit(found.depth.kind());
-    let charts = Charts { water, evidence: &seen, unit };
+    let depth_factors = found.estimate.depth_factors.as_ref();
+    let charts = Charts { water, depth_factors, evidence: &seen, unit };
     Sheet::draw(&format!("{name}: what it tells about its depth and its water"), |sheet| {
         let shown = view.content();
         let mut cells = sheet.cells(shown.height());

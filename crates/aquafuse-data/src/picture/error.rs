@@ -42,7 +42,7 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
-    /// The pixels are of a kind we do not read yet.
+    /// The pixels, or the texts of a table, are of a kind we do not read.
     #[error("cannot read {}: it is {found}. {remedy}", shown(path))]
     UnsupportedPixels {
         /// The file.

@@ -1,8 +1,8 @@
 //! Samples and fitted curves over depth, one colour a channel.
 
 use anyhow::Result;
-use aquafuse::waterbody::{DepthBin, Evidence, Waterbody};
-use plotters::prelude::{ChartBuilder, Circle, Color, LineSeries, RGBColor};
+use aquafuse::waterbody::{DepthBin, DepthFactors, Evidence, Waterbody};
+use plotters::prelude::{ChartBuilder, Circle, Color, DashedLineSeries, LineSeries, RGBColor};
 
 use super::sheet::{Cell, INK, font};
 
@@ -12,9 +12,13 @@ pub(super) const CHANNELS: [RGBColor; 3] =
 
 /// Steps of a curve over the width of a chart.
 const STEPS: u16 = 160;
+/// Pixels of a dash, and from one to the next.
+const DASH: (i32, i32) = (6, 5);
 
 pub(super) struct Charts<'a> {
     pub(super) water: &'a Waterbody,
+    /// What `physical` reads in place of the curve of backscatter.
+    pub(super) depth_factors: Option<&'a DepthFactors>,
     pub(super) evidence: &'a Evidence,
     pub(super) unit: &'a str,
 }
@@ -34,7 +38,11 @@ impl Charts<'_> {
         let z_at = |step: u16| far * f32::from(step) / f32::from(STEPS);
         let dots: Vec<(f32, [Option<f32>; 3])> =
             self.evidence.bins.iter().map(|bin| (bin.z, sample(chart, bin))).collect();
-        let highest = (0..=STEPS).flat_map(|step| curve(z_at(step))).fold(0.0, f32::max);
+        let counted = self.depth_factors.filter(|_| chart == Chart::Backscatter);
+        let counted = |z: f32| counted.map(|factors| self.counted(factors, z));
+        let places = || (0..=STEPS).map(z_at);
+        let highest =
+            places().flat_map(curve).chain(places().filter_map(counted).flatten()).fold(0.0, f32::max);
         let top = match chart {
             Chart::Backscatter => {
                 dots.iter().flat_map(|(_, of)| of.iter().flatten().copied()).fold(highest, f32::max)
@@ -73,11 +81,16 @@ impl Charts<'_> {
             };
             axes.draw_series(LineSeries::new(points(0.0, held_beyond), colour.stroke_width(2)))?;
             axes.draw_series(LineSeries::new(points(held_beyond, far), colour.mix(0.4).stroke_width(1)))?;
+            let dashed = places().filter_map(|z| Some((z, counted(z)?[c])));
+            axes.draw_series(DashedLineSeries::new(dashed, DASH.0, DASH.1, colour.stroke_width(1)))?;
             let seen =
                 dots.iter().filter_map(|(z, of)| Some((*z, of[c]?))).filter(|&(_, value)| value <= top);
             axes.draw_series(seen.map(|place| Circle::new(place, 3, colour.mix(0.75).filled())))?;
         }
         cell.foot(match chart {
+            Chart::Backscatter if self.depth_factors.is_some() => {
+                "dots: the darkest things; dashed: B∞ (1 − F) of `physical`"
+            }
             Chart::Backscatter => "dots: the darkest things; black ones lie on the curve",
             Chart::Attenuation => "dots: −ln E / z of each depth; pale: β_D held",
             Chart::Illumination => "dots: mean direct signal U − B of each depth, scaled",
@@ -90,6 +103,12 @@ impl Charts<'_> {
             Chart::Attenuation => self.water.attenuation.map(|curve| curve.coefficient(z)),
             Chart::Illumination => self.water.illumination(z),
         }
+    }
+
+    /// Backscatter by the table: B∞ (1 − F).
+    fn counted(&self, factors: &DepthFactors, z: f32) -> [f32; 3] {
+        let (veil, factors) = (self.water.veiling_light.rgb(), factors.at(z));
+        std::array::from_fn(|c| veil[c] * (1.0 - factors[c]))
     }
 
     fn y_name(&self, chart: Chart) -> String {

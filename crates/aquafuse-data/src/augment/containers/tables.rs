@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, RecordBatch, StructArray, UInt64Array};
+use arrow_array::{ArrayRef, RecordBatch, StructArray};
 use arrow_schema::ArrowError;
-use arrow_select::take::take_record_batch;
 use parquet::arrow::{ARROW_SCHEMA_META_KEY, ArrowWriter};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::schema::types::ColumnPath;
@@ -30,18 +29,18 @@ struct Row {
 
 impl Row {
     /// Its bytes, where `pictures` has those of the row that it equals.
-    fn bytes<'a>(&'a self, pictures: &'a StructArray, at: usize) -> Option<&'a [u8]> {
+    fn bytes<'a>(&'a self, pictures: &'a StructArray) -> Option<&'a [u8]> {
         match &self.instead {
             Some((_, bytes)) => Some(bytes),
-            None => cell(pictures, at)?.bytes,
+            None => cell(pictures, 0)?.bytes,
         }
     }
 
     /// Its picture's name, likewise.
-    fn name<'a>(&'a self, pictures: &'a StructArray, at: usize) -> Option<&'a str> {
+    fn name<'a>(&'a self, pictures: &'a StructArray) -> Option<&'a str> {
         match &self.instead {
             Some((name, _)) => Some(name),
-            None => cell(pictures, at)?.name,
+            None => cell(pictures, 0)?.name,
         }
     }
 }
@@ -75,9 +74,12 @@ impl<E: Space> Maker<'_, E> {
                     }
                 };
                 let more = self.rows(&table, &rows, first, input, container, &mut failures);
-                writer.write(&with(&table, &rows, &more)?)?;
-                if writer.in_progress_size() > GROUP {
-                    writer.flush()?;
+                // One by one, for lists in a row may be as large as memory allows.
+                for row in &more {
+                    writer.write(&with(&table, &rows, row)?)?;
+                    if writer.in_progress_size() > GROUP {
+                        writer.flush()?;
+                    }
                 }
                 first = first.saturating_add(rows.num_rows() as u64);
             }
@@ -168,24 +170,15 @@ fn as_read(table: &Table) -> WriterProperties {
         .build()
 }
 
-/// Rows equal to some that were read but for their pictures.
-fn with(table: &Table, rows: &RecordBatch, more: &[Row]) -> Result<RecordBatch, ArrowError> {
-    let of: UInt64Array = more.iter().map(|row| row.of).collect();
-    let taken = take_record_batch(rows, &of)?;
+/// A row equal to one that was read but for its picture.
+fn with(table: &Table, rows: &RecordBatch, one: &Row) -> Result<RecordBatch, ArrowError> {
+    let taken = rows.slice(row(one.of), 1);
     let Some(pictures) = table.pictures(&taken) else { return Ok(taken) };
     let (fields, mut arrays, nulls) = pictures.clone().into_parts();
     for (field, array) in fields.iter().zip(&mut arrays) {
         let replaced: Option<ArrayRef> = match field.name().as_str() {
-            "bytes" => {
-                let values: Vec<Option<&[u8]>> =
-                    more.iter().enumerate().map(|(at, row)| row.bytes(pictures, at)).collect();
-                Some(binary(field.data_type(), &values))
-            }
-            "path" => {
-                let values: Vec<Option<&str>> =
-                    more.iter().enumerate().map(|(at, row)| row.name(pictures, at)).collect();
-                texts(field.data_type(), &values)
-            }
+            "bytes" => Some(binary(field.data_type(), &[one.bytes(pictures)])),
+            "path" => texts(field.data_type(), &[one.name(pictures)]),
             _ => None,
         };
         if let Some(replaced) = replaced {

@@ -8,12 +8,15 @@ use aquafuse::image::Encoded;
 use arrow_array::builder::{Int64Builder, ListBuilder};
 use arrow_array::cast::AsArray;
 use arrow_array::types::Int64Type;
-use arrow_array::{Array, ArrayRef, RecordBatch, StructArray};
+use arrow_array::{
+    Array, ArrayRef, FixedSizeListArray, Int64Array, RecordBatch, StringArray, StructArray, new_null_array,
+};
 use arrow_schema::{DataType, Field, Fields, Schema};
 use parquet::arrow::ArrowWriter;
-use parquet::basic::Compression;
+use parquet::basic::{Compression, Encoding};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::{files, job, making, run};
 use crate::augment::{replay, verify};
@@ -212,6 +215,80 @@ fn a_page_that_says_it_unpacks_to_more_than_is_allowed_is_refused() {
     fs::write(&path, written).unwrap();
     let refused = open().err().unwrap().to_string();
     assert!(refused.contains("1048575 bytes, 524288 are allowed"), "{refused}");
+}
+
+/// Lists in one row, of which a few kilobytes hold as many values as one likes.
+#[test]
+fn a_row_with_a_list_that_takes_more_memory_than_is_allowed_is_refused() {
+    const MANY: usize = 100_000;
+    let list = |values: ArrayRef| -> ArrayRef {
+        let field = Arc::new(Field::new("item", values.data_type().clone(), true));
+        Arc::new(FixedSizeListArray::new(field, i32::try_from(values.len()).unwrap(), values, None))
+    };
+    let text = "fish ".repeat(1_000);
+    let lists: [ArrayRef; 3] = [
+        Arc::new(Int64Array::from(vec![7; MANY])),
+        new_null_array(&DataType::Int32, MANY),
+        // One text in a dictionary.
+        Arc::new(StringArray::from(vec![text.as_str(); MANY])),
+    ];
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("a.parquet");
+    let fields = Fields::from(vec![Field::new("bytes", DataType::Binary, true)]);
+    let picture = binary(&DataType::Binary, &[Some(&super::picture(0))]);
+    let picture: ArrayRef = Arc::new(StructArray::new(fields, vec![picture], None));
+    for values in lists {
+        let kind = values.data_type().clone();
+        let rows = RecordBatch::try_from_iter([("image", picture.clone()), ("of", list(values))]).unwrap();
+        let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
+        writer.write(&rows).unwrap();
+        writer.close().unwrap();
+        let (file, bytes) = open_file(&path).unwrap();
+        assert!(bytes < 1 << 16, "{kind}: {bytes}");
+        let options = ReadOptions { most_memory: 1 << 20, ..ReadOptions::default() };
+        let refused = Table::open(&path, file, &options).err().unwrap().to_string();
+        assert!(refused.contains("bytes, 1048576 are allowed"), "{kind}: {refused}");
+    }
+}
+
+/// Such a page begins with the number of its texts, and its reader makes room for them, however many, before it looks further.
+#[test]
+fn texts_written_as_differences_are_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("a.parquet");
+    let text: ArrayRef = Arc::new(StringArray::from(vec!["fish", "fishes"]));
+    let rows = RecordBatch::try_from_iter([("text", text)]).unwrap();
+    for encoding in [Encoding::DELTA_BYTE_ARRAY, Encoding::DELTA_LENGTH_BYTE_ARRAY] {
+        let properties = WriterProperties::builder().set_dictionary_enabled(false).set_encoding(encoding);
+        let file = File::create(&path).unwrap();
+        let mut writer = ArrowWriter::try_new(file, rows.schema(), Some(properties.build())).unwrap();
+        writer.write(&rows).unwrap();
+        writer.close().unwrap();
+        let refused = Table::open(&path, open_file(&path).unwrap().0, &ReadOptions::default()).err().unwrap();
+        assert!(refused.to_string().contains(&format!("in the encoding {encoding}. Write")), "{refused}");
+    }
+}
+
+/// What a page of a dictionary says that it holds is what its reader makes room for.
+#[test]
+fn a_dictionary_that_says_it_has_more_entries_than_bytes_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let root = place.path().join("set");
+    table(&root, &DataType::Binary);
+    let path = root.join("train-0.parquet");
+    let (file, _) = open_file(&path).unwrap();
+    let footer = SerializedFileReader::new(file).unwrap();
+    let column =
+        footer.metadata().row_group(0).columns().iter().find(|of| of.dictionary_page_offset().is_some());
+    let at = usize::try_from(column.unwrap().dictionary_page_offset().unwrap()).unwrap();
+    let mut written = fs::read(&path).unwrap();
+    // The struct of a dictionary, and its number of entries, the first number in it.
+    let head = at + written[at..].windows(2).position(|two| two == [0x4c, 0x15]).unwrap();
+    assert!(head < at + 20 && written[head + 2] < 0x40, "{:x?}", &written[at..head + 4]);
+    written[head + 2] = 0x7e;
+    fs::write(&path, written).unwrap();
+    let refused = Table::open(&path, open_file(&path).unwrap().0, &ReadOptions::default()).err().unwrap();
+    assert!(refused.to_string().contains("more entries than bytes"), "{refused}");
 }
 
 #[test]

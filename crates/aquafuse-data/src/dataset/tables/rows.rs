@@ -1,6 +1,7 @@
 //! The rows of a table, and the pictures in them.
 
 use std::fs::File;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ use parquet::basic::Compression;
 use parquet::file::metadata::{ColumnChunkMetaData, KeyValue};
 use parquet::file::reader::ChunkReader;
 
-use super::{footer, pages};
+use super::{footer, memory};
 use crate::barrier::behind;
 use crate::picture::{FileError, ReadOptions, one_line};
 
@@ -59,13 +60,22 @@ impl Table {
         let loaded = loaded.map_err(|error| damaged(one_line(&error.to_string())))?;
         let metadata = loaded.metadata();
         for group in metadata.row_groups() {
-            let said = u64::try_from(group.total_byte_size()).unwrap_or(u64::MAX);
-            let unpacked =
-                pages::unpacked(&from, group).map_err(|error| damaged(one_line(&error.to_string())))?;
-            let (largest, most) = (said.max(unpacked), options.most_memory);
-            if largest > most {
+            let (said, most) =
+                (u64::try_from(group.total_byte_size()).unwrap_or(u64::MAX), options.most_memory);
+            let needed = behind(|| memory::needed(&from, group, ROWS as u64, most));
+            let needed = needed.ok_or_else(|| damaged(FELL.into()))?;
+            let needed = needed.map_err(|error| match error.kind() {
+                ErrorKind::Unsupported => FileError::UnsupportedPixels {
+                    path: path.to_owned(),
+                    found: format!("a table with texts in the encoding {error}"),
+                    remedy: "Write it in the encodings PLAIN and RLE_DICTIONARY, as most programs do",
+                },
+                _ => damaged(one_line(&error.to_string())),
+            })?;
+            let needed = needed.max(said);
+            if needed > most {
                 let cause =
-                    format!("a group of its rows has {largest} bytes, {most} are allowed (--max-memory)");
+                    format!("a group of its rows takes {needed} bytes, {most} are allowed (--max-memory)");
                 return Err(FileError::TooLarge { path: path.to_owned(), cause });
             }
         }

@@ -245,7 +245,8 @@ fn the_readers_of_others_find_the_same_annotations() {
             Command::new(python).arg(WRITER).arg(run.path("parquet")).args(&pictures).output().unwrap();
         assert!(writer.status.success(), "{}", String::from_utf8_lossy(&writer.stderr));
     }
-    let layouts = ["coco", "voc", "masks", "shards"].into_iter().chain(tables.then_some("parquet"));
+    let of_tables = tables.then_some(["parquet", "kinds"]).into_iter().flatten();
+    let layouts = ["coco", "voc", "masks", "shards"].into_iter().chain(of_tables);
     for layout in layouts {
         let output = format!("{layout}-more");
         let mut arguments =

@@ -1,6 +1,6 @@
 """Reads a data set and what `aquafuse augment` made of it with the readers that people use, and compares annotations.
 
-    read_datasets.py yolo|coco|voc|masks|shards|parquet BEFORE AFTER
+    read_datasets.py yolo|coco|voc|masks|shards|parquet|kinds BEFORE AFTER
 
 Every picture of BEFORE must be in AFTER with its variants, STEM__WATER__NUMBER, of the same size, and each with the
 annotations of its picture.
@@ -133,9 +133,20 @@ def parquet(root):
     return found
 
 
+def kinds(root):
+    import pyarrow.parquet
+
+    found = {}
+    for path in sorted(root.glob("[0-9]*.parquet")):
+        for row in pyarrow.parquet.read_table(path).to_pylist():
+            found[Path(row.pop("image")["path"]).stem] = row
+    return found
+
+
 def main():
     layout, before, after = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
-    read = {"yolo": yolo, "coco": coco, "voc": voc, "masks": masks, "shards": shards, "parquet": parquet}[layout]
+    readers = {"yolo": yolo, "coco": coco, "voc": voc, "masks": masks, "shards": shards, "parquet": parquet, "kinds": kinds}
+    read = readers[layout]
     old, new = read(before), read(after)
     sizes = {path.stem: size(path) for path in pictures(before)}
     for path in pictures(after):

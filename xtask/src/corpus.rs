@@ -106,7 +106,7 @@ pub(crate) fn run_all() -> Result<()> {
     let arguments = ["run", "--release", "--quiet", "--package", "aquafuse-data", "--features", "parquet"];
     let example = ["--example", "small_table", "--", &made.to_string_lossy()];
     run(cargo(&[&arguments[..], &example].concat()))?;
-    for table in ["a.parquet", "lists.parquet"] {
+    for table in ["a.parquet", "arrow.parquet", "lists.parquet"] {
         add(&corpus, "dataset-parquet", table, &fs::read(made.join(table))?)?;
     }
     let scenes =

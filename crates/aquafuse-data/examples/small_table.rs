@@ -30,7 +30,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     ]));
     let label: ArrayRef = Arc::new(Int32Array::from(vec![7, -1]));
     let plain = WriterProperties::builder().set_compression(Compression::SNAPPY);
-    write(&folder.join("a.parquet"), vec![("image", image.clone()), ("label", label)], plain)?;
+    let columns = || vec![("image", image.clone()), ("label", label.clone())];
+    write(&folder.join("a.parquet"), columns(), plain.clone(), false)?;
+    write(&folder.join("arrow.parquet"), columns(), plain, true)?;
 
     let (mut tags, mut sizes) =
         (ListBuilder::new(StringBuilder::new()), ListBuilder::new(Int64Builder::new()));
@@ -54,19 +56,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         .set_writer_version(WriterVersion::PARQUET_2_0)
         .set_column_dictionary_enabled(packed.clone(), false)
         .set_column_encoding(packed, Encoding::DELTA_BINARY_PACKED);
-    write(&folder.join("lists.parquet"), columns, newer)
+    write(&folder.join("lists.parquet"), columns, newer, false)
 }
 
-/// Without Arrow's own schema, which doubles the file.
+/// With Arrow's own schema or without it, for it doubles the file.
 fn write(
     path: &Path,
     columns: Vec<(&str, ArrayRef)>,
     properties: WriterPropertiesBuilder,
+    arrow: bool,
 ) -> Result<(), Box<dyn Error>> {
     let columns = columns.into_iter().map(|(name, column)| (name, column, true));
     let rows = RecordBatch::try_from_iter_with_nullable(columns)?;
     let options =
-        ArrowWriterOptions::new().with_properties(properties.build()).with_skip_arrow_metadata(true);
+        ArrowWriterOptions::new().with_properties(properties.build()).with_skip_arrow_metadata(!arrow);
     let mut writer = ArrowWriter::try_new_with_options(File::create(path)?, rows.schema(), options)?;
     writer.write(&rows)?;
     writer.close()?;

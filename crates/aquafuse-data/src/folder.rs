@@ -22,9 +22,15 @@ pub fn list(folder: &Path) -> Result<Listing, FileError> {
     let failed = |error| FileError::Read { path: folder.to_owned(), error };
     let mut listing = Listing::default();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
+        let entry = entry.map_err(failed)?;
+        let path = entry.path();
         let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if hidden || path.is_dir() {
+        // What the listing says already need not be asked, but a link may lead to a folder.
+        let is_dir = match entry.file_type() {
+            Ok(kind) if !kind.is_symlink() => kind.is_dir(),
+            _ => path.is_dir(),
+        };
+        if hidden || is_dir {
             continue;
         }
         if Format::listed(&path) {

@@ -17,14 +17,15 @@ use crate::depth_arguments::Supply;
 pub(super) fn items(content: &Path, beside: &[&Path], output: &Path, supply: &Supply) -> Result<Vec<Item>> {
     let about = content.metadata().map_err(|error| FileError::Read { path: content.to_owned(), error })?;
     let files = if about.is_dir() { of_folder(content, output)? } else { vec![of_file(content, output)?] };
+    // Resolved once: there may be a hundred thousand outputs.
+    let beside: Vec<PathBuf> = beside.iter().filter_map(|other| other.canonicalize().ok()).collect();
     let item = |(input, output): (PathBuf, PathBuf)| {
         let depth = supply.of(&input)?;
-        if beside.iter().any(|other| same(other, &output)) {
-            return Err(written_over(&output));
-        }
-        if let DepthSource::Supplied { path, .. } = &depth
-            && same(path, &output)
-        {
+        let map = match &depth {
+            DepthSource::Supplied { path, .. } => path.canonicalize().ok(),
+            DepthSource::Estimated(_) => None,
+        };
+        if output.canonicalize().is_ok_and(|there| beside.contains(&there) || map.as_ref() == Some(&there)) {
             return Err(written_over(&output));
         }
         Ok(Item { input, output, depth })

@@ -11,6 +11,7 @@ use aquafuse_data::pairs::{self, Gathered, Message};
 use aquafuse_data::picture::{FileError, shown};
 use clap::{Args, ValueEnum};
 
+use crate::common::Common;
 use crate::depth_arguments::kind;
 use crate::failure::Failure;
 use crate::output;
@@ -69,7 +70,8 @@ Example:
   aquafuse fuse dive.jpg green.jpg -o fused.jpg --depth-model reef.toml";
 
 impl Fit {
-    pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let quiet = common.quiet;
         model_file::check_name(&self.output)?;
         if !self.overwrite && self.output.symlink_metadata().is_ok() {
             return Err(FileError::Exists { path: self.output.clone() }.into());
@@ -95,7 +97,7 @@ impl Fit {
             output::complain(&format!("passed over for want of a partner: {names}"));
         }
         output::make_folder_of(&self.output)?;
-        let gathered = self.gather(&listing.pairs, quiet);
+        let gathered = self.gather(&listing.pairs, common);
         let fit = gathered.fitter.solve().map_err(|error| {
             Failure::work(anyhow!("cannot fit a model to {}: {error}", shown(&self.pairs)))
         })?;
@@ -113,15 +115,21 @@ impl Fit {
         }
     }
 
-    fn gather(&self, pairs: &[pairs::Pair], quiet: bool) -> Gathered {
+    fn gather(&self, pairs: &[pairs::Pair], common: &Common) -> Gathered {
         let options = Options { scale: self.scale.into(), target: self.target.into(), ..Options::default() };
-        let progress = Progress::new(quiet);
+        let progress = Progress::new(common.quiet);
         progress.start(pairs.len());
-        let gathered = pairs::gather(pairs, self.depth_kind, options, &|message| match message {
-            Message::Done { pair } => progress.done(pair.name.clone()),
-            Message::Failed { error, .. } => progress.failed(&error),
-            _ => {}
-        });
+        let gathered = pairs::gather(
+            pairs,
+            self.depth_kind,
+            options,
+            &common.reading.options(),
+            &|message| match message {
+                Message::Done { pair } => progress.done(pair.name.clone()),
+                Message::Failed { error, .. } => progress.failed(&error),
+                _ => {}
+            },
+        );
         progress.finish();
         gathered
     }

@@ -128,7 +128,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Depth(depth) => depth.run(&common.reading, common.quiet),
         Command::Inspect(inspect) => inspect.run(&common.reading),
         Command::Water(water) => water.run(common),
-        Command::Fit(fit) => fit.run(common.quiet),
+        Command::Fit(fit) => fit.run(common),
         Command::Simulate(simulate) => simulate.run(common),
         Command::Augment(augment) => augment.run(common),
         Command::Verify(verify) => verify.run(common),

@@ -107,3 +107,16 @@ fn a_picture_on_its_side_is_drawn_upright() {
     let [top, bottom] = [60, 300].map(|y| at(&figure, (0, 0), (208, y))[1]);
     assert!(top < 60 && bottom > 130, "{top} {bottom}");
 }
+
+/// An axis without an end would be drawn for ever.
+#[test]
+fn the_farthest_depth_that_a_number_can_say_is_drawn() {
+    let run = Run::new();
+    scene(&run.path("a.png"), 3, "blue");
+    let (width, height) = Picture::read(&run.path("a.png")).unwrap().pixels.size();
+    let far = vec![f32::MAX; width * height];
+    let map = DepthMap::from_distances(width, height, aquafuse::depth::DepthKind::Metres, far).unwrap();
+    depth_file::write(&run.path("z.npy"), &map, &WriteOptions::default()).unwrap();
+    run.ok(&["inspect", "a.png", "--depth", "z.npy", "--depth-kind", "metres", "--plots", "."]);
+    figure(&run, "a.inspect.png");
+}

@@ -222,3 +222,22 @@ mod unix {
         );
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_place_of_a_file_is_refused_and_not_waited_for() {
+    let run = Run::new();
+    std::fs::create_dir(run.path("made")).unwrap();
+    for pipe in ["made/manifest.jsonl", "a.ply"] {
+        assert!(std::process::Command::new("mkfifo").arg(run.path(pipe)).status().unwrap().success());
+    }
+    let tries: [&[&str]; 3] = [
+        &["verify", "made"],
+        &["replay", "made/manifest.jsonl", "-o", "again"],
+        &["scene", "export", "a.ply", "-o", "a.splat"],
+    ];
+    for arguments in tries {
+        let said = run.fails(1, arguments).stderr;
+        assert!(said.contains("it is no file but a device, a pipe or a socket"), "{arguments:?}: {said}");
+    }
+}

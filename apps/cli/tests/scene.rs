@@ -30,6 +30,10 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
 
     // Seen again through the water it was trained in, and without.
     run.ok(&["scene", "render", "reef.ply", "reef", "-o", "wet", "--longest", "64"]);
+    let tight =
+        ["scene", "render", "reef.ply", "reef", "-o", "no", "--longest", "4096", "--max-memory", "64MiB"];
+    let said = run.fails(1, &tight).stderr;
+    assert!(said.contains("bytes to draw, more than the 67108864 of --max-memory"), "{said}");
     run.ok(&[
         "scene",
         "render",

@@ -9,7 +9,7 @@ use aquafuse::image::Image;
 use rayon::prelude::*;
 
 use crate::depth_file;
-use crate::picture::{FileError, Picture, shown};
+use crate::picture::{FileError, Picture, ReadOptions, shown};
 
 /// Two files that belong together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,11 +100,16 @@ impl Pair {
     /// # Errors
     ///
     /// [`PairError`] when a file cannot be read, or the depth does not suit the picture or its kind.
-    pub fn read(&self, kind: SuppliedKind) -> Result<(Image<u8>, Vec<f32>), PairError> {
-        let picture = Picture::read(&self.rgb)?;
+    pub fn read(
+        &self,
+        kind: SuppliedKind,
+        options: &ReadOptions,
+    ) -> Result<(Image<u8>, Vec<f32>), PairError> {
+        let picture = Picture::open(&self.rgb, options)?.decode()?;
         let path = || self.depth.clone();
-        let labels =
-            depth_file::read(&self.depth, kind)?.labels(&picture.bytes()).map_err(|error| match error {
+        let labels = depth_file::read_for(&self.depth, kind, picture.pixels.size())?
+            .labels(&picture.bytes())
+            .map_err(|error| match error {
                 // Said as of labels that are flat in metres.
                 SuppliedError::Flat { value } => {
                     PairError::Labels { path: path(), error: LabelError::Flat { value } }
@@ -152,13 +157,14 @@ pub fn gather(
     pairs: &[Pair],
     kind: SuppliedKind,
     options: Options,
+    reading: &ReadOptions,
     listener: &(dyn Fn(Message<'_>) + Sync),
 ) -> Gathered {
     let none = || Gathered { fitter: Fitter::new(options), names: Vec::new() };
     let add = |mut gathered: Gathered, pair: &Pair| {
         let labels = |error| PairError::Labels { path: pair.depth.clone(), error };
         let added = pair
-            .read(kind)
+            .read(kind, reading)
             .and_then(|(image, distances)| gathered.fitter.add(&image, &distances).map_err(labels));
         match added {
             Ok(()) => {

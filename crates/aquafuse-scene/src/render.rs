@@ -96,28 +96,54 @@ pub struct Gradient<T> {
     pub drift: Vec<Option<[T; 2]>>,
 }
 
-/// Draws the splats as the camera sees them through the medium, with harmonics up to `degree`.
-pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Rendered<T> {
-    let degree = degree.min(splats.degree());
-    let sight = Sight { view: camera.view::<T>(), between: medium.between(), degree };
+/// Bytes that [`render`] takes for a view: its planes, and all tiles that splats touch, which in a view full of large splats
+/// are many more.
+///
+/// More than 2^32 such tiles are not drawn: then it is [`u64::MAX`].
+pub fn memory<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> u64 {
+    let footprints = in_view(splats, &Sight::of(splats, degree, camera, medium), camera);
+    let entries = Tiles::entries(camera.width, camera.height, &footprints);
+    if entries > u64::from(u32::MAX) {
+        return u64::MAX;
+    }
+    let pixels = (camera.width as u64).saturating_mul(camera.height as u64);
+    // Its samples as bytes, and distances, beside five planes.
+    let of_pixels = pixels.saturating_mul(5 * size_of::<T>() as u64 + 8);
+    let of_splats = (splats.len() as u64).saturating_mul(size_of::<Footprint<T>>() as u64 + 4);
+    // Each stands in the list of its tile and in that of its footprint.
+    of_pixels.saturating_add(of_splats).saturating_add(8 * entries)
+}
+
+/// The footprints of the splats that the picture shows.
+fn in_view<T: Scalar>(splats: &Splats<T>, sight: &Sight<T>, camera: &Camera) -> Vec<Footprint<T>> {
     let (width, height) = (camera.width, camera.height);
-    let in_view = |footprint: &Footprint<T>| {
+    let shown = |footprint: &Footprint<T>| {
         let [x, y] = footprint.mean.map(T::get);
         let [rx, ry] = footprint.reach.map(T::get);
         x + rx > 0.0 && y + ry > 0.0 && x - rx < width as f64 && y - ry < height as f64
     };
     let row_width = splats.width();
-    let mut footprints: Vec<Footprint<T>> = splats
+    splats
         .rows()
         .par_chunks(row_width * SHARE)
         .enumerate()
         .flat_map_iter(|(share, rows)| {
-            let sight = &sight;
             rows.chunks_exact(row_width).enumerate().filter_map(move |(i, row)| {
-                project::project((share * SHARE + i) as u32, row, sight).filter(in_view)
+                project::project((share * SHARE + i) as u32, row, sight).filter(shown)
             })
         })
-        .collect();
+        .collect()
+}
+
+/// Draws the splats as the camera sees them through the medium, with harmonics up to `degree`.
+///
+/// # Panics
+///
+/// Where splats touch more than 2^32 tiles together; [`memory`] tells beforehand.
+pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Rendered<T> {
+    let sight = Sight::of(splats, degree, camera, medium);
+    let (width, height) = (camera.width, camera.height);
+    let mut footprints = in_view(splats, &sight, camera);
     footprints.sort_by(|a, b| a.distance.get().total_cmp(&b.distance.get()).then(a.splat.cmp(&b.splat)));
     let mut ranks = vec![UNSEEN; splats.len()];
     for (rank, footprint) in footprints.iter().enumerate() {

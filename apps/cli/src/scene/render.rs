@@ -11,7 +11,7 @@ use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::compare::{distances, picture};
 use aquafuse_scene::files::read_cameras;
-use aquafuse_scene::render::render;
+use aquafuse_scene::render::{memory, render};
 use aquafuse_scene::splats::{MOST_DEGREE, Splats};
 use clap::Args;
 
@@ -71,6 +71,13 @@ impl Render {
             let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
             let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
             let camera = camera.scaled_to(side(camera.width), side(camera.height));
+            let (needed, most) =
+                (memory(&splats, MOST_DEGREE, &camera, &medium), common.reading.options().most_memory);
+            if needed > most {
+                return Err(Failure::work(anyhow!(
+                    "{name} takes {needed} bytes to draw, more than the {most} of --max-memory; raise that, or lower --longest"
+                )));
+            }
             let drawn = render(&splats, MOST_DEGREE, &camera, &medium).drawing;
             let path = self.output.join(format!("{name}.png"));
             Picture::new(picture(&drawn).to_samples::<u8>()).write(&path, &writing)?;

@@ -96,6 +96,10 @@ impl Journal {
     ) -> Result<Self, AugmentError> {
         let path = folder.join(shard.manifest());
         let cannot_write = |error: io::Error| cannot_write(&path, &error);
+        // Before opening: that would wait for ever for somebody to write into a pipe.
+        if path.metadata().is_ok_and(|about| !about.is_file()) {
+            return Err(FileError::NoFile { path }.into());
+        }
         let options = OpenOptions::new().read(true).append(true).create(true).open(&path);
         let mut file = options.map_err(cannot_write)?;
         if !lock(&file) {

@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 use super::AugmentError;
 use super::water::StoredWater;
 use crate::digest::{Hashed, hexadecimal};
-use crate::picture::FileError;
+use crate::picture::{FileError, open_file};
 
 /// It changes when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
@@ -300,8 +300,7 @@ impl<W: Write> Sealing<W> {
 impl Manifest {
     /// Reads a manifest; a last line without its end is left out.
     pub(super) fn read(path: &Path) -> Result<Self, AugmentError> {
-        let file =
-            std::fs::File::open(path).map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+        let (file, _) = open_file(path)?;
         Self::from(BufReader::new(file)).map_err(|error| error.of(path))
     }
 

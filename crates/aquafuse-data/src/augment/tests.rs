@@ -316,6 +316,28 @@ fn members(path: &Path) -> Vec<(String, Vec<u8>)> {
     found
 }
 
+/// A sample is held as a whole: it is its members' sum that counts, not the largest.
+#[test]
+fn a_sample_of_a_shard_whose_members_are_too_much_together_is_refused() {
+    let mut shard = tar::Builder::new(Vec::new());
+    for (name, length) in [("a.0", 600_u64), ("b.0", 600), ("b.1", 600)] {
+        let mut header = tar::Header::new_gnu();
+        header.set_size(length);
+        shard.append_data(&mut header, name, &[0_u8; 600][..]).unwrap();
+    }
+    let bytes = shard.into_inner().unwrap();
+    let options = ReadOptions { most_memory: 1_000, ..ReadOptions::default() };
+    let mut seen = Vec::new();
+    let path = Path::new("a.tar");
+    let read = crate::dataset::shards::groups(path, bytes.as_slice(), &options, &mut |_| {}, &mut |group| {
+        seen.extend(group.members.into_iter().map(|member| member.path));
+        Ok(())
+    });
+    let refused = read.unwrap_err().to_string();
+    assert!(refused.contains("b in it has 1200 bytes or more, 1000 are allowed"), "{refused}");
+    assert_eq!(seen, ["a.0"]);
+}
+
 #[test]
 fn shards_are_multiplied_as_a_whole() {
     let place = tempfile::tempdir().unwrap();

@@ -76,7 +76,7 @@ impl Group {
     }
 }
 
-/// Reads a shard group by group, no member larger than `most_memory`; gives the first error that `each` gives. Errors of
+/// Reads a shard group by group, no group larger than `most_memory`; gives the first error that `each` gives. Errors of
 /// the shard call it `path`.
 pub(crate) fn groups(
     path: &Path,
@@ -94,7 +94,8 @@ pub(crate) fn groups(
         _ => damaged(one_line(&error.to_string())),
     };
     let mut archive = Archive::new(Seen { reader, see, zeros: 0 });
-    let mut group = Group::default();
+    // Bytes of the group, which is held as a whole.
+    let (mut group, mut held) = (Group::default(), 0_u64);
     for entry in archive.entries().map_err(failed)? {
         let entry = entry.map_err(failed)?;
         match entry.header().entry_type() {
@@ -105,9 +106,17 @@ pub(crate) fn groups(
         let name = String::from_utf8(entry.path_bytes().into_owned())
             .map_err(|_| damaged("it holds a member whose name is no text".into()))?;
         let name = inside(&name).map_err(|cause| damaged(format!("{name:?} in it is {cause}")))?;
+        let (folder, file_name) = split(&name);
+        let key = join(folder, file_name.split('.').next().unwrap_or_default());
+        if key != group.key && !group.members.is_empty() {
+            each(std::mem::take(&mut group))?;
+            held = 0;
+        }
         let size = entry.size();
-        if size > most_bytes {
-            let cause = format!("{name} in it has {size} bytes, {most_bytes} are allowed (--max-memory)");
+        held = held.saturating_add(size);
+        if held > most_bytes {
+            let cause =
+                format!("{key} in it has {held} bytes or more, {most_bytes} are allowed (--max-memory)");
             return Err(FileError::TooLarge { path: path.to_owned(), cause });
         }
         let header = entry.header().clone();
@@ -115,11 +124,6 @@ pub(crate) fn groups(
         entry.take(size).read_to_end(&mut bytes).map_err(failed)?;
         if bytes.len() as u64 != size {
             return Err(failed(io::ErrorKind::UnexpectedEof.into()));
-        }
-        let (folder, file_name) = split(&name);
-        let key = join(folder, file_name.split('.').next().unwrap_or_default());
-        if key != group.key && !group.members.is_empty() {
-            each(std::mem::take(&mut group))?;
         }
         if group.members.len() >= MOST_MEMBERS {
             return Err(damaged(format!("{key} in it has more than {MOST_MEMBERS} members")));

@@ -4,7 +4,7 @@
 //! so that everything else stays byte for byte.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
 use quick_xml::Reader;
@@ -42,6 +42,10 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     for folder in folders {
         let pictures = join(folder, PICTURES);
         let mut left: BTreeSet<&String> = tree.pictures_in(&pictures).collect();
+        let mut stems: HashMap<&str, Vec<&String>> = HashMap::new();
+        for key in &left {
+            stems.entry(stem(split(key).1)).or_default().push(key);
+        }
         let annotations = join(folder, ANNOTATIONS);
         for path in tree.files.iter().filter(|path| split(path).0 == annotations && path.ends_with(".xml")) {
             let about = parse(&tree.read(path)?);
@@ -49,7 +53,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
             let named = about.as_ref().ok().and_then(|about| about.filename.clone());
             let named = named.map(|named| (inside(&named), named));
             let by_name = named.as_ref().and_then(|(named, _)| Some(join(&pictures, named.as_ref().ok()?)));
-            let by_stem = || left.iter().copied().find(|key| stem(split(key).1) == name).cloned();
+            let by_stem = || stems.get(name)?.iter().copied().find(|key| left.contains(key)).cloned();
             let Some(key) = by_name.filter(|key| tree.holds(key)).or_else(by_stem) else {
                 let cause = format!("its picture is not in {pictures}/");
                 dataset.faults.push(Fault::new(path, cause));

@@ -14,6 +14,7 @@ const REMEDY: &str = "Save it as grey, one channel of 32-bit float or 16-bit uns
 
 /// Ways to pack black and white, bit by bit: of numbers they make nothing, slowly.
 const FAX: std::ops::RangeInclusive<u16> = 2..=4;
+const JPEG: std::ops::RangeInclusive<u16> = 6..=7;
 
 pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let most = usize::try_from(MOST_BYTES).unwrap_or(usize::MAX);
@@ -28,8 +29,13 @@ pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Rast
     if !matches!(colour, ::tiff::ColorType::Gray(8 | 16 | 32 | 64)) {
         return Err(Fault::Unsupported(format!("{colour:?} pixels"), REMEDY));
     }
-    if decoder.find_tag_unsigned::<u16>(Tag::Compression)?.is_some_and(|way| FAX.contains(&way)) {
+    let compression = decoder.find_tag_unsigned::<u16>(Tag::Compression)?;
+    if compression.is_some_and(|way| FAX.contains(&way)) {
         return Err(Fault::Unsupported("the compression of faxes".into(), REMEDY));
+    }
+    // Strips of JPEG have sizes of their own, and lose what depth is measured by.
+    if compression.is_some_and(|way| JPEG.contains(&way)) {
+        return Err(Fault::Unsupported("the compression of JPEG".into(), REMEDY));
     }
     let (values, full_range) = match decoder.read_image()? {
         DecodingResult::F32(values) => (values, None),

@@ -17,7 +17,7 @@ fn labels_are_read_as_fusion_reads_depth_and_nothing_is_filled_in() {
     let path = |name: &str| folder.path().join(name);
     let labels = |depth: &str, kind| {
         let pair = Pair { name: "p".into(), rgb: path("p.png"), depth: path(depth) };
-        pair.read(kind).unwrap().1
+        pair.read(kind, &ReadOptions::default()).unwrap().1
     };
     let same = |found: Vec<f32>, expected: [f32; 4]| {
         assert!(found.iter().zip(expected).all(|(a, b)| *a == b || a.is_nan() && b.is_nan()), "{found:?}");
@@ -71,14 +71,28 @@ fn what_cannot_be_a_pair_is_refused_by_cause() {
     std::fs::write(path("no.tiff"), "no TIFF").unwrap();
     let said = |rgb: &str, depth: &str| {
         let pair = Pair { name: "p".into(), rgb: path(rgb), depth: path(depth) };
-        pair.read(SuppliedKind::Metres).unwrap_err().to_string()
+        pair.read(SuppliedKind::Metres, &ReadOptions::default()).unwrap_err().to_string()
     };
     assert!(said("colour.png", "small.tiff").contains("the map is 4x4, the picture 8x8"));
     assert!(said("colour.png", "colour.png").contains("one channel"));
     assert!(said("small.tiff", "small.tiff").contains("plain RGB"));
     assert!(said("colour.png", "no.tiff").contains("no depth map"));
     let flat = Pair { name: "p".into(), rgb: path("four.png"), depth: path("small.tiff") };
-    let said_of_flat = flat.read(SuppliedKind::Disparity).unwrap_err().to_string();
+    let said_of_flat = flat.read(SuppliedKind::Disparity, &ReadOptions::default()).unwrap_err().to_string();
     assert!(said_of_flat.contains("all depths are 1"), "{said_of_flat}");
     assert!(said("colour.png", "missing.png").contains("cannot read"));
+}
+
+#[test]
+fn limits_hold_for_pairs_and_a_map_of_another_size_is_not_decoded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    ::image::RgbImage::new(40, 10).save(path("p.png")).unwrap();
+    ::image::GrayImage::new(4000, 1000).save(path("z.png")).unwrap();
+    let pair = Pair { name: "p".into(), rgb: path("p.png"), depth: path("z.png") };
+    let read = |options: &ReadOptions| pair.read(SuppliedKind::Relative, options).unwrap_err().to_string();
+    let few = read(&ReadOptions { most_pixels: 399, ..ReadOptions::default() });
+    assert!(few.contains("--max-pixels"), "{few}");
+    let other = read(&ReadOptions::default());
+    assert!(other.contains("4000") && other.contains("40"), "{other}");
 }

@@ -364,6 +364,37 @@ fn what_is_too_large_is_refused_from_the_header() {
     assert!(Picture::open(&path, &all).unwrap().memory() > 30_000 * 30_000 * 6);
 }
 
+/// A strip of JPEG is unpacked to its own size, whatever the picture's is.
+#[test]
+fn jpeg_within_tiff_is_refused_for_pictures_and_for_depth() {
+    let mut strip = Vec::new();
+    JpegEncoder::new(&mut strip).write_image(&[9; 512 * 512], 512, 512, ExtendedColorType::L8).unwrap();
+    let fields: [(u16, u32); 8] = [
+        (256, 8),
+        (257, 8),
+        (258, 8),
+        (259, 7),
+        (262, 1),
+        (273, 8 + 2 + 8 * 12 + 4),
+        (278, 8),
+        (279, strip.len() as u32),
+    ];
+    let mut file = b"II*\0\x08\0\0\0\x08\0".to_vec();
+    for (tag, value) in fields {
+        // One number of 32 bits.
+        file.extend([&tag.to_le_bytes()[..], &[4, 0, 1, 0, 0, 0], &value.to_le_bytes()].concat());
+    }
+    file.extend([0; 4]);
+    file.extend(strip);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tiff");
+    std::fs::write(&path, file).unwrap();
+    let said = Picture::read(&path).unwrap_err().to_string();
+    assert!(said.contains("a TIFF compressed as JPEG. Save it with LZW"), "{said}");
+    let said = crate::depth_file::read(&path, aquafuse::depth::SuppliedKind::Metres).unwrap_err().to_string();
+    assert!(said.contains("the compression of JPEG"), "{said}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_pipe_is_refused_and_not_waited_for() {

@@ -13,11 +13,12 @@ const MOST_BYTES: u64 = 4 << 30;
 /// All of a file that is no larger than we take on.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, SceneFileError> {
     let failed = |error| FileError::Read { path: path.to_owned(), error };
-    let file = std::fs::File::open(path).map_err(failed)?;
-    let about = file.metadata().map_err(failed)?;
+    // Before opening: that would wait for ever for somebody to write into a pipe.
+    let about = path.metadata().map_err(failed)?;
     if !about.is_file() {
         return Err(FileError::NoFile { path: path.to_owned() }.into());
     }
+    let file = std::fs::File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();
     file.take(MOST_BYTES).read_to_end(&mut bytes).map_err(failed)?;
     if about.len() > MOST_BYTES {

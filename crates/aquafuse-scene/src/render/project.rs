@@ -1,10 +1,10 @@
 //! A splat as a camera draws it: an ellipse of one colour, and the way back to the splat's own numbers.
 
 use super::harmonics;
-use crate::camera::{View, dot, rotation};
-use crate::medium::{Between, PARAMETERS};
+use crate::camera::{Camera, View, dot, rotation};
+use crate::medium::{Between, Medium, PARAMETERS};
 use crate::scalar::Scalar;
-use crate::splats::{self, HARMONICS, LOG_SCALE, OPACITY, POSITION, ROTATION, part};
+use crate::splats::{self, HARMONICS, LOG_SCALE, OPACITY, POSITION, ROTATION, Splats, part};
 
 /// What is nearer than this, in units of the scene, is not drawn: its ellipse has no bound.
 const NEAREST: f64 = 0.05;
@@ -61,6 +61,12 @@ pub(crate) struct Sight<T> {
     pub(crate) between: Between<T>,
     /// Harmonics beyond this degree are left out.
     pub(crate) degree: u8,
+}
+
+impl<T: Scalar> Sight<T> {
+    pub(crate) fn of(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Self {
+        Self { view: camera.view(), between: medium.between(), degree: degree.min(splats.degree()) }
+    }
 }
 
 /// Whether one is more than the other; not so where a number has gone wrong.

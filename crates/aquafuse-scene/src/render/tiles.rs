@@ -29,6 +29,17 @@ struct Run {
 }
 
 impl Tiles {
+    /// The tiles that footprints touch together, each as often as it is touched.
+    pub(crate) fn entries<T: Scalar>(width: usize, height: usize, footprints: &[Footprint<T>]) -> u64 {
+        let (across, down) = (width.div_ceil(SIDE), height.div_ceil(SIDE));
+        let mut runs = Vec::new();
+        footprints.iter().fold(0, |sum, footprint| {
+            runs.clear();
+            touched(footprint, width, height, &mut runs, across, down);
+            sum + runs.iter().map(|run| u64::from(run.end - run.first)).sum::<u64>()
+        })
+    }
+
     /// Lists footprints that stand in order of distance: then so does each tile's list.
     pub(crate) fn new<T: Scalar>(width: usize, height: usize, footprints: &[Footprint<T>]) -> Self {
         let (across, down) = (width.div_ceil(SIDE), height.div_ceil(SIDE));

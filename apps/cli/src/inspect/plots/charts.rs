@@ -15,6 +15,9 @@ const STEPS: u16 = 160;
 /// Pixels of a dash, and from one to the next.
 const DASH: (i32, i32) = (6, 5);
 
+/// The end of the longest axis.
+const FARTHEST: f32 = 1e37;
+
 pub(super) struct Charts<'a> {
     pub(super) water: &'a Waterbody,
     /// What `physical` reads in place of the curve of backscatter.
@@ -33,7 +36,8 @@ pub(super) enum Chart {
 impl Charts<'_> {
     pub(super) fn draw(&self, chart: Chart, cell: &Cell<'_>) -> Result<()> {
         let farthest = self.evidence.bins.last().map_or(0.0, |bin| bin.z);
-        let far = 1.05 * farthest.max(self.evidence.z95);
+        // What is beyond all numbers has no axis.
+        let far = (1.05 * farthest.max(self.evidence.z95)).min(FARTHEST);
         let curve = |z: f32| self.curve(chart, z);
         let z_at = |step: u16| far * f32::from(step) / f32::from(STEPS);
         let dots: Vec<(f32, [Option<f32>; 3])> =

@@ -1,16 +1,31 @@
 //! TIFF: 8 and 16 bits, floats from 0 to 1; its first page.
 
-use std::io::{BufRead, Cursor, Seek};
+use std::io::{BufRead, Cursor, Seek, SeekFrom};
 
 use ::image::ExtendedColorType;
 use ::image::ImageDecoder as _;
 use ::image::codecs::tiff::TiffDecoder;
+use ::tiff::tags::Tag;
 
 use super::super::exif::{self, Exif};
 use super::super::limits::Size;
 use super::{Decoded, Fault, Pixels, XMP, by_image, size_of};
 
+/// JPEG within TIFF, the old way and the new one: each strip is a file with a size of its own, which the decoder unpacks
+/// whatever the strip's is, and strips may share it.
+const JPEG: std::ops::RangeInclusive<u16> = 6..=7;
+
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
+    let mut fields =
+        ::tiff::decoder::Decoder::new(&mut *reader).map_err(|error| Fault::Damaged(error.to_string()))?;
+    let compression = fields.find_tag_unsigned::<u16>(Tag::Compression);
+    if compression.is_ok_and(|way| way.is_some_and(|way| JPEG.contains(&way))) {
+        return Err(Fault::Unsupported(
+            "a TIFF compressed as JPEG".into(),
+            "Save it with LZW, deflate or no compression, or as a JPEG",
+        ));
+    }
+    reader.seek(SeekFrom::Start(0))?;
     let decoder = TiffDecoder::new(reader)?;
     let cmyk = matches!(decoder.original_color_type(), ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16);
     let size = size_of(&decoder);

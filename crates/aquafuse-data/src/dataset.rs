@@ -27,7 +27,7 @@ pub(crate) use {
     voc::try_parse as try_voc, yolo::try_parse as try_yolo,
 };
 
-use crate::picture::{FileError, shown};
+use crate::picture::{FileError, read_small, shown};
 
 /// How a data set is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,7 +144,7 @@ impl Companion {
     /// [`FileError`] when it cannot be read.
     pub fn for_variant(&self, root: &Path, picture: &str) -> Result<Vec<u8>, FileError> {
         let path = root.join(&self.path);
-        let bytes = std::fs::read(&path).map_err(|error| FileError::Read { path, error })?;
+        let bytes = read_small(&path)?;
         Ok(if self.names_picture { voc::renamed(&bytes, picture) } else { bytes })
     }
 }

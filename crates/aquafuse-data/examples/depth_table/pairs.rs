@@ -6,6 +6,7 @@ use std::path::Path;
 use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse::image::Image;
 use aquafuse_data::pairs::{PairError, list};
+use aquafuse_data::picture::ReadOptions;
 
 /// One picture with its depth in metres.
 pub(crate) struct Pair {
@@ -53,7 +54,7 @@ pub(crate) fn by_place(pairs: &[Pair], scores: &[f64]) -> f64 {
 /// All pairs, by name.
 pub(crate) fn read_all(data: &Path) -> Result<Vec<Pair>, PairError> {
     let read = |pair: aquafuse_data::pairs::Pair| {
-        let (image, distances) = pair.read(SuppliedKind::Metres)?;
+        let (image, distances) = pair.read(SuppliedKind::Metres, &ReadOptions::default())?;
         let measured = (0..distances.len()).filter(|&i| distances[i].is_finite()).collect();
         Ok(Pair { name: pair.name, image, distances, measured })
     };

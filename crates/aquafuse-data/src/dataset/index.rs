@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Sample, coco, join, stem};
-use crate::picture::FileError;
+use crate::picture::{FileError, read_small};
 
 /// A file about all pictures of a data set.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl Index {
     /// [`FileError`] when the file cannot be read again.
     pub fn for_made(&self, root: &Path, made: &Made<'_>) -> Result<Vec<u8>, FileError> {
         let path = root.join(self.path());
-        let bytes = std::fs::read(&path).map_err(|error| FileError::Read { path: path.clone(), error })?;
+        let bytes = read_small(&path)?;
         let text = String::from_utf8_lossy(&bytes);
         match self {
             Self::Carried { .. } => Ok(bytes),

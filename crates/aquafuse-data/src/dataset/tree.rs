@@ -1,10 +1,11 @@
 //! What stands in the folder of a data set.
 
 use std::collections::BTreeSet;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::{Fault, split};
-use crate::picture::{FileError, Format, shown};
+use crate::picture::{FileError, Format, read_small, shown};
 
 /// Folders within folders; deeper ones are no data set, but a mistake.
 const DEEPEST: usize = 32;
@@ -87,6 +88,10 @@ impl Tree {
     /// Reads a text of the data set.
     pub(super) fn read(&self, path: &str) -> Result<String, FileError> {
         let path = self.root.join(path);
-        std::fs::read_to_string(&path).map_err(|error| FileError::Read { path, error })
+        let bytes = read_small(&path)?;
+        String::from_utf8(bytes).map_err(|error| FileError::Read {
+            path,
+            error: io::Error::new(ErrorKind::InvalidData, error.utf8_error()),
+        })
     }
 }

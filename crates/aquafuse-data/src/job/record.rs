@@ -24,6 +24,8 @@ use crate::settings::differences;
 
 /// The name of the record in the folder of a job's outputs.
 pub const RECORD: &str = "aquafuse-job.jsonl";
+/// More than the lines of a million pictures.
+const MOST_BYTES: u64 = 1 << 30;
 
 /// A record, open and locked against other processes until dropped.
 #[derive(Debug)]
@@ -225,6 +227,11 @@ impl Record {
         {
             let mut file = self.file();
             file.seek(SeekFrom::Start(0)).map_err(cannot_read)?;
+            let length = file.metadata().map_err(cannot_read)?.len();
+            if length > MOST_BYTES {
+                let cause = format!("it has {length} bytes, and no job's record has more than {MOST_BYTES}");
+                return Err(FileError::TooLarge { path: self.path.clone(), cause });
+            }
             file.read_to_end(&mut text).map_err(cannot_read)?;
             let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at.saturating_add(1));
             if whole < text.len() {

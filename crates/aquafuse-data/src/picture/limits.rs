@@ -41,6 +41,8 @@ pub(crate) struct Size {
     pub(crate) sample: u64,
     /// Bytes of a pixel that decoding takes beside those.
     pub(crate) beside: u64,
+    /// Bytes that decoding takes for tables, whatever the pixels are.
+    pub(crate) tables: u64,
 }
 
 /// What the estimators' view takes of a pixel of more than 8 bits: colour and depth in bytes.
@@ -60,7 +62,8 @@ impl Size {
     /// As all sizes here it saturates: what is too large for a number is too large for every limit.
     pub(crate) fn memory(&self, length: u64) -> u64 {
         let (pixels, kept, sample) = (Saturating(self.pixels()), self.kept(), Saturating(self.sample));
-        let reading = pixels * (kept + Saturating(self.beside)) + Saturating(length);
+        let reading =
+            pixels * (kept + Saturating(self.beside)) + Saturating(length) + Saturating(self.tables);
         // Depth before and after its median.
         let view = if self.sample > 1 { VIEW } else { Saturating(0) };
         let analysing = pixels * (kept + sample + sample + view);

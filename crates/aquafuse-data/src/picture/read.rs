@@ -109,6 +109,27 @@ pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
     Ok((File::open(path).map_err(cannot_read)?, about.len()))
 }
 
+/// The most bytes of a file that goes along with pictures: twice the annotations of the largest data sets.
+const MOST_BESIDE: u64 = 1 << 30;
+
+/// All of a file that is read whole, and need not hold anything.
+pub(crate) fn read_small(path: &Path) -> Result<Vec<u8>, FileError> {
+    let (file, length) = match open_file(path) {
+        Err(FileError::Empty { .. }) => return Ok(Vec::new()),
+        opened => opened?,
+    };
+    if length > MOST_BESIDE {
+        let cause = format!(
+            "it has {length} bytes, more than the {MOST_BESIDE} of any file that goes along with pictures"
+        );
+        return Err(FileError::TooLarge { path: path.to_owned(), cause });
+    }
+    let mut bytes = Vec::new();
+    let read = file.take(MOST_BESIDE).read_to_end(&mut bytes);
+    read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+    Ok(bytes)
+}
+
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileError> {
     let (file, length) = open_file(path)?;
     let mut reader = BufReader::new(file);
@@ -270,7 +291,7 @@ fn size_of(decoder: &impl ImageDecoder) -> Size {
     let channels = if colour.has_alpha() { 4 } else { 3 };
     // What is colour alone is kept as it is decoded; the rest is taken apart.
     let beside = if colour.channel_count() == 3 { 0 } else { decoded.into() };
-    Size { width: width.into(), height: height.into(), channels, sample, beside }
+    Size { width: width.into(), height: height.into(), channels, sample, beside, tables: 0 }
 }
 
 /// What is said where XMP is left behind.

@@ -364,6 +364,17 @@ fn what_is_too_large_is_refused_from_the_header() {
     assert!(Picture::open(&path, &all).unwrap().memory() > 30_000 * 30_000 * 6);
 }
 
+#[test]
+fn a_file_beside_pictures_that_is_larger_than_any_is_refused_and_an_empty_one_is_empty() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("labels.txt");
+    let file = std::fs::File::create(&path).unwrap();
+    assert_eq!(read_small(&path).unwrap(), b"");
+    file.set_len((1 << 30) + 1).unwrap();
+    let said = read_small(&path).unwrap_err().to_string();
+    assert!(said.contains("labels.txt: it has 1073741825 bytes"), "{said}");
+}
+
 /// A strip of JPEG is unpacked to its own size, whatever the picture's is.
 #[test]
 fn jpeg_within_tiff_is_refused_for_pictures_and_for_depth() {

@@ -49,6 +49,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
                     channels: 3,
                     sample: 1,
                     beside,
+                    tables: 0,
                 });
             }
             (START_OF_SCAN | END_OF_IMAGE, _) => {

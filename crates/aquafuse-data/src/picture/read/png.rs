@@ -23,7 +23,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     let (width, height) = (side([x3, x2, x1, x0]), side([y3, y2, y1, y0]));
     let (sample, beside) = if bits == 16 { (2, 8) } else { (1, 4) };
     // Whatever it says here, it may turn out to be transparent.
-    Ok(Size { width, height, channels: 4, sample, beside })
+    Ok(Size { width, height, channels: 4, sample, beside, tables: 0 })
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {

@@ -1,6 +1,8 @@
 //! WebP: lossy and lossless, one frame.
 
-use std::io::{BufRead, Cursor, Seek};
+mod groups;
+
+use std::io::{self, BufRead, Cursor, Read, Seek, SeekFrom};
 
 use ::image::codecs::webp::WebPDecoder;
 
@@ -8,7 +10,7 @@ use super::super::limits::Size;
 use super::{Decoded, Fault, by_image, size_of};
 
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
-    let decoder = WebPDecoder::new(reader)?;
+    let decoder = WebPDecoder::new(&mut *reader)?;
     if decoder.has_animation() {
         return Err(Fault::Unsupported(
             "an animation".into(),
@@ -17,7 +19,40 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     }
     // Lossless is decoded to four samples first.
     let size = size_of(&decoder);
-    Ok(Size { beside: size.beside.saturating_add(4), ..size })
+    reader.seek(SeekFrom::Start(0))?;
+    // What cannot be read here is none of the decoder's either, and its error is the better one.
+    let tables = tables(reader, size.width, size.height).unwrap_or(0);
+    Ok(Size { beside: size.beside.saturating_add(4), tables, ..size })
+}
+
+/// Bytes of the tables that decoding takes, of the picture or of its opacity.
+fn tables(reader: &mut (impl BufRead + Seek), width: u64, height: u64) -> io::Result<u64> {
+    let mut head = [0; 12];
+    reader.read_exact(&mut head)?;
+    loop {
+        let (mut name, mut length) = ([0; 4], [0; 4]);
+        reader.read_exact(&mut name)?;
+        reader.read_exact(&mut length)?;
+        let length = u64::from(u32::from_le_bytes(length));
+        match &name {
+            // Before the stream: a letter, the size and what may be said of it.
+            b"VP8L" => {
+                let mut stream = reader.take(length);
+                stream.read_exact(&mut [0; 5])?;
+                return groups::memory(stream, width, height);
+            }
+            b"ALPH" => {
+                let mut stream = reader.take(length);
+                let mut way = [0];
+                stream.read_exact(&mut way)?;
+                return if way[0] & 3 == 1 { groups::memory(stream, width, height) } else { Ok(0) };
+            }
+            b"VP8 " => return Ok(0),
+            _ => {
+                reader.seek_relative(i64::try_from(length.saturating_add(length & 1)).unwrap_or(i64::MAX))?;
+            }
+        }
+    }
 }
 
 pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {

@@ -255,3 +255,34 @@ impl<T: Scalar> Rendered<T> {
         backgrounds.into_iter().fold([T::ZERO; 3], |sum, row| std::array::from_fn(|c| sum[c] + row[c]))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So large that each fills the view: what takes memory is then their tiles.
+    #[test]
+    fn memory_counts_the_tiles_that_are_listed_afterwards() {
+        let camera = Camera {
+            width: 100,
+            height: 60,
+            focal: [80.0, 80.0],
+            centre: [50.0, 30.0],
+            rotation: Camera::rotation_of([1.0, 0.0, 0.0, 0.0]),
+            translation: [0.0; 3],
+        };
+        let of = |count: usize| {
+            let rows = (0..count)
+                .flat_map(|i| Splats::<f32>::ball(0, [0.0, 0.0, 2.0 + i as f64], 9.0, 0.5, [0.5; 3]));
+            Splats::from_rows(0, rows.collect()).expect("whole rows")
+        };
+        let tiles = (100_u64).div_ceil(8) * 60_u64.div_ceil(8);
+        for count in [1, 30] {
+            let splats = of(count);
+            let listed = render(&splats, 0, &camera, &Medium::Air).tiles.entries.len() as u64;
+            assert_eq!(listed, count as u64 * tiles);
+            let without = memory(&of(0), 0, &camera, &Medium::Air);
+            assert!(memory(&splats, 0, &camera, &Medium::Air) >= without + 8 * listed);
+        }
+    }
+}

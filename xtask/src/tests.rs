@@ -78,6 +78,8 @@ fn test(tools: &Tools, arguments: &[&str]) -> Result<Tally> {
     // What a passing test prints is hidden by default, and a reason to skip would be hidden with it.
     command.args(["--", "--show-output"]);
     command.env("AQUAFUSE_PYTHON", &tools.python).env("PROPTEST_RNG_SEED", SEED).stdout(Stdio::piped());
+    // What would speed up the next build takes gigabytes, and whoever runs all tests seldom builds the same again.
+    command.env("CARGO_INCREMENTAL", "0");
     let mut child = command.spawn().context("cannot start cargo test")?;
     let mut tally = Tally::default();
     let mut of_failures = false;

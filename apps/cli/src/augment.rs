@@ -278,8 +278,9 @@ impl Augment {
         let faults = &dataset.faults;
         if self.on_bad_annotation == OnBad::Refuse && !faults.is_empty() {
             const NAMED: usize = 10;
-            let named: Vec<String> = faults.iter().take(NAMED).map(|fault| format!("\n  {fault}")).collect();
-            let more = match faults.len().saturating_sub(NAMED) {
+            let named: Vec<String> =
+                faults.first().iter().take(NAMED).map(|fault| format!("\n  {fault}")).collect();
+            let more = match faults.count().saturating_sub(NAMED) {
                 0 => String::new(),
                 more => format!("\n  and {more} more"),
             };
@@ -291,9 +292,7 @@ impl Augment {
         }
         let before = dataset.samples.len();
         if self.on_bad_annotation == OnBad::Skip {
-            let bad: std::collections::BTreeSet<&str> =
-                dataset.faults.iter().filter_map(|fault| fault.sample.as_deref()).collect();
-            dataset.samples.retain(|sample| !bad.contains(sample.key.as_str()));
+            dataset.samples.retain(|sample| !dataset.faults.concern(&sample.key));
         }
         if dataset.samples.is_empty() {
             return Err(Failure::usage(anyhow!("no picture of {} is left", shown(&self.dataset))));

@@ -7,7 +7,9 @@ mod containers;
 mod depth;
 mod draw;
 mod finish;
+mod header;
 mod journal;
+mod line;
 mod make;
 mod manifest;
 #[cfg(feature = "parquet")]
@@ -264,7 +266,8 @@ impl<E: Space> Augmentation<E> {
 /// Reads a manifest for nothing but that: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_manifest(bytes: &[u8]) {
-    use manifest::{Line, Manifest, Sealing, scan};
+    use line::Line;
+    use manifest::{Manifest, Sealing, scan};
     let Ok(found) = Manifest::from(bytes) else { return };
     let mut sealing = Sealing::begin(Vec::new(), &found.header).expect("memory takes what is written");
     let scanned = scan(bytes, |line, _| {

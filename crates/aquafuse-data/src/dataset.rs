@@ -17,7 +17,7 @@ mod yolo;
 
 use std::path::{Path, PathBuf};
 
-pub use fault::Fault;
+pub use fault::{Fault, Faults};
 pub use index::{Index, Made};
 pub(crate) use inside::inside;
 pub(crate) use tree::Tree;
@@ -102,7 +102,7 @@ pub struct Dataset {
     /// The files about all of its pictures.
     pub indices: Vec<Index>,
     /// What is wrong with its annotations.
-    pub faults: Vec<Fault>,
+    pub faults: Faults,
 }
 
 /// A picture of a data set, with the files that are about it alone; or a file that [holds many](Layout::holds_many).

@@ -39,7 +39,7 @@ pub struct FitRecord {
     pub loss: f64,
     /// What speaks against it, as sentences.
     pub doubts: Vec<String>,
-    /// Each pair.
+    /// Each pair; a file has room for some thousand, and leaves out the last ones.
     #[serde(default, rename = "pair")]
     pub scores: Vec<PairScore>,
 }
@@ -89,8 +89,9 @@ pub enum ModelFileError {
     },
 }
 
-/// More than the record of ten thousand pairs takes; what is longer is no model.
-const MOST_BYTES: u64 = 4 << 20;
+/// A model with the record of four thousand pairs; what is longer is none. While TOML is read, it takes up to two
+/// hundred times its length.
+const MOST_BYTES: usize = 256 << 10;
 
 /// The file as it stands.
 #[derive(Serialize, Deserialize)]
@@ -124,7 +125,7 @@ impl ModelFile {
         let failed = |error| FileError::Read { path: path.to_owned(), error };
         let (file, _) = open_file(path)?;
         let mut text = String::new();
-        file.take(MOST_BYTES).read_to_string(&mut text).map_err(failed)?;
+        file.take((MOST_BYTES as u64).saturating_add(1)).read_to_string(&mut text).map_err(failed)?;
         Self::from_text(path, &text)
     }
 
@@ -134,10 +135,11 @@ impl ModelFile {
     ///
     /// [`ModelFileError`] when it is of another format or schema, or breaks a law of depth.
     pub fn from_text(path: &Path, text: &str) -> Result<Self, ModelFileError> {
-        let format = |error: toml::de::Error| ModelFileError::Format {
-            path: path.to_owned(),
-            cause: one_line(error.message()),
-        };
+        let no_model = |cause: String| ModelFileError::Format { path: path.to_owned(), cause };
+        let format = |error: toml::de::Error| no_model(one_line(error.message()));
+        if text.len() > MOST_BYTES {
+            return Err(no_model(format!("it has more than the {MOST_BYTES} bytes of any")));
+        }
         let Version { schema } = toml::from_str(text).map_err(format)?;
         if schema != SCHEMA {
             return Err(ModelFileError::Schema { path: path.to_owned(), found: schema });
@@ -156,9 +158,17 @@ impl ModelFile {
     /// system refuses.
     pub fn write(&self, path: &Path, overwrite: bool) -> Result<(), FileError> {
         check_name(path)?;
-        let stored = Stored { schema: SCHEMA, model: Equation::Eq3, mu: self.eq3.mu, fit: self.fit.clone() };
-        let text = toml::to_string(&stored)
-            .map_err(|error| FileError::Write { path: path.to_owned(), cause: error.to_string() })?;
+        let mut stored =
+            Stored { schema: SCHEMA, model: Equation::Eq3, mu: self.eq3.mu, fit: self.fit.clone() };
+        let failed =
+            |error: toml::ser::Error| FileError::Write { path: path.to_owned(), cause: error.to_string() };
+        let mut text = toml::to_string(&stored).map_err(failed)?;
+        while let Some(fit) =
+            stored.fit.as_mut().filter(|fit| text.len() > MOST_BYTES && !fit.scores.is_empty())
+        {
+            fit.scores.truncate(fit.scores.len() / 2);
+            text = toml::to_string(&stored).map_err(failed)?;
+        }
         write_atomically(path, overwrite, |out| out.write_all(text.as_bytes()))
     }
 }
@@ -207,6 +217,35 @@ mod tests {
         assert_eq!(ModelFile::read(&path).unwrap(), model);
         assert!(matches!(model.write(&path, false), Err(FileError::Exists { .. })));
         model.write(&path, true).unwrap();
+    }
+
+    #[test]
+    fn a_model_of_any_number_of_pairs_is_read_again() {
+        let score = |number: usize| PairScore { name: format!("reef-{number:05}"), rank_score: 0.5 };
+        let fit = FitRecord {
+            data: "pairs".into(),
+            pairs: 20_000,
+            depth_kind: "metres".into(),
+            scale: "per-picture".into(),
+            target: "order".into(),
+            rank_score: 0.5,
+            loss: 0.1,
+            doubts: Vec::new(),
+            scores: (0..20_000).map(score).collect(),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.toml");
+        ModelFile { eq3: Eq3::OURS, fit: Some(fit) }.write(&path, false).unwrap();
+        let fit = ModelFile::read(&path).unwrap().fit.unwrap();
+        assert_eq!((fit.pairs, fit.scores[0].clone()), (20_000, score(0)));
+        assert!((1_000..20_000).contains(&fit.scores.len()), "{}", fit.scores.len());
+    }
+
+    #[test]
+    fn what_is_longer_than_any_model_is_not_parsed() {
+        let text = format!("schema = 1\n{}", "# \n".repeat(MOST_BYTES / 3));
+        let said = read(&text).unwrap_err().to_string();
+        assert!(said.contains("bytes of any"), "{said}");
     }
 
     #[test]

@@ -9,7 +9,11 @@ use aquafuse::image::Image;
 use rayon::prelude::*;
 
 use crate::depth_file;
+use crate::memory::{Budget, Reservation};
 use crate::picture::{FileError, Picture, ReadOptions, shown};
+
+/// Bytes a pixel of the map as it is read, of its labels and of their order.
+const BYTES_OF_DEPTH: u64 = 16;
 
 /// Two files that belong together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -105,7 +109,20 @@ impl Pair {
         kind: SuppliedKind,
         options: &ReadOptions,
     ) -> Result<(Image<u8>, Vec<f32>), PairError> {
-        let picture = Picture::open(&self.rgb, options)?.decode()?;
+        self.read_within(kind, options, &options.budget()).map(|(image, labels, _)| (image, labels))
+    }
+
+    /// As [`Pair::read`], when what it takes is free of a budget; and the part of it that was reserved.
+    fn read_within<'a>(
+        &self,
+        kind: SuppliedKind,
+        options: &ReadOptions,
+        budget: &'a Budget,
+    ) -> Result<(Image<u8>, Vec<f32>, Reservation<'a>), PairError> {
+        let opened = Picture::open(&self.rgb, options)?;
+        let maps = opened.pixels().saturating_mul(BYTES_OF_DEPTH);
+        let room = budget.reserve(opened.memory().saturating_add(maps));
+        let picture = opened.decode()?;
         let path = || self.depth.clone();
         let labels = depth_file::read_for(&self.depth, kind, picture.pixels.size())?
             .labels(&picture.bytes())
@@ -119,7 +136,7 @@ impl Pair {
                     FileError::UnfitDepth { path: path(), error, turned }.into()
                 }
             })?;
-        Ok((picture.pixels.into_bytes(), labels))
+        Ok((picture.pixels.into_bytes(), labels, room))
     }
 }
 
@@ -150,7 +167,8 @@ pub struct Gathered {
     pub names: Vec<String>,
 }
 
-/// Reads pairs on the threads of the pool it is called in; what of each is kept does not grow with its pixels.
+/// Reads pairs on the threads of the pool it is called in, as many at once as `reading` has memory for; what of each is
+/// kept does not grow with its pixels.
 ///
 /// The result does not depend on the number of threads: pairs come out in the order they are given in.
 pub fn gather(
@@ -161,11 +179,12 @@ pub fn gather(
     listener: &(dyn Fn(Message<'_>) + Sync),
 ) -> Gathered {
     let none = || Gathered { fitter: Fitter::new(options), names: Vec::new() };
+    let budget = reading.budget();
     let add = |mut gathered: Gathered, pair: &Pair| {
         let labels = |error| PairError::Labels { path: pair.depth.clone(), error };
         let added = pair
-            .read(kind, reading)
-            .and_then(|(image, distances)| gathered.fitter.add(&image, &distances).map_err(labels));
+            .read_within(kind, reading, &budget)
+            .and_then(|(image, distances, _room)| gathered.fitter.add(&image, &distances).map_err(labels));
         match added {
             Ok(()) => {
                 gathered.names.push(pair.name.clone());

@@ -7,8 +7,8 @@ mod tables;
 use std::path::{Path, PathBuf};
 
 use super::journal::{Journal, Slot};
+use super::line::{Container, Line, Source, Written};
 use super::make::{Made, Maker, News};
-use super::manifest::{Container, Line, Source, Written};
 use super::plan::Planned;
 use crate::dataset::Layout;
 use crate::digest::sha256;
@@ -39,7 +39,7 @@ impl<E: Space> Maker<'_, E> {
         let input = self.job.dataset.root.join(sample.key);
         let about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
         let is_current = |old: &Container| {
-            old.failed.is_empty() && old.source.bytes == about.len() && self.stands(&old.written, &about)
+            old.failed.is_empty() && old.source.bytes == about.len() && self.stands(old.listed(), &about)
         };
         if journal.entry(sample.place)?.container.is_some_and(|old| is_current(&old)) {
             return Ok(Made::default());
@@ -48,7 +48,9 @@ impl<E: Space> Maker<'_, E> {
         let mut container = Container {
             key: sample.key.to_owned(),
             source: Source { bytes: about.len(), sha256: String::new(), depth_sha256: None },
-            written: Written { output: sample.key.to_owned(), bytes: 0, sha256: String::new() },
+            output: sample.key.to_owned(),
+            bytes: 0,
+            sha256: String::new(),
             variants: Vec::new(),
             skipped: Vec::new(),
             failed: Vec::new(),

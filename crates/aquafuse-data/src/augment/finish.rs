@@ -1,7 +1,8 @@
 //! What belongs to all pictures: the manifest's first line, and the files about the whole data set.
 
+use super::header::{Header, Settings, StoredDepth};
 use super::journal::{Journal, Slot};
-use super::manifest::{Header, Settings, StoredDepth, Written};
+use super::line::Written;
 use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Recipe, Water};
 use crate::dataset::{Dataset, Made, join, split};
 use crate::digest::sha256;

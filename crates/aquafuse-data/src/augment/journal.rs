@@ -9,7 +9,9 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::manifest::{Entry, Header, Line, Manifest, Place, ScanError, Scanned, Sealing, Written, scan};
+use super::header::Header;
+use super::line::{Line, Written};
+use super::manifest::{Entry, Manifest, Place, ScanError, Scanned, Sealing, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
 use crate::lock::lock;
@@ -208,7 +210,7 @@ impl Journal {
         let places = state.lines.get(&sample).cloned().unwrap_or_default();
         let mut entry = Entry::default();
         for (_, place) in places {
-            let line = state.read(place).and_then(|text| Ok(serde_json::from_slice(&text)?));
+            let line = state.read(place).and_then(|text| Ok(Line::read(&text)?));
             entry.learn(line.map_err(|error| FileError::Read { path: self.path.clone(), error })?);
         }
         Ok(entry)
@@ -280,15 +282,15 @@ fn cannot_write(path: &Path, error: &io::Error) -> FileError {
 
 /// What is said where a folder was filled with other settings.
 fn other_settings(folder: &Path, was: &Header, is: &Header) -> AugmentError {
-    let value = |header: &Header| serde_json::to_value(header).unwrap_or_default();
+    let value = |header: &Header| serde_json::to_value(header.told()).unwrap_or_default();
     let differences = differences(&value(was), &value(is));
     FileError::OtherSettings { folder: folder.to_owned(), differences }.into()
 }
 
 /// Removes what a manifest lists.
 fn remove(folder: &Path, found: &Manifest) {
-    for written in found.written() {
-        if let Ok(path) = inside(&written.output) {
+    for written in found.listed() {
+        if let Ok(path) = inside(written.output) {
             let _ = std::fs::remove_file(folder.join(path));
         }
     }

@@ -8,7 +8,7 @@ use aquafuse::waterbody::{Quality, Reason, Verdict};
 
 use super::depth::Maps;
 use super::journal::{Journal, Slot};
-use super::manifest::{Line, Original, Source, Variant, Written};
+use super::line::{Line, Listed, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
 use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
 use crate::analysis::{Analysis, DepthSource, analyse};
@@ -153,7 +153,9 @@ impl<E: Space> Read<'_, E> {
             clipped: treated.clipping.share(),
             contrast_left: treated.contrast_left,
             instead: self.instead,
-            written,
+            output: written.output,
+            bytes: written.bytes,
+            sha256: written.sha256,
             companions,
         }
     }
@@ -265,7 +267,8 @@ impl<'a, E: Space> Maker<'a, E> {
         };
         let companions =
             sample.companions.iter().map(|companion| carry(&companion.path)).collect::<Result<_, _>>()?;
-        Ok(Original { key: sample.key.to_owned(), written: carry(sample.key)?, companions })
+        let Written { output, bytes, sha256 } = carry(sample.key)?;
+        Ok(Original { key: sample.key.to_owned(), output, bytes, sha256, companions })
     }
 
     fn write(&self, output: &str, bytes: &[u8]) -> Result<Written, FileError> {
@@ -285,13 +288,13 @@ impl<'a, E: Space> Maker<'a, E> {
         let companions = sample.companions.iter().zip(&planned.companions).zip(&old.companions);
         let about = |companion: &Companion| self.job.dataset.root.join(&companion.path).metadata();
         (old.water, old.theta, old.alpha) == (water, theta, alpha)
-            && old.written.output == planned.output
+            && old.output == planned.output
             && old.source.bytes == input.len()
-            && self.stands(&old.written, input)
+            && self.stands(old.listed(), input)
             && self.is_of_depth(old, sample.key)
             && old.companions.len() == sample.companions.len()
             && companions.into_iter().all(|((companion, output), old)| {
-                old.output == *output && about(companion).is_ok_and(|about| self.stands(old, &about))
+                old.output == *output && about(companion).is_ok_and(|about| self.stands(old.listed(), &about))
             })
     }
 
@@ -299,7 +302,7 @@ impl<'a, E: Space> Maker<'a, E> {
     fn is_of_depth(&self, old: &Variant, key: &str) -> bool {
         match self.maps.source(key) {
             Ok(DepthSource::Supplied { path, .. }) => {
-                path.metadata().is_ok_and(|about| self.stands(&old.written, &about))
+                path.metadata().is_ok_and(|about| self.stands(old.listed(), &about))
             }
             Ok(DepthSource::Estimated(_)) => true,
             // Making it again says what is wrong with its depth.
@@ -310,18 +313,19 @@ impl<'a, E: Space> Maker<'a, E> {
     fn is_original(&self, old: &Original, sample: &Planned<'_>, input: &Metadata) -> bool {
         let about = |companion: &Companion| self.job.dataset.root.join(&companion.path).metadata();
         let companions = sample.companions.iter().zip(&old.companions);
-        old.written.output == sample.key
-            && old.written.bytes == input.len()
-            && self.stands(&old.written, input)
+        old.output == sample.key
+            && old.bytes == input.len()
+            && self.stands(old.listed(), input)
             && old.companions.len() == sample.companions.len()
             && companions.into_iter().all(|(companion, old)| {
-                old.output == companion.path && about(companion).is_ok_and(|about| self.stands(old, &about))
+                old.output == companion.path
+                    && about(companion).is_ok_and(|about| self.stands(old.listed(), &about))
             })
     }
 
     /// Whether a file that was written stands there, no older than what it was made from.
-    pub(super) fn stands(&self, written: &Written, from: &Metadata) -> bool {
-        let path: PathBuf = self.job.output.join(&written.output);
+    pub(super) fn stands(&self, written: Listed<'_>, from: &Metadata) -> bool {
+        let path: PathBuf = self.job.output.join(written.output);
         let newer = |about: &Metadata| match (about.modified(), from.modified()) {
             (Ok(made), Ok(from)) => made >= from,
             _ => true,

@@ -5,216 +5,20 @@
 //! and a last line that holds the digest of all before it. Two runs that did the same have the same manifest.
 
 use std::collections::BTreeMap;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::iter;
 use std::path::Path;
 
-use aquafuse::waterbody::Reason;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::AugmentError;
-use super::water::StoredWater;
+use super::header::{Header, SCHEMA};
+use super::line::{Container, Line, Listed, Original, Variant, Written};
 use crate::digest::{Hashed, hexadecimal};
 use crate::picture::{FileError, open_file};
 
-/// It changes when a field changes its meaning or goes.
-const SCHEMA: u32 = 1;
-
-/// The first line: everything but the data set itself that decides what is made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Header {
-    pub(super) schema: u32,
-    pub(super) version: String,
-    /// The data set, as it was named.
-    pub(super) dataset: String,
-    pub(super) layout: String,
-    pub(super) encoding: String,
-    pub(super) settings: Settings,
-    pub(super) waters: Vec<StoredWater>,
-    /// What is taken instead of doubtful waters.
-    pub(super) instead: Option<StoredWater>,
-}
-
-/// The settings as they stand in a manifest.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Settings {
-    pub(super) seed: u64,
-    pub(super) per_image: u32,
-    pub(super) with_replacement: bool,
-    #[serde(deserialize_with = "finite_range")]
-    pub(super) theta_range: (f32, f32),
-    #[serde(deserialize_with = "finite_range")]
-    pub(super) alpha_range: (f32, f32),
-    pub(super) model: String,
-    #[serde(deserialize_with = "finite")]
-    pub(super) most_gain: f32,
-    pub(super) smooth: String,
-    pub(super) depth: StoredDepth,
-    pub(super) on_doubtful: String,
-    pub(super) on_bad_annotation: String,
-    pub(super) keep_originals: bool,
-    pub(super) quality: u8,
-    pub(super) lenient: bool,
-}
-
-/// A number that is one in 32 bits too.
-fn finite<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
-    let number = f32::deserialize(from)?;
-    if number.is_finite() { Ok(number) } else { Err(D::Error::custom("a number is too large")) }
-}
-
-fn finite_range<'de, D: Deserializer<'de>>(from: D) -> Result<(f32, f32), D::Error> {
-    let (low, high) = <(f32, f32)>::deserialize(from)?;
-    if low.is_finite() && high.is_finite() {
-        Ok((low, high))
-    } else {
-        Err(D::Error::custom("a number is too large"))
-    }
-}
-
-/// How depth is come by.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum StoredDepth {
-    /// From colour, by a model.
-    Model(String),
-    /// From colour by Eq. 3, with these coefficients.
-    Eq3([f64; 5]),
-    /// From a folder of maps.
-    Maps { folder: String, kind: String },
-}
-
-impl Header {
-    pub(super) fn new(
-        dataset: String,
-        layout: &str,
-        encoding: &str,
-        settings: Settings,
-        waters: Vec<StoredWater>,
-        instead: Option<StoredWater>,
-    ) -> Self {
-        let version = env!("CARGO_PKG_VERSION").to_owned();
-        let (layout, encoding) = (layout.to_owned(), encoding.to_owned());
-        Self { schema: SCHEMA, version, dataset, layout, encoding, settings, waters, instead }
-    }
-
-    /// Whether two runs make the same of the same pictures.
-    pub(super) fn makes_as(&self, other: &Self) -> bool {
-        Self { dataset: String::new(), ..self.clone() } == Self { dataset: String::new(), ..other.clone() }
-    }
-}
-
-/// A file that was written.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Written {
-    /// Its path within the output.
-    pub(super) output: String,
-    pub(super) bytes: u64,
-    pub(super) sha256: String,
-}
-
-/// A variant.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Variant {
-    pub(super) key: String,
-    pub(super) number: u32,
-    /// Which of the header's waters.
-    pub(super) water: usize,
-    #[serde(deserialize_with = "finite")]
-    pub(super) theta: f32,
-    #[serde(deserialize_with = "finite")]
-    pub(super) alpha: f32,
-    pub(super) source: Source,
-    /// What the picture's own estimate is worth.
-    pub(super) verdict: String,
-    pub(super) reasons: Vec<Reason>,
-    /// Share of the values that did not fit into the range.
-    pub(super) clipped: f64,
-    /// Share of the picture's contrast that is left, of the model `exchange`.
-    pub(super) contrast_left: Option<f64>,
-    /// Whether the picture's own water was exchanged for the one of the header.
-    pub(super) instead: bool,
-    #[serde(flatten)]
-    pub(super) written: Written,
-    pub(super) companions: Vec<Written>,
-}
-
-/// What a picture was made from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Source {
-    pub(super) bytes: u64,
-    pub(super) sha256: String,
-    /// The digest of its depth map, where it has one.
-    pub(super) depth_sha256: Option<String>,
-}
-
-/// A picture that was carried over as it is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Original {
-    pub(super) key: String,
-    #[serde(flatten)]
-    pub(super) written: Written,
-    pub(super) companions: Vec<Written>,
-}
-
-/// A file that holds several pictures with their variants.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Container {
-    pub(super) key: String,
-    pub(super) source: Source,
-    #[serde(flatten)]
-    pub(super) written: Written,
-    /// Its variants; `output` is a path in it.
-    pub(super) variants: Vec<Variant>,
-    /// Its pictures that have no variants, and why.
-    pub(super) skipped: Vec<(String, String)>,
-    /// Those that failed, and why.
-    pub(super) failed: Vec<(String, String)>,
-}
-
-/// Every line but the first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "line", rename_all = "lowercase")]
-pub(super) enum Line {
-    Job(Box<Header>),
-    Variant(Variant),
-    Original(Original),
-    Container(Box<Container>),
-    /// No variants: its estimate is doubtful, or its annotations are bad.
-    Skipped {
-        key: String,
-        why: String,
-    },
-    Failed {
-        key: String,
-        error: String,
-    },
-    /// A file about all pictures.
-    Index(Written),
-    /// The digest of all lines before this one.
-    End {
-        sha256: String,
-    },
-}
-
-impl Line {
-    /// The key of the picture that it is about; none where it is about all.
-    pub(super) fn key(&self) -> Option<&str> {
-        match self {
-            Self::Job(_) | Self::Index(_) | Self::End { .. } => None,
-            Self::Variant(variant) => Some(&variant.key),
-            Self::Original(original) => Some(&original.key),
-            Self::Container(container) => Some(&container.key),
-            Self::Skipped { key, .. } | Self::Failed { key, .. } => Some(key),
-        }
-    }
-
-    pub(super) fn text(&self) -> String {
-        serde_json::to_string(self).expect("names and numbers are JSON") + "\n"
-    }
-}
+/// More than the line of a shard with a hundred thousand variants takes, or of a job with as many waters.
+const MOST_LINE: u64 = 1 << 27;
 
 /// What a manifest says of one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -238,13 +42,15 @@ pub(super) struct Manifest {
 
 impl Entry {
     /// Every file that it lists.
-    fn written(&self) -> impl Iterator<Item = &Written> {
+    fn listed<'a>(&'a self) -> impl Iterator<Item = Listed<'a>> {
+        let companions = |made: &'a [Written]| made.iter().map(Written::listed);
+        let original = self.original.iter();
         let original =
-            self.original.iter().flat_map(|made| iter::once(&made.written).chain(&made.companions));
+            original.flat_map(move |made| iter::once(made.listed()).chain(companions(&made.companions)));
+        let variants = self.variants.values();
         let variants =
-            self.variants.values().flat_map(|made| iter::once(&made.written).chain(&made.companions));
-        let container = self.container.iter().map(|made| &made.written);
-        original.chain(variants).chain(container)
+            variants.flat_map(move |made| iter::once(made.listed()).chain(companions(&made.companions)));
+        original.chain(variants).chain(self.container.iter().map(|made| made.listed()))
     }
 
     /// Every variant, with the key of the file that holds it where it is none itself.
@@ -325,8 +131,8 @@ impl Manifest {
     }
 
     /// Every file that it lists.
-    pub(super) fn written(&self) -> impl Iterator<Item = &Written> {
-        self.entries.values().flat_map(Entry::written).chain(&self.indices)
+    pub(super) fn listed(&self) -> impl Iterator<Item = Listed<'_>> {
+        self.entries.values().flat_map(Entry::listed).chain(self.indices.iter().map(Written::listed))
     }
 }
 
@@ -374,12 +180,14 @@ pub(super) fn scan(
     let (mut text, mut digest) = (Vec::new(), Sha256::new());
     for number in 1.. {
         text.clear();
-        let bytes = source.read_until(b'\n', &mut text).map_err(ScanError::Read)?;
+        let bytes = source.by_ref().take(MOST_LINE).read_until(b'\n', &mut text).map_err(ScanError::Read)?;
         if !text.ends_with(b"\n") {
-            break;
+            match bytes as u64 {
+                MOST_LINE => return Err(ScanError::Line(number)),
+                _ => break,
+            }
         }
-        let none = |_| ScanError::Line(number);
-        let line: Line = serde_json::from_slice(&text).map_err(none)?;
+        let line = Line::read(&text).map_err(|_| ScanError::Line(number))?;
         // Nothing stands before the first line or behind the last.
         if header.is_none() != matches!(line, Line::Job(_)) || sealed.is_some() {
             return Err(ScanError::Line(number));

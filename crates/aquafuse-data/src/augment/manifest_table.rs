@@ -10,7 +10,9 @@ use arrow_array::{
 use parquet::arrow::ArrowWriter;
 use parquet::errors::ParquetError;
 
-use super::manifest::{Entry, Header, Variant, Written};
+use super::header::Header;
+use super::line::{Variant, Written};
+use super::manifest::Entry;
 use crate::digest::sha256_of;
 use crate::picture::{FileError, write_atomically};
 
@@ -54,13 +56,10 @@ fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch
     let columns: Vec<(&str, ArrayRef)> = vec![
         ("key", texts(all, |variant| &variant.key)),
         ("number", Arc::new(all.iter().map(|(variant, _)| Some(variant.number)).collect::<UInt32Array>())),
-        ("output", texts(all, |variant| &variant.written.output)),
+        ("output", texts(all, |variant| &variant.output)),
         ("container", Arc::new(all.iter().map(|(_, container)| *container).collect::<StringArray>())),
-        (
-            "bytes",
-            Arc::new(all.iter().map(|(variant, _)| Some(variant.written.bytes)).collect::<UInt64Array>()),
-        ),
-        ("sha256", texts(all, |variant| &variant.written.sha256)),
+        ("bytes", Arc::new(all.iter().map(|(variant, _)| Some(variant.bytes)).collect::<UInt64Array>())),
+        ("sha256", texts(all, |variant| &variant.sha256)),
         (
             "source_bytes",
             Arc::new(all.iter().map(|(variant, _)| Some(variant.source.bytes)).collect::<UInt64Array>()),

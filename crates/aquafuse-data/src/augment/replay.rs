@@ -6,7 +6,9 @@ use aquafuse::depth::{DepthModel, Eq3, SuppliedKind};
 use aquafuse::fusion::{Model, Options};
 use aquafuse::smooth::Smoothing;
 
-use super::manifest::{Header, Manifest, StoredDepth, Variant};
+use super::header::{Header, StoredDepth};
+use super::line::Variant;
+use super::manifest::Manifest;
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::{Layout, inside};
 use crate::digest::sha256;
@@ -51,8 +53,7 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
     let found = Manifest::read(manifest)?;
     let recipe: Recipe<E> = found.header.recipe(manifest, reading)?;
     let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
-    let wanted =
-        |variant: &Variant| only.is_none_or(|only| only == variant.key || only == variant.written.output);
+    let wanted = |variant: &Variant| only.is_none_or(|only| only == variant.key || only == variant.output);
     let variants: Vec<(&Variant, Option<&str>)> =
         found.variants().filter(|(variant, _)| wanted(variant)).collect();
     if let (true, Some(only)) = (variants.is_empty(), only) {
@@ -68,7 +69,7 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
             let named =
                 |cause: &str| FileError::Damaged { path: manifest.to_owned(), cause: cause.to_owned() };
             let key = inside(&variant.key).map_err(named)?;
-            let path = output.join(inside(&variant.written.output).map_err(named)?);
+            let path = output.join(inside(&variant.output).map_err(named)?);
             let water = recipe
                 .waters
                 .get(variant.water)
@@ -88,12 +89,12 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
                     .map_err(|error| FileError::Write { path: path.clone(), cause: error.to_string() })?;
             }
             write_bytes(&path, &bytes, overwrite)?;
-            Ok((path, sha256(&bytes) == variant.written.sha256))
+            Ok((path, sha256(&bytes) == variant.sha256))
         };
         match make() {
             Ok((path, true)) => replayed.equal.push(path),
             Ok((path, false)) => replayed.different.push(path),
-            Err(error) => replayed.failed.push((variant.written.output.clone(), error)),
+            Err(error) => replayed.failed.push((variant.output.clone(), error)),
         }
     }
     Ok(replayed)

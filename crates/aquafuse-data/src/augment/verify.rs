@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::AugmentError;
 use super::journal::manifests;
-use super::manifest::{Manifest, Written};
+use super::line::Listed;
+use super::manifest::Manifest;
 use crate::dataset::{Tree, inside};
 use crate::digest::sha256;
 
@@ -47,15 +48,16 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
                 check.wrong.push((path.clone(), "its run has not ended; the same command goes on".into()));
             }
         }
-        let mut files: Vec<(PathBuf, Result<&Written, String>)> = found
-            .written()
-            .map(|written| match inside(&written.output) {
+        let mut files: Vec<(PathBuf, Result<Listed<'_>, String>)> = found
+            .listed()
+            .map(|written| match inside(written.output) {
                 Ok(within) => (folder.join(within), Ok(written)),
                 Err(cause) => (path.clone(), Err(format!("{:?} is {cause}", written.output))),
             })
             .collect();
-        let sources: Vec<(PathBuf, Written)> = dataset.map(|root| sources(&found, root)).unwrap_or_default();
-        files.extend(sources.iter().map(|(path, written)| (path.clone(), Ok(written))));
+        let sources: Vec<(PathBuf, Listed<'_>)> =
+            dataset.map(|root| sources(&found, root)).unwrap_or_default();
+        files.extend(sources.iter().map(|(path, written)| (path.clone(), Ok(*written))));
         check.files = check.files.saturating_add(files.len());
         listed.extend(files.iter().map(|(path, _)| path.clone()));
         let wrong = files.into_par_iter().filter_map(|(path, written)| {
@@ -72,19 +74,19 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
 }
 
 /// What the variants were made from.
-fn sources(found: &Manifest, root: &Path) -> Vec<(PathBuf, Written)> {
-    let of = |(key, entry): (&String, &super::manifest::Entry)| {
+fn sources<'a>(found: &'a Manifest, root: &Path) -> Vec<(PathBuf, Listed<'a>)> {
+    let of = |(key, entry): (&'a String, &'a super::manifest::Entry)| {
         let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
         let source = entry.container.as_ref().map(|container| &container.source).or(variant)?;
         let within = inside(key).ok()?;
-        let written = Written { output: key.clone(), bytes: source.bytes, sha256: source.sha256.clone() };
+        let written = Listed { output: key, bytes: source.bytes, sha256: &source.sha256 };
         Some((root.join(within), written))
     };
     found.entries.iter().filter_map(of).collect()
 }
 
 /// Holds a file against what is said of it.
-fn hold(path: &Path, written: &Written) -> Result<(), String> {
+fn hold(path: &Path, written: Listed<'_>) -> Result<(), String> {
     let about = path.metadata().map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => "it is not there".to_owned(),
         _ => format!("it cannot be read: {error}"),

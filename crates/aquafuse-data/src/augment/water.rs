@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use serde_json::value::{RawValue, to_raw_value};
 
 use crate::treatment::Space;
 use crate::water_file::{SUFFIX, WaterFile, WaterFileError};
@@ -50,23 +51,40 @@ impl<E: Space> Water<E> {
         StoredWater {
             name: self.name.clone(),
             sha256: self.sha256.clone(),
-            water: serde_json::from_str(&text).expect("a water is written as JSON"),
+            water: raw(&serde_json::from_str::<Value>(&text).expect("a water is written as JSON")),
         }
     }
 }
 
 /// A water as it stands in a manifest.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct StoredWater {
     pub(super) name: String,
     pub(super) sha256: Option<String>,
-    water: Value,
+    /// As it stands: as a value it would take several hundred times its length, whatever it says.
+    water: Box<RawValue>,
+}
+
+impl PartialEq for StoredWater {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.name, &self.sha256, self.water.get()) == (&other.name, &other.sha256, other.water.get())
+    }
+}
+
+/// A value as it is written.
+fn raw(value: &Value) -> Box<RawValue> {
+    to_raw_value(value).expect("a value is JSON")
 }
 
 impl StoredWater {
+    /// The same with its numbers as a text.
+    pub(super) fn told(&self) -> Self {
+        Self { water: raw(&self.water.get().into()), ..self.clone() }
+    }
+
     /// The water; errors call it by the manifest.
     pub(super) fn restored<E: Space>(&self, manifest: &Path) -> Result<Water<E>, WaterFileError> {
-        let file = WaterFile::from_text(manifest, &self.water.to_string())?;
+        let file = WaterFile::from_text(manifest, self.water.get())?;
         Ok(Water { name: self.name.clone(), sha256: self.sha256.clone(), file })
     }
 }

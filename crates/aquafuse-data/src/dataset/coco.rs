@@ -14,7 +14,7 @@ use serde_json::value::RawValue;
 
 use super::index::Made;
 use super::tree::Tree;
-use super::{Dataset, Fault, Index, Sample, inside, join, split, stem};
+use super::{Dataset, Fault, Faults, Index, Sample, inside, join, split, stem};
 use crate::picture::{FileError, one_line};
 
 /// As far as this beyond the picture's edge, in pixels, a box is rounded rather than wrong.
@@ -25,8 +25,8 @@ const SLACK: f64 = 1.0;
 pub struct File {
     /// Its path.
     pub(super) path: String,
-    /// The picture of each entry of `images`, by its place there; none where it is not in the data set.
-    keys: Vec<Option<String>>,
+    /// The entries of `images` whose pictures are in the data set: their places there, and the pictures.
+    keys: Vec<(usize, String)>,
     /// The first id for a variant's entry in `images`, the same in all files of a data set.
     first_image: i64,
     /// The first id for a variant's annotation.
@@ -59,15 +59,6 @@ struct Annotation<'a> {
     bbox: Option<Vec<f64>>,
 }
 
-/// The lists that are taken apart.
-#[derive(Deserialize)]
-struct Lists<'a> {
-    #[serde(borrow)]
-    images: Vec<&'a RawValue>,
-    #[serde(borrow, default)]
-    annotations: Vec<&'a RawValue>,
-}
-
 /// Where such files stand: at the top, in a folder of the top, or in `annotations`.
 fn candidates(tree: &Tree) -> impl Iterator<Item = &String> {
     let fits = |path: &&String| {
@@ -95,14 +86,13 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     let (mut keys, mut files, mut last) = (BTreeSet::new(), Vec::new(), 0);
     for path in candidates(tree).filter(|path| is_coco(tree, path)) {
         let text = tree.read(path)?;
-        match examine(tree, path, &text) {
-            Ok(found) => {
-                keys.extend(found.file.keys.iter().flatten().cloned());
-                last = last.max(found.last_image);
-                dataset.faults.extend(found.faults);
-                files.push(found.file);
+        match examine(tree, path, &text, &mut dataset.faults) {
+            Ok((file, last_image)) => {
+                keys.extend(file.keys.iter().map(|(_, key)| key.clone()));
+                last = last.max(last_image);
+                files.push(file);
             }
-            Err(cause) => dataset.faults.push(Fault::new(path, cause)),
+            Err(cause) => dataset.faults.add(Fault::new(path, cause)),
         }
     }
     for mut file in files {
@@ -113,93 +103,77 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     Ok(())
 }
 
-/// What a file holds.
-struct Found {
-    file: File,
-    last_image: i64,
-    faults: Vec<Fault>,
-}
+/// What is known of a picture by its id: its key, if it is in the data set, and its sides, if they are said.
+type Known = (Option<String>, [Option<f64>; 2]);
 
-/// Finds the pictures of a file, and what is wrong with it.
-fn examine(tree: &Tree, path: &str, text: &str) -> Result<Found, String> {
-    let lists: Lists<'_> = object(text)?;
-    let (mut faults, mut keys) = (Vec::new(), Vec::new());
-    let mut by_id: BTreeMap<&str, (Option<String>, [Option<f64>; 2])> = BTreeMap::new();
-    let (mut last_image, mut last_annotation) = (0, 0);
+/// Finds the pictures of a file, and what is wrong with it; gives the largest id of a picture with it.
+fn examine(tree: &Tree, path: &str, text: &str, faults: &mut Faults) -> Result<(File, i64), String> {
+    let (mut keys, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<&str, Known>::new(), 0);
     let mut seen = BTreeSet::new();
-    for (raw, number) in lists.images.iter().zip(0_usize..) {
-        let place = format!("{path}, images[{number}]");
+    let images = entries::each(text, "images", &mut |number, raw| {
+        let fault = |cause: String| Fault::new(format!("{path}, images[{number}]"), cause);
         let image: Image<'_> = match object(raw.get()) {
             Ok(image) => image,
-            Err(cause) => {
-                faults.push(Fault::new(place, cause));
-                keys.push(None);
-                continue;
-            }
+            Err(cause) => return faults.add(fault(cause)),
         };
         let key = match inside(&image.file_name) {
             Ok(name) => locate(tree, path, &name),
             Err(cause) => {
-                faults.push(Fault::new(&place, format!("file_name {:?} is {cause}", image.file_name)));
-                keys.push(None);
-                continue;
+                return faults.add(fault(format!("file_name {:?} is {cause}", image.file_name)));
             }
         };
         let Some(key) = key else {
-            faults.push(Fault::new(place, format!("there is no picture {:?}", image.file_name)));
-            keys.push(None);
+            faults.add(fault(format!("there is no picture {:?}", image.file_name)));
             by_id.entry(image.id.get()).or_insert((None, [None; 2]));
-            continue;
+            return;
         };
         if !seen.insert(key.clone()) {
-            faults.push(Fault::new(&place, format!("{key} has an entry already")).of(&key));
+            faults.add(fault(format!("{key} has an entry already")).of(&key));
         }
         match id(image.id) {
             Ok(id) => last_image = last_image.max(id),
-            Err(cause) => faults.push(Fault::new(&place, cause).of(&key)),
+            Err(cause) => faults.add(fault(cause).of(&key)),
         }
         if by_id.insert(image.id.get(), (Some(key.clone()), [image.width, image.height])).is_some() {
-            let cause = format!("another picture has its id {}", image.id.get());
-            faults.push(Fault::new(place, cause).of(&key));
+            faults.add(fault(format!("another picture has its id {}", image.id.get())).of(&key));
         }
-        keys.push(Some(key));
-    }
-    let mut ids = BTreeSet::new();
-    for (raw, number) in lists.annotations.iter().zip(0_usize..) {
-        let place = format!("{path}, annotations[{number}]");
+        keys.push((number, key));
+    });
+    images.map_err(|error| said(&error))?;
+    let (mut ids, mut last_annotation) = (BTreeSet::new(), 0);
+    let annotations = entries::each(text, "annotations", &mut |number, raw| {
+        let fault = |cause: String| Fault::new(format!("{path}, annotations[{number}]"), cause);
         let annotation: Annotation<'_> = match object(raw.get()) {
             Ok(annotation) => annotation,
-            Err(cause) => {
-                faults.push(Fault::new(place, cause));
-                continue;
-            }
+            Err(cause) => return faults.add(fault(cause)),
         };
         let Some((key, size)) = by_id.get(annotation.image_id.get()) else {
-            let cause = format!("no picture has the id {}", annotation.image_id.get());
-            faults.push(Fault::new(place, cause));
-            continue;
+            return faults.add(fault(format!("no picture has the id {}", annotation.image_id.get())));
         };
-        let mut fault = |cause: String| {
-            let fault = Fault::new(&place, cause);
-            faults.push(key.as_ref().map_or_else(|| fault.clone(), |key| fault.clone().of(key)));
+        let mut wrong = |cause: String| {
+            let fault = fault(cause);
+            faults.add(match key {
+                Some(key) => fault.of(key),
+                None => fault,
+            });
         };
         match annotation.id.map(|raw| (id(raw), raw.get())) {
             Some((Ok(id), text)) => {
                 last_annotation = last_annotation.max(id);
                 if !ids.insert(text) {
-                    fault(format!("another annotation has its id {text}"));
+                    wrong(format!("another annotation has its id {text}"));
                 }
             }
-            Some((Err(cause), _)) => fault(cause),
+            Some((Err(cause), _)) => wrong(cause),
             None => {}
         }
         if let Some(cause) = annotation.bbox.and_then(|sides| outside(&sides, *size)) {
-            fault(cause);
+            wrong(cause);
         }
-    }
+    });
+    annotations.map_err(|error| said(&error))?;
     let first_annotation = last_annotation.saturating_add(1);
-    let file = File { path: path.to_owned(), keys, first_image: 0, first_annotation };
-    Ok(Found { file, last_image, faults })
+    Ok((File { path: path.to_owned(), keys, first_image: 0, first_annotation }, last_image))
 }
 
 /// Where the picture of a name stands, by the habits of those who write such files.
@@ -218,7 +192,12 @@ fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
     if !text.trim_start().starts_with('{') {
         return Err("it is no object".into());
     }
-    serde_json::from_str(text).map_err(|error| one_line(&error.to_string()))
+    serde_json::from_str(text).map_err(|error| said(&error))
+}
+
+/// What the reader of JSON said.
+fn said(error: &serde_json::Error) -> String {
+    one_line(&error.to_string())
 }
 
 /// An id as a number.
@@ -242,48 +221,65 @@ fn outside(sides: &[f64], [width, height]: [Option<f64>; 2]) -> Option<String> {
 impl File {
     /// The file for the pictures that were made.
     pub(super) fn for_made(&self, text: &str, made: &Made<'_>) -> Result<Vec<u8>, String> {
-        let said = |error: serde_json::Error| one_line(&error.to_string());
-        let top: Entries<'_> = serde_json::from_str(text).map_err(said)?;
-        let lists: Lists<'_> = serde_json::from_str(text).map_err(said)?;
-        let mut images = Vec::new();
-        let mut by_id = BTreeMap::new();
-        for (raw, key) in lists.images.iter().zip(&self.keys) {
-            let Some((sample, variants)) = key.as_deref().and_then(|key| made.of(key)) else { continue };
-            let image: Image<'_> = serde_json::from_str(raw.get()).map_err(said)?;
+        let top: Entries<'_> = object(text)?;
+        let (mut images, mut by_id) = (Written::default(), BTreeMap::new());
+        let mut keys = self.keys.iter().peekable();
+        let listed = entries::each(text, "images", &mut |number, raw| {
+            let Some((_, key)) = keys.next_if(|(own, _)| *own == number) else { return };
+            let Some((sample, variants)) = made.of(key) else { return };
+            let Ok(image) = object::<Image<'_>>(raw.get()) else { return };
+            let Ok(fields) = object::<Entries<'_>>(raw.get()) else { return };
             let numbers: Vec<u32> = variants.iter().map(|(number, _)| *number).collect();
             by_id.insert(image.id.get(), (sample.rank, numbers));
             if made.originals {
-                images.push(raw.get().to_owned());
+                images.add(raw.get());
             }
-            let fields: Entries<'_> = serde_json::from_str(raw.get()).map_err(said)?;
             for (number, path) in &variants {
                 let name = join(split(&image.file_name).0, split(path).1);
-                let name = serde_json::to_string(&name).map_err(said)?;
+                let name = serde_json::to_string(&name).expect("a text is JSON");
                 let id = self.image_id(made, sample.rank, *number).to_string();
-                images.push(fields.with(&[("id", &id), ("file_name", &name)]));
+                images.add(&fields.with(&[("id", &id), ("file_name", &name)]));
             }
-        }
-        let mut annotations = Vec::new();
-        for (raw, place) in lists.annotations.iter().zip(0_i64..) {
-            let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { continue };
-            let Some((rank, numbers)) = by_id.get(annotation.image_id.get()) else { continue };
+        });
+        listed.map_err(|error| said(&error))?;
+        let mut annotations = Written::default();
+        let listed = entries::each(text, "annotations", &mut |place, raw| {
+            let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { return };
+            let Some((rank, numbers)) = by_id.get(annotation.image_id.get()) else { return };
+            let Ok(fields) = object::<Entries<'_>>(raw.get()) else { return };
             if made.originals {
-                annotations.push(raw.get().to_owned());
+                annotations.add(raw.get());
             }
-            let fields: Entries<'_> = serde_json::from_str(raw.get()).map_err(said)?;
             for number in numbers {
+                let place = i64::try_from(place).unwrap_or(i64::MAX);
                 let id = nth(self.first_annotation, place, made.per_image, *number).to_string();
                 let image_id = self.image_id(made, *rank, *number).to_string();
-                annotations.push(fields.with(&[("id", &id), ("image_id", &image_id)]));
+                annotations.add(&fields.with(&[("id", &id), ("image_id", &image_id)]));
             }
-        }
-        let list = |entries: Vec<String>| format!("[\n{}\n]", entries.join(",\n"));
-        Ok((top.with(&[("images", &list(images)), ("annotations", &list(annotations))]) + "\n").into_bytes())
+        });
+        listed.map_err(|error| said(&error))?;
+        let lists = [("images", images.list()), ("annotations", annotations.list())];
+        Ok((top.with(&lists.each_ref().map(|(name, list)| (*name, list.as_str()))) + "\n").into_bytes())
     }
 
     /// The id of a variant: the same for any subset of the data set.
     fn image_id(&self, made: &Made<'_>, rank: u64, number: u32) -> i64 {
         nth(self.first_image, i64::try_from(rank).unwrap_or(i64::MAX), made.per_image, number)
+    }
+}
+
+/// Entries of a list, a line each.
+#[derive(Default)]
+struct Written(String);
+
+impl Written {
+    fn add(&mut self, entry: &str) {
+        self.0.push_str(if self.0.is_empty() { "[\n" } else { ",\n" });
+        self.0.push_str(entry);
+    }
+
+    fn list(self) -> String {
+        if self.0.is_empty() { "[\n\n]".to_owned() } else { self.0 + "\n]" }
     }
 }
 
@@ -296,13 +292,16 @@ fn nth(first: i64, place: i64, each: u32, number: u32) -> i64 {
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_parse(text: &str) {
     let files = ["a.jpg", "images/b.jpg"].map(str::to_owned).into_iter().collect();
-    let tree = Tree { root: std::path::PathBuf::new(), files, faults: Vec::new() };
-    let Ok(found) = examine(&tree, "instances.json", text) else { return };
-    let keys: BTreeSet<&String> = found.file.keys.iter().flatten().collect();
+    let tree = Tree { root: std::path::PathBuf::new(), files, faults: Faults::default() };
+    let Ok((file, _)) = examine(&tree, "instances.json", text, &mut Faults::default()) else { return };
+    let keys: BTreeSet<&String> = file.keys.iter().map(|(_, key)| key).collect();
     let samples: Vec<Sample> = keys.into_iter().map(|key| Sample::new(key, Vec::new())).collect();
     let variants = |_| Some(vec![(0, "v.jpg".to_owned())]);
     let made = Made { samples: &samples, variants: &variants, per_image: 1, originals: true };
-    let written = found.file.for_made(text, &made).expect("what was read is written");
+    let written = file.for_made(text, &made).expect("what was read is written");
     let written = String::from_utf8(written).expect("text stays text");
-    assert!(serde_json::from_str::<Lists<'_>>(&written).is_ok(), "what is written is read");
+    let mut again = |_, _| {};
+    for list in ["images", "annotations"] {
+        entries::each(&written, list, &mut again).expect("what is written is read");
+    }
 }

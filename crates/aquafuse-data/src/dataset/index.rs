@@ -1,8 +1,10 @@
 //! Files about all pictures of a data set, written anew for the pictures that were made.
 
+use std::collections::HashMap;
 use std::path::Path;
+use std::rc::Rc;
 
-use super::{Sample, coco, join, stem};
+use super::{Sample, coco, split, stem};
 use crate::picture::{FileError, read_small};
 
 /// A file about all pictures of a data set.
@@ -52,17 +54,33 @@ pub struct Made<'a> {
 impl Made<'_> {
     /// A picture and its variants; none where nothing was made of it.
     pub(super) fn of(&self, key: &str) -> Option<(&Sample, Vec<(u32, String)>)> {
-        let place = self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok()?;
+        let place = self.place(key)?;
         Some((self.samples.get(place)?, (self.variants)(place)?))
     }
 
-    /// The variants of pictures whose path without its extension is this.
-    fn of_stem(&self, path: &str) -> Vec<(u32, String)> {
-        let first = self.samples.partition_point(|sample| sample.key.as_str() < path);
-        let all = (first..).zip(self.samples.iter().skip(first));
-        let alike = all.take_while(|(_, sample)| sample.key.starts_with(path));
-        let own = alike.filter(|(_, sample)| stem(&sample.key) == path);
-        own.filter_map(|(place, _)| (self.variants)(place)).flatten().collect()
+    fn place(&self, key: &str) -> Option<usize> {
+        self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok()
+    }
+
+    /// The places of the pictures in a folder, by their paths in it without extension.
+    fn by_stem(&self, folder: &str) -> HashMap<&str, Vec<usize>> {
+        let mut found: HashMap<&str, Vec<usize>> = HashMap::new();
+        for (sample, place) in self.samples.iter().zip(0_usize..) {
+            let within = sample.key.strip_prefix(folder).and_then(|within| within.strip_prefix('/'));
+            if let Some(name) = within {
+                found.entry(stem(name)).or_default().push(place);
+            }
+        }
+        found
+    }
+
+    /// The paths of the variants of pictures, each found once: a list may name a picture any number of times.
+    fn paths(&self) -> impl FnMut(usize) -> Rc<[String]> {
+        let mut known: HashMap<usize, Rc<[String]>> = HashMap::new();
+        move |place| {
+            let find = || (self.variants)(place).into_iter().flatten().map(|(_, path)| path).collect();
+            Rc::clone(known.entry(place).or_insert_with(find))
+        }
     }
 }
 
@@ -95,17 +113,27 @@ impl Index {
         match self {
             Self::Carried { .. } => Ok(bytes),
             Self::Config { .. } => Ok(without_path(&text).into_bytes()),
-            Self::Paths { .. } => Ok(lines(&text, made.originals, |line| {
-                let key = super::inside(line).unwrap_or_default();
-                let folder = line.strip_suffix(&key).unwrap_or_default().to_owned();
-                let variants = made.of(&key).map(|(_, variants)| variants).unwrap_or_default();
-                variants.iter().map(|(_, path)| format!("{folder}{path}")).collect()
-            })),
-            Self::Stems { folder, .. } => Ok(lines(&text, made.originals, |line| {
-                let (name, rest) = line.split_at(line.find(char::is_whitespace).unwrap_or(line.len()));
-                let variants = made.of_stem(&join(folder, name));
-                variants.iter().map(|(_, path)| format!("{}{rest}", stem(super::split(path).1))).collect()
-            })),
+            Self::Paths { .. } => {
+                let mut paths = made.paths();
+                Ok(lines(&text, made.originals, |line, add| {
+                    let key = super::inside(line).unwrap_or_default();
+                    let folder = line.strip_suffix(&key).unwrap_or_default();
+                    for path in made.place(&key).map(&mut paths).iter().flat_map(|paths| paths.iter()) {
+                        add(&[folder, path]);
+                    }
+                }))
+            }
+            Self::Stems { folder, .. } => {
+                let (mut paths, by_stem) = (made.paths(), made.by_stem(folder));
+                Ok(lines(&text, made.originals, |line, add| {
+                    let (name, rest) = line.split_at(line.find(char::is_whitespace).unwrap_or(line.len()));
+                    for &place in by_stem.get(name).into_iter().flatten() {
+                        for path in paths(place).iter() {
+                            add(&[stem(split(path).1), rest]);
+                        }
+                    }
+                }))
+            }
             Self::Coco(file) => {
                 file.for_made(&text, made).map_err(|cause| FileError::Damaged { path, cause })
             }
@@ -113,15 +141,18 @@ impl Index {
     }
 }
 
-/// Each line, where it stays, and those that stand for its variants.
-fn lines(text: &str, originals: bool, variants: impl Fn(&str) -> Vec<String>) -> Vec<u8> {
+/// Each line, where it stays, and those that stand for its variants, which are given in parts.
+fn lines(text: &str, originals: bool, mut variants: impl FnMut(&str, &mut dyn FnMut(&[&str]))) -> Vec<u8> {
     let mut out = String::new();
+    let mut add = |parts: &[&str]| {
+        parts.iter().for_each(|part| out.push_str(part));
+        out.push('\n');
+    };
     for line in text.lines() {
-        let own = originals.then(|| line.to_owned());
-        for line in own.into_iter().chain(variants(line)) {
-            out.push_str(&line);
-            out.push('\n');
+        if originals {
+            add(&[line]);
         }
+        variants(line, &mut add);
     }
     out.into_bytes()
 }

@@ -42,13 +42,14 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) {
             let masks = found.unwrap_or_default();
             match masks.len() {
                 1 => {}
-                0 => dataset.faults.push(Fault::new(key, "it has no mask").of(key)),
-                n => dataset.faults.push(Fault::new(key, format!("it has {n} masks of its name")).of(key)),
+                0 => dataset.faults.add(Fault::new(key, "it has no mask").of(key)),
+                n => dataset.faults.add(Fault::new(key, format!("it has {n} masks of its name")).of(key)),
             }
             let companions = masks.into_iter().map(Companion::carried).collect();
             dataset.samples.push(Sample::new(key, companions));
         }
-        let left = by_stem.into_values().flatten();
-        dataset.faults.extend(left.map(|mask| Fault::new(mask, "there is no picture of this mask")));
+        for mask in by_stem.into_values().flatten() {
+            dataset.faults.add(Fault::new(mask, "there is no picture of this mask"));
+        }
     }
 }

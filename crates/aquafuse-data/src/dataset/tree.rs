@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use super::{Fault, split};
+use super::{Fault, Faults, split};
 use crate::picture::{FileError, Format, read_small, shown};
 
 /// Folders within folders; deeper ones are no data set, but a mistake.
@@ -16,13 +16,13 @@ pub(crate) struct Tree {
     pub(super) root: PathBuf,
     pub(crate) files: BTreeSet<String>,
     /// Files that are passed over, and why.
-    pub(super) faults: Vec<Fault>,
+    pub(super) faults: Faults,
 }
 
 impl Tree {
     /// Lists the files; hidden ones are passed over. Links are followed to files that stand in the folder too.
     pub(crate) fn of(root: &Path) -> Result<Self, FileError> {
-        let mut tree = Self { root: root.to_owned(), files: BTreeSet::new(), faults: Vec::new() };
+        let mut tree = Self { root: root.to_owned(), files: BTreeSet::new(), faults: Faults::default() };
         let home = root.canonicalize().map_err(|error| FileError::Read { path: root.to_owned(), error })?;
         tree.enter(&home, "", 0)?;
         Ok(tree)
@@ -34,7 +34,7 @@ impl Tree {
         for entry in std::fs::read_dir(&folder).map_err(failed)? {
             let entry = entry.map_err(failed)?;
             let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
-                self.faults.push(Fault::new(shown(&entry.path()).to_string(), "a name that is no text"));
+                self.faults.add(Fault::new(shown(&entry.path()).to_string(), "a name that is no text"));
                 continue;
             };
             if name.starts_with('.') {
@@ -52,12 +52,11 @@ impl Tree {
                         self.files.insert(path);
                     }
                     _ => {
-                        self.faults
-                            .push(Fault::new(path, "a link that leads nowhere or out of the data set"));
+                        self.faults.add(Fault::new(path, "a link that leads nowhere or out of the data set"));
                     }
                 }
             } else {
-                self.faults.push(Fault::new(path, "no file, or a folder too deep inside others"));
+                self.faults.add(Fault::new(path, "no file, or a folder too deep inside others"));
             }
         }
         Ok(())
@@ -73,12 +72,16 @@ impl Tree {
         self.files.iter().filter(move |path| path.to_ascii_lowercase().ends_with(end))
     }
 
-    /// The pictures that stand in a folder.
-    pub(super) fn pictures_in<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a String> {
+    /// The files in a folder and in those inside it.
+    pub(super) fn within(&self, folder: &str) -> impl Iterator<Item = &String> {
         // Names with the folder before them stand together.
         let from = super::join(folder, "");
-        let all = self.files.range(from.clone()..).take_while(move |path| path.starts_with(&from));
-        all.filter(move |path| split(path).0 == folder && Format::listed(Path::new(path)))
+        self.files.range(from.clone()..).take_while(move |path| path.starts_with(&from))
+    }
+
+    /// The pictures that stand in a folder.
+    pub(super) fn pictures_in<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a String> {
+        self.within(folder).filter(move |path| split(path).0 == folder && Format::listed(Path::new(path)))
     }
 
     pub(super) fn holds(&self, path: &str) -> bool {

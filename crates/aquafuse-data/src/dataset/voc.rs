@@ -47,7 +47,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
             stems.entry(stem(split(key).1)).or_default().push(key);
         }
         let annotations = join(folder, ANNOTATIONS);
-        for path in tree.files.iter().filter(|path| split(path).0 == annotations && path.ends_with(".xml")) {
+        for path in tree.within(&annotations).filter(|path| above(path) == Some(folder)) {
             let about = parse(&tree.read(path)?);
             let name = stem(split(path).1);
             let named = about.as_ref().ok().and_then(|about| about.filename.clone());
@@ -56,19 +56,20 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
             let by_stem = || stems.get(name)?.iter().copied().find(|key| left.contains(key)).cloned();
             let Some(key) = by_name.filter(|key| tree.holds(key)).or_else(by_stem) else {
                 let cause = format!("its picture is not in {pictures}/");
-                dataset.faults.push(Fault::new(path, cause));
+                dataset.faults.add(Fault::new(path, cause));
                 continue;
             };
             left.remove(&key);
             match (&about, &named) {
-                (Err(cause), _) => dataset.faults.push(Fault::new(path, cause.clone()).of(&key)),
+                (Err(cause), _) => dataset.faults.add(Fault::new(path, cause.clone()).of(&key)),
                 (_, Some((Err(cause), said))) => {
-                    dataset.faults.push(Fault::new(path, format!("{said:?} is {cause}")).of(&key));
+                    dataset.faults.add(Fault::new(path, format!("{said:?} is {cause}")).of(&key));
                 }
                 _ => {}
             }
-            let wrong = about.iter().flat_map(Annotation::faults);
-            dataset.faults.extend(wrong.map(|cause| Fault::new(path, cause).of(&key)));
+            for cause in about.iter().flat_map(Annotation::faults) {
+                dataset.faults.add(Fault::new(path, cause).of(&key));
+            }
             let mut companions = vec![Companion { path: path.clone(), names_picture: true }];
             let masks = MASKS.map(|masks| join(&join(folder, masks), &format!("{name}.png")));
             companions.extend(masks.into_iter().filter(|mask| tree.holds(mask)).map(Companion::carried));
@@ -77,7 +78,9 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
         let unsaid = left.into_iter().map(|key| Sample::new(key, Vec::new()));
         dataset.samples.extend(unsaid);
         let lists = join(folder, LISTS);
-        let listed = tree.ending(".txt").filter(|path| split(split(path).0).0 == lists);
+        let is_list =
+            |path: &&String| path.to_ascii_lowercase().ends_with(".txt") && split(split(path).0).0 == lists;
+        let listed = tree.within(&lists).filter(is_list);
         dataset
             .indices
             .extend(listed.map(|path| Index::Stems { path: path.clone(), folder: pictures.clone() }));
@@ -96,8 +99,8 @@ struct Annotation {
 
 impl Annotation {
     /// What is wrong with its boxes, in words.
-    fn faults(&self) -> Vec<String> {
-        let wrong = |side: &[Option<f64>; 4]| match side {
+    fn faults(&self) -> impl Iterator<Item = String> {
+        let wrong = move |side: &[Option<f64>; 4]| match side {
             [Some(left), Some(top), Some(right), Some(bottom)] => {
                 let within = |low: f64, high: f64, size: Option<f64>| {
                     low >= -SLACK
@@ -110,7 +113,7 @@ impl Annotation {
             }
             _ => Some("a box lacks a side, or has one that is no number".to_owned()),
         };
-        self.boxes.iter().filter_map(wrong).collect()
+        self.boxes.iter().filter_map(wrong)
     }
 }
 
@@ -254,7 +257,7 @@ pub(super) fn renamed(bytes: &[u8], picture: &str) -> Vec<u8> {
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_parse(text: &str) {
     if let Ok(found) = parse(text) {
-        let _ = found.faults();
+        let _ = found.faults().count();
         let renamed = renamed(text.as_bytes(), "a__b__0.jpg");
         let again = std::str::from_utf8(&renamed).expect("text stays text");
         assert_eq!(parse(again).expect("what is renamed is read").boxes, found.boxes);
@@ -276,7 +279,7 @@ mod tests {
         assert_eq!(found.filename.as_deref(), Some("a & b.jpg"));
         assert_eq!(found.size, [Some(64.0), Some(48.0)]);
         assert_eq!(found.boxes, [[Some(1.0), Some(2.5), Some(64.0), Some(48.0)]]);
-        assert!(found.faults().is_empty());
+        assert_eq!(found.faults().count(), 0);
         let renamed = String::from_utf8(renamed(GOOD.as_bytes(), "a__<w>__0.jpg")).unwrap();
         let expected = GOOD
             .replace("a &amp; b.jpg", "a__&lt;w&gt;__0.jpg")
@@ -303,7 +306,7 @@ mod tests {
     fn boxes_outside_the_picture_are_named() {
         for (from, to) in [("<xmax>64", "<xmax>90"), ("<ymin>2.5", "<ymin>49.5"), ("<ymin>2.5", "<ymin>a")] {
             let found = parse(&GOOD.replace(from, to)).unwrap();
-            assert_eq!(found.faults().len(), 1, "{to}");
+            assert_eq!(found.faults().count(), 1, "{to}");
         }
         for wrong in ["", "<a></a>", "<annotation><object>", "plain text", "<annotation></b>"] {
             assert!(parse(wrong).is_err(), "{wrong}");

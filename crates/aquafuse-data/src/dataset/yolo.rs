@@ -56,14 +56,14 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
         if tree.holds(&path) {
             if let Some(other) = owners.insert(path.clone(), key.clone()) {
                 let cause = format!("it has the label {path}, and so has {other}");
-                dataset.faults.push(Fault::new(key, cause).of(key));
+                dataset.faults.add(Fault::new(key, cause).of(key));
             }
             let text = tree.read(&path)?;
-            let faults = text.lines().zip(1_usize..).filter_map(|(line, number)| {
-                let cause = check(line).err()?;
-                Some(Fault::new(format!("{path}:{number}"), cause).of(key))
-            });
-            dataset.faults.extend(faults);
+            for (line, number) in text.lines().zip(1_usize..) {
+                if let Err(cause) = check(line) {
+                    dataset.faults.add(Fault::new(format!("{path}:{number}"), cause).of(key));
+                }
+            }
             companions.push(Companion::carried(path));
         }
         dataset.samples.push(Sample::new(key, companions));
@@ -71,7 +71,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     let in_labels = |path: &&String| split(path).0.split('/').any(|part| part == "labels");
     for path in tree.ending(".txt").filter(in_labels) {
         if !owners.contains_key(path) && !LISTS_OF_CLASSES.contains(&split(path).1) {
-            dataset.faults.push(Fault::new(path, "there is no picture of this label"));
+            dataset.faults.add(Fault::new(path, "there is no picture of this label"));
         }
     }
     dataset.indices.extend(configs.into_iter().map(|path| Index::Config { path: path.clone() }));

@@ -1,6 +1,6 @@
 //! OpenEXR: one channel of one flat layer.
 
-use std::io::{BufRead, Cursor, Seek};
+use std::io::{self, BufRead, Cursor, Read, Seek};
 
 use ::exr::block;
 use ::exr::compression::Compression;
@@ -18,7 +18,14 @@ use super::{Fault, MOST_BYTES, Raster, Wanted, check_size};
 /// The names of depth, in the order in which they are looked for.
 const CHANNELS: [&str; 3] = ["Z", "Y", "R"];
 
-pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
+/// Attributes of all headers of a file; programs write some tens.
+const MOST_ATTRIBUTES: usize = 10_000;
+
+pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
+    if count_attributes(&mut reader)? > MOST_ATTRIBUTES {
+        return Err(Fault::TooLarge(format!("its headers have more than {MOST_ATTRIBUTES} attributes")));
+    }
+    reader.rewind()?;
     let chunks = block::read(reader, false)?;
     for header in chunks.headers() {
         check(header, wanted)?;
@@ -54,6 +61,37 @@ pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Rast
         .non_parallel()
         .from_chunks(chunks)?;
     Ok(image.layer_data.channel_data.pixels)
+}
+
+/// Counts the attributes of the headers, as far as they go: each takes the decoder a kilobyte, be it of ten bytes.
+fn count_attributes(reader: &mut (impl BufRead + Seek)) -> io::Result<usize> {
+    let (mut start, mut attributes, mut names) = ([0; 8], 0, 0_usize);
+    reader.read_exact(&mut start)?;
+    let has_parts = start[5] & 0x10 != 0;
+    while attributes <= MOST_ATTRIBUTES {
+        match text_length(reader)? {
+            // An empty name ends a header, and an empty header the last one.
+            Some(0) if !has_parts || names == 0 => break,
+            Some(0) => names = 0,
+            Some(_) => {
+                let mut length = [0; 4];
+                if text_length(reader)?.is_none() || reader.read_exact(&mut length).is_err() {
+                    break;
+                }
+                reader.seek_relative(i32::from_le_bytes(length).max(0).into())?;
+                (attributes, names) = (attributes.saturating_add(1), names.saturating_add(1));
+            }
+            None => break,
+        }
+    }
+    Ok(attributes)
+}
+
+/// Letters of a text that ends in zero, if it is none of more than 255.
+fn text_length(reader: &mut impl BufRead) -> io::Result<Option<usize>> {
+    let mut text = Vec::new();
+    reader.take(256).read_until(0, &mut text)?;
+    Ok(text.strip_suffix(&[0]).map(<[u8]>::len))
 }
 
 /// Refuses what would take too much memory, and what is no flat picture.

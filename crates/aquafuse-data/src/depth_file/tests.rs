@@ -122,6 +122,40 @@ fn sizes_that_take_too_much_memory_are_refused_from_the_header() {
 }
 
 #[test]
+fn headers_of_more_attributes_than_any_program_writes_are_refused_unread() {
+    let whole = file("z.exr", &map(DepthKind::Metres));
+    let with = |count: usize| {
+        let attributes = (0..count).flat_map(|number| {
+            [&b"a"[..], format!("{number}\0int\0").as_bytes(), &[4, 0, 0, 0, 1, 0, 0, 0]].concat()
+        });
+        let attributes: Vec<u8> = attributes.collect();
+        // The table of chunks holds places within the file.
+        let (head, rest) = whole.split_at(8);
+        let end = chunk_table(rest);
+        let mut rest = rest.to_vec();
+        let place = u64::from_le_bytes(rest[end..end + 8].try_into().unwrap()) + attributes.len() as u64;
+        rest[end..end + 8].copy_from_slice(&place.to_le_bytes());
+        [head, &attributes, &rest].concat()
+    };
+    assert_eq!(decoded(&with(100)).unwrap(), decoded(&whole).unwrap());
+    let said = decoded(&with(20_000)).unwrap_err();
+    assert!(matches!(&said, Fault::TooLarge(cause) if cause.contains("attributes")), "{said:?}");
+}
+
+/// Where the attributes of an EXR end that are followed by its chunks' places.
+fn chunk_table(mut rest: &[u8]) -> usize {
+    let length = rest.len();
+    while rest[0] != 0 {
+        for _ in 0..2 {
+            rest = &rest[rest.iter().position(|letter| *letter == 0).unwrap() + 1..];
+        }
+        let size = u32::from_le_bytes(rest[..4].try_into().unwrap()) as usize;
+        rest = &rest[4 + size..];
+    }
+    length - rest.len() + 1
+}
+
+#[test]
 fn numbers_packed_as_a_fax_are_refused_before_they_are_unpacked() {
     let mut tiff = file("z.tiff", &map(DepthKind::Metres));
     // Compression, one short number: none becomes that of faxes.

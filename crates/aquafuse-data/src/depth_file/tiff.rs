@@ -8,6 +8,8 @@ use ::tiff::encoder::{TiffEncoder, colortype};
 use ::tiff::tags::Tag;
 use aquafuse::depth::DepthMap;
 
+use crate::picture::{LARGER_PIECES, too_many_pieces};
+
 use super::{Fault, MOST_BYTES, Raster, Wanted, check_size, narrowed};
 
 const REMEDY: &str = "Save it as grey, one channel of 32-bit float or 16-bit unsigned numbers";
@@ -36,6 +38,9 @@ pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Rast
     // Strips of JPEG have sizes of their own, and lose what depth is measured by.
     if compression.is_some_and(|way| JPEG.contains(&way)) {
         return Err(Fault::Unsupported("the compression of JPEG".into(), REMEDY));
+    }
+    if let Some(found) = too_many_pieces(&mut decoder) {
+        return Err(Fault::Unsupported(found, LARGER_PIECES));
     }
     let (values, full_range) = match decoder.read_image()? {
         DecodingResult::F32(values) => (values, None),

@@ -26,6 +26,8 @@ use crate::settings::differences;
 pub const RECORD: &str = "aquafuse-job.jsonl";
 /// More than the lines of a million pictures.
 const MOST_BYTES: u64 = 1 << 30;
+/// More than any settings or names take; a line's values take up to fifty times its length while it is read.
+const MOST_LINE: usize = 1 << 20;
 
 /// A record, open and locked against other processes until dropped.
 #[derive(Debug)]
@@ -156,6 +158,9 @@ fn parse(text: &[u8]) -> Result<Recorded, usize> {
     let (mut settings, mut items) = (None, HashMap::new());
     let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
     for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        if line.len() > MOST_LINE {
+            return Err(number);
+        }
         let (name, state) = match serde_json::from_slice(line).map_err(|_| number)? {
             Line::Job { schema: SCHEMA, settings: made_with } if settings.is_none() => {
                 settings = Some(made_with);

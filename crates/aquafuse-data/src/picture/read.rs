@@ -7,6 +7,8 @@ mod png;
 mod tiff;
 mod webp;
 
+pub(crate) use tiff::{LARGER_PIECES, too_many_pieces};
+
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};

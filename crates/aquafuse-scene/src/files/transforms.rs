@@ -24,41 +24,43 @@ struct Numbers {
     p2: Option<f64>,
 }
 
+/// Where a frame was taken.
 #[derive(Deserialize)]
-struct Frame {
+struct Pose {
     file_path: String,
     transform_matrix: [[f64; 4]; 4],
-    #[serde(flatten)]
-    own: Numbers,
 }
 
+/// One side of all frames. A frame's numbers are read apart from its pose, and the file's from both: flattened into one
+/// another, they would keep whatever else stands beside them, in several hundred times its length.
 #[derive(Deserialize)]
-struct File {
-    frames: Vec<Frame>,
-    #[serde(flatten)]
-    shared: Numbers,
+struct Frames<T> {
+    frames: Vec<T>,
 }
 
 /// How far a rotation's rows may be from unit length and right angles.
 const CROOKED: f64 = 1e-3;
 
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Taken>, SceneFileError> {
-    let file: File = serde_json::from_slice(bytes).map_err(|error| {
+    let failed = |error: serde_json::Error| {
         SceneFileError::line(path, error.line(), format!("it is not as expected: {error}"))
-    })?;
-    let frames = file.frames.iter().zip(1_usize..);
+    };
+    let shared: Numbers = serde_json::from_slice(bytes).map_err(failed)?;
+    let poses: Frames<Pose> = serde_json::from_slice(bytes).map_err(failed)?;
+    let numbers: Frames<Numbers> = serde_json::from_slice(bytes).map_err(failed)?;
+    let frames = poses.frames.iter().zip(&numbers.frames).zip(1_usize..);
     frames
-        .map(|(frame, number)| {
-            frame.taken(&file.shared).map_err(|cause| {
+        .map(|((pose, own), number)| {
+            pose.taken(own, &shared).map_err(|cause| {
                 SceneFileError::content(path, format!("frame {number}: {cause}. Export the cameras anew"))
             })
         })
         .collect()
 }
 
-impl Frame {
-    fn taken(&self, shared: &Numbers) -> Result<Taken, String> {
-        let get = |of: fn(&Numbers) -> Option<f64>| of(&self.own).or_else(|| of(shared));
+impl Pose {
+    fn taken(&self, own: &Numbers, shared: &Numbers) -> Result<Taken, String> {
+        let get = |of: fn(&Numbers) -> Option<f64>| of(own).or_else(|| of(shared));
         let side = |of: fn(&Numbers) -> Option<f64>, name: &str| {
             let length =
                 get(of).ok_or_else(|| format!("neither it nor the file has {name:?}, the picture's size"))?;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 use tar::Builder;
 
+use super::super::line::Container;
 use super::super::make::Maker;
-use super::super::manifest::Container;
 use super::{Held, written};
 use crate::dataset::shards::{Group, Member, groups};
 use crate::dataset::{join, split};
@@ -61,8 +61,7 @@ impl<E: Space> Maker<'_, E> {
                 unread = Some(error);
                 return Err(std::io::Error::other("its input cannot be read"));
             }
-            let written = &mut container.written;
-            (written.bytes, written.sha256) = builder.into_inner()?.told();
+            (container.bytes, container.sha256) = builder.into_inner()?.told();
             Ok(())
         });
         match unread {

@@ -9,8 +9,8 @@ use parquet::arrow::{ARROW_SCHEMA_META_KEY, ArrowWriter};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::schema::types::ColumnPath;
 
+use super::super::line::Container;
 use super::super::make::Maker;
-use super::super::manifest::Container;
 use super::{Held, written};
 use crate::dataset::tables::{Cell, Table, binary, cell, texts};
 use crate::dataset::{join, split, stem};
@@ -84,7 +84,7 @@ impl<E: Space> Maker<'_, E> {
                 first = first.saturating_add(rows.num_rows() as u64);
             }
             writer.close()?;
-            (container.written.bytes, container.written.sha256) = hashed.told();
+            (container.bytes, container.sha256) = hashed.told();
             Ok(())
         });
         match unread {

@@ -19,6 +19,9 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
     if !blocks.ended && !lenient {
         return Err(Fault::CutShort(cause()));
     }
+    if blocks.is_larger_than_screen {
+        return Err(Fault::Damaged("its first frame has more pixels than its screen".into()));
+    }
     let mut decoded = by_image(GifDecoder::new(Cursor::new(bytes))?)?;
     decoded.damage = (!blocks.ended).then(cause);
     decoded.metadata.leave_out(blocks.frames > 1, "the frames after the first");
@@ -36,6 +39,8 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
 struct Blocks {
     frames: usize,
     ended: bool,
+    /// Whether the first frame has more pixels than the screen, which is what memory was counted for.
+    is_larger_than_screen: bool,
 }
 
 impl Blocks {
@@ -46,7 +51,9 @@ impl Blocks {
     }
 
     fn walk(&mut self, bytes: &[u8]) -> Option<()> {
-        let (&[.., flags, _background, _aspect], mut rest) = bytes.split_first_chunk::<13>()?;
+        let (&[_, _, _, _, _, _, w0, w1, h0, h1, flags, _background, _aspect], mut rest) =
+            bytes.split_first_chunk::<13>()?;
+        let screen = pixels([w0, w1, h0, h1]);
         pass_palette(&mut rest, flags)?;
         loop {
             match rest.split_off_first()? {
@@ -55,7 +62,8 @@ impl Blocks {
                 }
                 0x2c => {
                     self.frames = self.frames.saturating_add(1);
-                    let flags = *rest.split_off(..9)?.last()?;
+                    let &[_, _, _, _, w0, w1, h0, h1, flags] = rest.split_off(..9)? else { return None };
+                    self.is_larger_than_screen |= self.frames == 1 && pixels([w0, w1, h0, h1]) > screen;
                     pass_palette(&mut rest, flags)?;
                     let _code_size = rest.split_off_first()?;
                 }
@@ -68,6 +76,11 @@ impl Blocks {
             pass_sub_blocks(&mut rest)?;
         }
     }
+}
+
+/// Pixels of a screen or a frame, by its width and its height as they stand in the file.
+fn pixels([w0, w1, h0, h1]: [u8; 4]) -> u64 {
+    u64::from(u16::from_le_bytes([w0, w1])).saturating_mul(u16::from_le_bytes([h0, h1]).into())
 }
 
 /// Bytes of a palette, by the last three bits of the flags that announce it.

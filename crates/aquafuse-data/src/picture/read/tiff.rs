@@ -1,10 +1,11 @@
 //! TIFF: 8 and 16 bits, floats from 0 to 1; its first page.
 
-use std::io::{BufRead, Cursor, Seek, SeekFrom};
+use std::io::{BufRead, Cursor, Read, Seek, SeekFrom};
 
 use ::image::ExtendedColorType;
 use ::image::ImageDecoder as _;
 use ::image::codecs::tiff::TiffDecoder;
+use ::tiff::decoder::ChunkType;
 use ::tiff::tags::Tag;
 
 use super::super::exif::{self, Exif};
@@ -15,6 +16,22 @@ use super::{Decoded, Fault, Pixels, XMP, by_image, size_of};
 /// whatever the strip's is, and strips may share it.
 const JPEG: std::ops::RangeInclusive<u16> = 6..=7;
 
+/// Strips or tiles of a page: more than those of 16 x 16 in 64 megapixels. Each takes the decoder some microseconds, be it
+/// of one pixel, and all may be one piece of the file.
+const MOST_PIECES: u32 = 1 << 18;
+/// What to do about more.
+pub(crate) const LARGER_PIECES: &str = "Save it with strips or tiles of more pixels";
+
+/// What is said where a page is cut into too many strips or tiles.
+pub(crate) fn too_many_pieces(page: &mut ::tiff::decoder::Decoder<impl Read + Seek>) -> Option<String> {
+    let pieces = match page.get_chunk_type() {
+        ChunkType::Strip => page.strip_count(),
+        ChunkType::Tile => page.tile_count(),
+    };
+    let pieces = pieces.ok().filter(|pieces| *pieces > MOST_PIECES)?;
+    Some(format!("a TIFF of {pieces} strips or tiles ({MOST_PIECES} are allowed)"))
+}
+
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
     let mut fields =
         ::tiff::decoder::Decoder::new(&mut *reader).map_err(|error| Fault::Damaged(error.to_string()))?;
@@ -24,6 +41,9 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
             "a TIFF compressed as JPEG".into(),
             "Save it with LZW, deflate or no compression, or as a JPEG",
         ));
+    }
+    if let Some(found) = too_many_pieces(&mut fields) {
+        return Err(Fault::Unsupported(found, LARGER_PIECES));
     }
     reader.seek(SeekFrom::Start(0))?;
     let decoder = TiffDecoder::new(reader)?;

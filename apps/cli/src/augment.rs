@@ -210,7 +210,8 @@ impl Augment {
     }
 
     fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
-        let mut dataset = Dataset::open(&self.dataset, self.format).map_err(Failure::usage)?;
+        let mut dataset =
+            Dataset::open(&self.dataset, self.format, &common.reading.options()).map_err(Failure::usage)?;
         let bad = self.without_bad(&mut dataset)?;
         let job = Augmentation {
             recipe: self.recipe::<E>(common)?,

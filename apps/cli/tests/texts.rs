@@ -60,6 +60,28 @@ fn millions_of_wrong_annotations_are_counted() {
 }
 
 #[test]
+fn annotations_are_written_entry_by_entry_and_have_a_quarter_of_memory() {
+    let run = data();
+    let long = "x".repeat(300);
+    let annotations: Vec<String> = (0..100_000)
+        .map(|id| format!("{{\"id\":{id},\"image_id\":1,\"bbox\":[1,2,3,4],\"caption\":\"{long}\"}}"))
+        .collect();
+    let images = "{\"id\":1,\"file_name\":\"images/a.png\",\"width\":96,\"height\":64}";
+    let text = format!("{{\"images\":[{images}],\"annotations\":[{}]}}", annotations.join(","));
+    fs::write(run.path("data/a.json"), &text).unwrap();
+    let said = within_bounds(&run, 2, &[&AUGMENT[..], &["--max-memory", "64MiB"]].concat());
+    let expected = format!("a.json: it has {} bytes, and files that go along", text.len());
+    assert!(said.contains(&expected) && said.contains("a quarter of --max-memory"), "{said}");
+
+    let often = [&AUGMENT[..], &["--per-image", "10", "--with-replacement", "--keep-originals"]].concat();
+    within_bounds(&run, 0, &often);
+    let written = fs::read(run.path("more/a.json")).unwrap();
+    assert!(written.len() > 11 * annotations.len() * 340);
+    let lines = written.split(|letter| *letter == b'\n').filter(|line| line.starts_with(b"{\"id\""));
+    assert_eq!(lines.count(), 11 * (annotations.len() + 1));
+}
+
+#[test]
 fn a_list_names_the_variants_as_often_as_the_picture() {
     let run = data();
     fs::create_dir(run.path("data/labels")).unwrap();

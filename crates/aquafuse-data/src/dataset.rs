@@ -27,7 +27,7 @@ pub(crate) use {
     voc::try_parse as try_voc, yolo::try_parse as try_yolo,
 };
 
-use crate::picture::{FileError, read_small, shown};
+use crate::picture::{FileError, ReadOptions, read_beside, shown};
 
 /// How a data set is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,16 +77,16 @@ impl Layout {
     }
 
     /// What in the data set speaks for this layout, in words; nothing speaks for [`Layout::Folder`] but pictures.
-    fn evidence(self, tree: &Tree) -> Option<String> {
-        match self {
+    fn evidence(self, tree: &Tree) -> Result<Option<String>, FileError> {
+        Ok(match self {
             Self::Folder => None,
-            Self::Coco => coco::evidence(tree),
-            Self::Yolo => yolo::evidence(tree),
+            Self::Coco => coco::evidence(tree)?,
+            Self::Yolo => yolo::evidence(tree)?,
             Self::Voc => voc::evidence(tree),
             Self::Masks => masks::evidence(tree),
             Self::Shards => shards::evidence(tree),
             Self::Parquet => tables::evidence(tree),
-        }
+        })
     }
 }
 
@@ -142,9 +142,13 @@ impl Companion {
     /// # Errors
     ///
     /// [`FileError`] when it cannot be read.
-    pub fn for_variant(&self, root: &Path, picture: &str) -> Result<Vec<u8>, FileError> {
-        let path = root.join(&self.path);
-        let bytes = read_small(&path)?;
+    pub fn for_variant(
+        &self,
+        root: &Path,
+        picture: &str,
+        reading: &ReadOptions,
+    ) -> Result<Vec<u8>, FileError> {
+        let bytes = read_beside(&root.join(&self.path), reading)?;
         Ok(if self.names_picture { voc::renamed(&bytes, picture) } else { bytes })
     }
 }
@@ -191,14 +195,15 @@ pub enum DatasetError {
 impl Dataset {
     /// Reads a data set: which pictures it holds, and what is about them. No picture is opened.
     ///
-    /// The layout is told by looking where none is given.
+    /// The layout is told by looking where none is given. No file about pictures may be larger than a quarter of the
+    /// memory that `reading` allows.
     ///
     /// # Errors
     ///
     /// [`DatasetError`] when its folder cannot be read, more than one layout fits, or it holds no picture. What is
     /// wrong with annotations is no error but among the [`Dataset::faults`].
-    pub fn open(root: &Path, layout: Option<Layout>) -> Result<Self, DatasetError> {
-        let tree = Tree::of(root)?;
+    pub fn open(root: &Path, layout: Option<Layout>, reading: &ReadOptions) -> Result<Self, DatasetError> {
+        let tree = Tree::of(root, reading)?;
         let layout = match layout {
             Some(layout) => layout,
             None => recognise(root, &tree)?,
@@ -235,12 +240,15 @@ impl Dataset {
 
 /// The layout of a data set, told by what stands in it.
 fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
-    let mut fits = Layout::ALL.into_iter().filter_map(|layout| Some((layout, layout.evidence(tree)?)));
-    let said = |(layout, evidence): (Layout, String)| format!("{} ({evidence})", layout.name());
-    match (fits.next(), fits.next()) {
-        (None, _) => Ok(Layout::Folder),
-        (Some((layout, _)), None) => Ok(layout),
-        (Some(one), Some(other)) => {
+    let mut fits = Vec::new();
+    for layout in Layout::ALL {
+        fits.extend(layout.evidence(tree)?.map(|evidence| (layout, evidence)));
+    }
+    let said = |(layout, evidence): &(Layout, String)| format!("{} ({evidence})", layout.name());
+    match fits.as_slice() {
+        [] => Ok(Layout::Folder),
+        [(layout, _)] => Ok(*layout),
+        [one, other, ..] => {
             Err(DatasetError::Ambiguous { root: root.to_owned(), one: said(one), other: said(other) })
         }
     }

@@ -1,9 +1,13 @@
 //! SHA-256: what a file was, as the tools of every system tell it.
 
 use std::fmt::Write as _;
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
 
 use sha2::{Digest, Sha256};
+
+use crate::picture::FileError;
 
 /// The digest of bytes, in 64 hexadecimal digits, as `sha256sum` prints it.
 pub fn sha256(bytes: &[u8]) -> String {
@@ -11,19 +15,11 @@ pub fn sha256(bytes: &[u8]) -> String {
 }
 
 /// The digest of a file, read piece by piece.
-#[cfg(feature = "parquet")]
-pub(crate) fn sha256_of(path: &std::path::Path) -> Result<String, crate::picture::FileError> {
-    let failed = |error| crate::picture::FileError::Read { path: path.to_owned(), error };
-    let mut file = std::fs::File::open(path).map_err(failed)?;
-    let mut digest = Sha256::new();
-    let mut piece = vec![0; 1 << 16];
-    loop {
-        let read = std::io::Read::read(&mut file, &mut piece).map_err(failed)?;
-        match piece.get(..read) {
-            Some(bytes) if read > 0 => digest.update(bytes),
-            _ => return Ok(hexadecimal(&digest.finalize())),
-        }
-    }
+pub(crate) fn sha256_of(path: &Path) -> Result<String, FileError> {
+    let mut digest = Hashed::new(io::sink());
+    let read = File::open(path).and_then(|mut file| io::copy(&mut file, &mut digest));
+    read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+    Ok(digest.told().1)
 }
 
 /// The digits of a digest.

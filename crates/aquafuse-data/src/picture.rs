@@ -25,7 +25,7 @@ pub use limits::ReadOptions;
 pub use metadata::{Metadata, Resolution, ResolutionUnit};
 pub use pixels::{Layers, Pixels};
 pub use read::Opened;
-pub(crate) use read::{LARGER_PIECES, open_file, read_small, too_many_pieces};
+pub(crate) use read::{LARGER_PIECES, open_file, read_beside, too_many_pieces};
 pub(crate) use shown::one_line;
 pub use shown::shown;
 pub(crate) use write::{encode_grey16, whole};

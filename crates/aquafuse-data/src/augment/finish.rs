@@ -1,12 +1,14 @@
 //! What belongs to all pictures: the manifest's first line, and the files about the whole data set.
 
 use super::header::{Header, Settings, StoredDepth};
+use std::io;
+
 use super::journal::{Journal, Slot};
 use super::line::Written;
 use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Recipe, Water};
 use crate::dataset::{Dataset, Made, join, split};
-use crate::digest::sha256;
-use crate::picture::{FileError, write_bytes};
+use crate::digest::Hashed;
+use crate::picture::{FileError, write_atomically};
 use crate::treatment::Space;
 
 impl<E: Space> Recipe<E> {
@@ -60,7 +62,7 @@ impl<E: Space> Augmentation<E> {
             originals: self.recipe.keep_originals,
         };
         let write = |index: &crate::dataset::Index| {
-            let bytes = index.for_made(&self.dataset.root, &made)?;
+            let bytes = index.read(&self.dataset.root, &self.recipe.reading)?;
             let (folder, name) = split(index.path());
             // Files that say where pictures are, or nothing of them, are the same for every shard.
             let name = match (index.is_shared(), name.rsplit_once('.')) {
@@ -71,11 +73,18 @@ impl<E: Space> Augmentation<E> {
             let path = self.output.join(&output);
             if let Some(above) = path.parent() {
                 let failed =
-                    |error: std::io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
+                    |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
                 std::fs::create_dir_all(above).map_err(failed)?;
             }
-            write_bytes(&path, &bytes, true)?;
-            Ok(Written { output, bytes: bytes.len() as u64, sha256: sha256(&bytes) })
+            let mut told = (0, String::new());
+            write_atomically(&path, true, |out| -> io::Result<()> {
+                let mut hashed = Hashed::new(out);
+                index.write_made(&bytes, &made, &mut hashed)?;
+                told = hashed.told();
+                Ok(())
+            })?;
+            let (bytes, sha256) = told;
+            Ok(Written { output, bytes, sha256 })
         };
         let mut written: Vec<Written> =
             self.dataset.indices.iter().map(write).collect::<Result<_, FileError>>()?;

@@ -15,7 +15,7 @@ use crate::analysis::{Analysis, DepthSource, analyse};
 use crate::dataset::Companion;
 use crate::digest::sha256;
 use crate::memory::{Budget, Reservation};
-use crate::picture::{FileError, Format, Opened, Picture, one_line, write_bytes};
+use crate::picture::{FileError, Format, Opened, Picture, one_line, read_beside, write_bytes};
 use crate::treatment::{Space, Treated, Treatment};
 
 /// What became of one picture.
@@ -249,7 +249,7 @@ impl<'a, E: Space> Maker<'a, E> {
         let (bytes, treated) = recipe.variant(read, water, planned.draw, &path)?;
         let name = crate::dataset::split(&planned.output).1;
         let carry = |(companion, output): (&Companion, &String)| {
-            self.write(output, &companion.for_variant(&self.job.dataset.root, name)?)
+            self.write(output, &companion.for_variant(&self.job.dataset.root, name, &recipe.reading)?)
         };
         // The picture comes last: where it is, all that belongs to it is.
         let companions =
@@ -262,12 +262,13 @@ impl<'a, E: Space> Maker<'a, E> {
     fn write_original(&self, sample: &Planned<'_>) -> Result<Original, FileError> {
         let carry = |path: &str| {
             let input = self.job.dataset.root.join(path);
-            let bytes = std::fs::read(&input).map_err(|error| FileError::Read { path: input, error })?;
-            self.write(path, &bytes)
+            self.write(path, &read_beside(&input, &self.job.recipe.reading)?)
         };
         let companions =
             sample.companions.iter().map(|companion| carry(&companion.path)).collect::<Result<_, _>>()?;
-        let Written { output, bytes, sha256 } = carry(sample.key)?;
+        let input = self.job.dataset.root.join(sample.key);
+        let bytes = std::fs::read(&input).map_err(|error| FileError::Read { path: input, error })?;
+        let Written { output, bytes, sha256 } = self.write(sample.key, &bytes)?;
         Ok(Original { key: sample.key.to_owned(), output, bytes, sha256, companions })
     }
 

@@ -41,7 +41,7 @@ fn water(name: &str, which: usize) -> Water<Encoded> {
 
 fn job(root: &Path, output: &Path) -> Augmentation<Encoded> {
     Augmentation {
-        dataset: Dataset::open(root, None).unwrap(),
+        dataset: Dataset::open(root, None, &ReadOptions::default()).unwrap(),
         output: output.to_owned(),
         recipe: Recipe {
             waters: vec![water("w/green.jpg", 1), water("preset:jerlov-3C", 2)],

@@ -10,7 +10,8 @@ use super::journal::manifests;
 use super::line::Listed;
 use super::manifest::Manifest;
 use crate::dataset::{Tree, inside};
-use crate::digest::sha256;
+use crate::digest::sha256_of;
+use crate::picture::{FileError, ReadOptions};
 
 /// What was found to be wrong.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -68,7 +69,7 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
     }
     check.wrong.sort();
     check.wrong.dedup();
-    let there = Tree::of(folder)?.files.into_iter().map(|path| folder.join(path));
+    let there = Tree::of(folder, &ReadOptions::default())?.files.into_iter().map(|path| folder.join(path));
     check.unlisted = there.filter(|path| !listed.contains(path)).collect();
     Ok(check)
 }
@@ -94,6 +95,9 @@ fn hold(path: &Path, written: Listed<'_>) -> Result<(), String> {
     if about.len() != written.bytes {
         return Err(format!("it has {} bytes, and had {}", about.len(), written.bytes));
     }
-    let bytes = std::fs::read(path).map_err(|error| format!("it cannot be read: {error}"))?;
-    if sha256(&bytes) == written.sha256 { Ok(()) } else { Err("its bytes are others".to_owned()) }
+    let sha256 = sha256_of(path).map_err(|error| match error {
+        FileError::Read { error, .. } => format!("it cannot be read: {error}"),
+        other => other.to_string(),
+    })?;
+    if sha256 == written.sha256 { Ok(()) } else { Err("its bytes are others".to_owned()) }
 }

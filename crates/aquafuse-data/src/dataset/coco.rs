@@ -6,8 +6,8 @@
 mod entries;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
 
-use entries::Entries;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
@@ -15,6 +15,8 @@ use serde_json::value::RawValue;
 use super::index::Made;
 use super::tree::Tree;
 use super::{Dataset, Fault, Faults, Index, Sample, inside, join, split, stem};
+#[cfg(feature = "fuzz-targets")]
+use crate::picture::ReadOptions;
 use crate::picture::{FileError, one_line};
 
 /// As far as this beyond the picture's edge, in pixels, a box is rounded rather than wrong.
@@ -68,24 +70,30 @@ fn candidates(tree: &Tree) -> impl Iterator<Item = &String> {
     tree.ending(".json").filter(fits)
 }
 
-fn is_coco(tree: &Tree, path: &str) -> bool {
-    let probe = |text: String| object::<Probe>(&text).ok();
-    let probe = tree.read(path).ok().and_then(probe);
-    probe.is_some_and(|found| {
-        let Probe { images, annotations, categories } = found;
-        !images.is_empty() && (annotations.is_some() || categories.is_some())
-    })
+/// The text of a file, if it is such a one.
+fn coco(tree: &Tree, path: &str) -> Result<Option<String>, FileError> {
+    let is_coco = |text: &String| {
+        object::<Probe>(text).is_ok_and(|found| {
+            let Probe { images, annotations, categories } = found;
+            !images.is_empty() && (annotations.is_some() || categories.is_some())
+        })
+    };
+    Ok(tree.read(path)?.filter(is_coco))
 }
 
-pub(super) fn evidence(tree: &Tree) -> Option<String> {
-    let path = candidates(tree).find(|path| is_coco(tree, path))?;
-    Some(format!("{path} holds images and annotations"))
+pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
+    for path in candidates(tree) {
+        if coco(tree, path)?.is_some() {
+            return Ok(Some(format!("{path} holds images and annotations")));
+        }
+    }
+    Ok(None)
 }
 
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
     let (mut keys, mut files, mut last) = (BTreeSet::new(), Vec::new(), 0);
-    for path in candidates(tree).filter(|path| is_coco(tree, path)) {
-        let text = tree.read(path)?;
+    for path in candidates(tree) {
+        let Some(text) = coco(tree, path)? else { continue };
         match examine(tree, path, &text, &mut dataset.faults) {
             Ok((file, last_image)) => {
                 keys.extend(file.keys.iter().map(|(_, key)| key.clone()));
@@ -107,10 +115,11 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
 type Known = (Option<String>, [Option<f64>; 2]);
 
 /// Finds the pictures of a file, and what is wrong with it; gives the largest id of a picture with it.
-fn examine(tree: &Tree, path: &str, text: &str, faults: &mut Faults) -> Result<(File, i64), String> {
-    let (mut keys, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<&str, Known>::new(), 0);
+fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> Result<(File, i64), String> {
+    let (mut keys, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<&'a str, Known>::new(), 0);
     let mut seen = BTreeSet::new();
-    let images = entries::each(text, "images", &mut |number, raw| {
+    let [images, annotations] = lists(text).map_err(|error| error.to_string())?;
+    let mut see_image = |number: usize, raw: &'a RawValue| {
         let fault = |cause: String| Fault::new(format!("{path}, images[{number}]"), cause);
         let image: Image<'_> = match object(raw.get()) {
             Ok(image) => image,
@@ -138,10 +147,14 @@ fn examine(tree: &Tree, path: &str, text: &str, faults: &mut Faults) -> Result<(
             faults.add(fault(format!("another picture has its id {}", image.id.get())).of(&key));
         }
         keys.push((number, key));
-    });
-    images.map_err(|error| said(&error))?;
+    };
+    each(images, &mut |number, raw| {
+        see_image(number, raw);
+        Ok(())
+    })
+    .map_err(|error| error.to_string())?;
     let (mut ids, mut last_annotation) = (BTreeSet::new(), 0);
-    let annotations = entries::each(text, "annotations", &mut |number, raw| {
+    let mut see_annotation = |number: usize, raw: &'a RawValue| {
         let fault = |cause: String| Fault::new(format!("{path}, annotations[{number}]"), cause);
         let annotation: Annotation<'_> = match object(raw.get()) {
             Ok(annotation) => annotation,
@@ -170,8 +183,12 @@ fn examine(tree: &Tree, path: &str, text: &str, faults: &mut Faults) -> Result<(
         if let Some(cause) = annotation.bbox.and_then(|sides| outside(&sides, *size)) {
             wrong(cause);
         }
-    });
-    annotations.map_err(|error| said(&error))?;
+    };
+    each(annotations, &mut |number, raw| {
+        see_annotation(number, raw);
+        Ok(())
+    })
+    .map_err(|error| error.to_string())?;
     let first_annotation = last_annotation.saturating_add(1);
     Ok((File { path: path.to_owned(), keys, first_image: 0, first_annotation }, last_image))
 }
@@ -192,12 +209,7 @@ fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
     if !text.trim_start().starts_with('{') {
         return Err("it is no object".into());
     }
-    serde_json::from_str(text).map_err(|error| said(&error))
-}
-
-/// What the reader of JSON said.
-fn said(error: &serde_json::Error) -> String {
-    one_line(&error.to_string())
+    serde_json::from_str(text).map_err(|error| one_line(&error.to_string()))
 }
 
 /// An id as a number.
@@ -219,47 +231,95 @@ fn outside(sides: &[f64], [width, height]: [Option<f64>; 2]) -> Option<String> {
 }
 
 impl File {
-    /// The file for the pictures that were made.
-    pub(super) fn for_made(&self, text: &str, made: &Made<'_>) -> Result<Vec<u8>, String> {
-        let top: Entries<'_> = object(text)?;
-        let (mut images, mut by_id) = (Written::default(), BTreeMap::new());
+    /// Writes the file for the pictures that were made, entry by entry.
+    pub(super) fn write_made(&self, text: &str, made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
+        let by_id = self.made_of(text, made)?;
+        entries::write_with(text, out, &mut |name, value, out| {
+            match name {
+                "images" => self.write_images(value.get(), made, out)?,
+                "annotations" => self.write_annotations(value.get(), made, &by_id, out)?,
+                _ => return Ok(false),
+            }
+            Ok(true)
+        })?;
+        out.write_all(b"\n")
+    }
+
+    /// The pictures of which something was made, by their ids.
+    fn made_of<'a>(&self, text: &'a str, made: &Made<'_>) -> io::Result<BTreeMap<&'a str, Numbered>> {
+        let ([images, _], mut by_id) = (lists(text)?, BTreeMap::new());
         let mut keys = self.keys.iter().peekable();
-        let listed = entries::each(text, "images", &mut |number, raw| {
-            let Some((_, key)) = keys.next_if(|(own, _)| *own == number) else { return };
-            let Some((sample, variants)) = made.of(key) else { return };
-            let Ok(image) = object::<Image<'_>>(raw.get()) else { return };
-            let Ok(fields) = object::<Entries<'_>>(raw.get()) else { return };
-            let numbers: Vec<u32> = variants.iter().map(|(number, _)| *number).collect();
-            by_id.insert(image.id.get(), (sample.rank, numbers));
+        each(images, &mut |place, raw| {
+            let key = keys.next_if(|(own, _)| *own == place);
+            if let (Some((_, key)), Ok(image)) = (key, object::<Image<'_>>(raw.get()))
+                && let Some((sample, variants)) = made.of(key)
+            {
+                let numbers = variants.into_iter().map(|(number, _)| number).collect();
+                by_id.insert(image.id.get(), Numbered { rank: sample.rank, numbers });
+            }
+            Ok(())
+        })?;
+        Ok(by_id)
+    }
+
+    fn write_images(&self, list: &str, made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
+        let (mut keys, mut written) = (self.keys.iter().peekable(), Lines::begin(out)?);
+        entries::items(list, &mut |place, raw| {
+            let key = keys.next_if(|(own, _)| *own == place);
+            let (Some((_, key)), Ok(image)) = (key, object::<Image<'_>>(raw.get())) else { return Ok(()) };
+            let Some((sample, variants)) = made.of(key) else { return Ok(()) };
             if made.originals {
-                images.add(raw.get());
+                written.add()?.write_all(raw.get().as_bytes())?;
             }
             for (number, path) in &variants {
                 let name = join(split(&image.file_name).0, split(path).1);
-                let name = serde_json::to_string(&name).expect("a text is JSON");
-                let id = self.image_id(made, sample.rank, *number).to_string();
-                images.add(&fields.with(&[("id", &id), ("file_name", &name)]));
+                let id = self.image_id(made, sample.rank, *number);
+                entries::write_with(raw.get(), written.add()?, &mut |field, _, out| {
+                    match field {
+                        "id" => write!(out, "{id}")?,
+                        "file_name" => out.write_all(serde_json::to_string(&name)?.as_bytes())?,
+                        _ => return Ok(false),
+                    }
+                    Ok(true)
+                })?;
             }
-        });
-        listed.map_err(|error| said(&error))?;
-        let mut annotations = Written::default();
-        let listed = entries::each(text, "annotations", &mut |place, raw| {
-            let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { return };
-            let Some((rank, numbers)) = by_id.get(annotation.image_id.get()) else { return };
-            let Ok(fields) = object::<Entries<'_>>(raw.get()) else { return };
+            Ok(())
+        })?;
+        written.end()
+    }
+
+    fn write_annotations(
+        &self,
+        list: &str,
+        made: &Made<'_>,
+        by_id: &BTreeMap<&str, Numbered>,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        let mut written = Lines::begin(out)?;
+        entries::items(list, &mut |place, raw| {
+            let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { return Ok(()) };
+            let Some(Numbered { rank, numbers }) = by_id.get(annotation.image_id.get()) else {
+                return Ok(());
+            };
             if made.originals {
-                annotations.add(raw.get());
+                written.add()?.write_all(raw.get().as_bytes())?;
             }
-            for number in numbers {
+            for &number in numbers {
                 let place = i64::try_from(place).unwrap_or(i64::MAX);
-                let id = nth(self.first_annotation, place, made.per_image, *number).to_string();
-                let image_id = self.image_id(made, *rank, *number).to_string();
-                annotations.add(&fields.with(&[("id", &id), ("image_id", &image_id)]));
+                let id = nth(self.first_annotation, place, made.per_image, number);
+                let image_id = self.image_id(made, *rank, number);
+                entries::write_with(raw.get(), written.add()?, &mut |field, _, out| {
+                    match field {
+                        "id" => write!(out, "{id}")?,
+                        "image_id" => write!(out, "{image_id}")?,
+                        _ => return Ok(false),
+                    }
+                    Ok(true)
+                })?;
             }
-        });
-        listed.map_err(|error| said(&error))?;
-        let lists = [("images", images.list()), ("annotations", annotations.list())];
-        Ok((top.with(&lists.each_ref().map(|(name, list)| (*name, list.as_str()))) + "\n").into_bytes())
+            Ok(())
+        })?;
+        written.end()
     }
 
     /// The id of a variant: the same for any subset of the data set.
@@ -268,19 +328,56 @@ impl File {
     }
 }
 
-/// Entries of a list, a line each.
-#[derive(Default)]
-struct Written(String);
+/// A picture of which something was made: its place in the data set, and the numbers of its variants.
+struct Numbered {
+    rank: u64,
+    numbers: Vec<u32>,
+}
 
-impl Written {
-    fn add(&mut self, entry: &str) {
-        self.0.push_str(if self.0.is_empty() { "[\n" } else { ",\n" });
-        self.0.push_str(entry);
+/// A list that is written, a line each entry.
+struct Lines<'o> {
+    out: &'o mut dyn Write,
+    between: &'static str,
+}
+
+impl<'o> Lines<'o> {
+    fn begin(out: &'o mut dyn Write) -> io::Result<Self> {
+        out.write_all(b"[\n")?;
+        Ok(Self { out, between: "" })
     }
 
-    fn list(self) -> String {
-        if self.0.is_empty() { "[\n\n]".to_owned() } else { self.0 + "\n]" }
+    /// Where the next entry is written to.
+    fn add(&mut self) -> io::Result<&mut dyn Write> {
+        self.out.write_all(self.between.as_bytes())?;
+        self.between = ",\n";
+        Ok(&mut *self.out)
     }
+
+    fn end(self) -> io::Result<()> {
+        self.out.write_all(b"\n]")
+    }
+}
+
+/// The lists of a file that are taken apart, `images` and `annotations`, as they stand.
+fn lists(text: &str) -> io::Result<[Option<&RawValue>; 2]> {
+    let [mut images, mut annotations] = [None; 2];
+    entries::fields(text, &mut |name, value| {
+        match name {
+            "images" => images = Some(value),
+            "annotations" => annotations = Some(value),
+            _ => {}
+        }
+        Ok(())
+    })?;
+    Ok([images, annotations])
+}
+
+/// Shows the items of a list that may be missing.
+fn each<'a>(
+    list: Option<&'a RawValue>,
+    see: &mut dyn FnMut(usize, &'a RawValue) -> io::Result<()>,
+) -> io::Result<()> {
+    list.map_or(Ok(()), |list| entries::items(list.get(), see))
 }
 
 /// `first` + `place` * `each` + `number`.
@@ -292,16 +389,18 @@ fn nth(first: i64, place: i64, each: u32, number: u32) -> i64 {
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_parse(text: &str) {
     let files = ["a.jpg", "images/b.jpg"].map(str::to_owned).into_iter().collect();
-    let tree = Tree { root: std::path::PathBuf::new(), files, faults: Faults::default() };
+    let (root, reading) = (std::path::PathBuf::new(), ReadOptions::default());
+    let tree = Tree { root, files, faults: Faults::default(), reading };
     let Ok((file, _)) = examine(&tree, "instances.json", text, &mut Faults::default()) else { return };
     let keys: BTreeSet<&String> = file.keys.iter().map(|(_, key)| key).collect();
     let samples: Vec<Sample> = keys.into_iter().map(|key| Sample::new(key, Vec::new())).collect();
     let variants = |_| Some(vec![(0, "v.jpg".to_owned())]);
     let made = Made { samples: &samples, variants: &variants, per_image: 1, originals: true };
-    let written = file.for_made(text, &made).expect("what was read is written");
+    let mut written = Vec::new();
+    file.write_made(text, &made, &mut written).expect("what was read is written");
     let written = String::from_utf8(written).expect("text stays text");
-    let mut again = |_, _| {};
-    for list in ["images", "annotations"] {
-        entries::each(&written, list, &mut again).expect("what is written is read");
+    let [images, annotations] = lists(&written).expect("what is written is read");
+    for list in [images, annotations] {
+        each(list, &mut |_, _| Ok(())).expect("its lists are lists");
     }
 }

@@ -1,11 +1,12 @@
 //! Files about all pictures of a data set, written anew for the pictures that were made.
 
 use std::collections::HashMap;
+use std::io::{self, Write};
 use std::path::Path;
 use std::rc::Rc;
 
 use super::{Sample, coco, split, stem};
-use crate::picture::{FileError, read_small};
+use crate::picture::{FileError, ReadOptions, read_beside};
 
 /// A file about all pictures of a data set.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -101,60 +102,69 @@ impl Index {
         matches!(self, Self::Carried { .. } | Self::Config { .. })
     }
 
-    /// What stands in it, for what was made of the data set in `root`.
+    /// What stands in it in the data set in `root`.
     ///
     /// # Errors
     ///
     /// [`FileError`] when the file cannot be read again.
-    pub fn for_made(&self, root: &Path, made: &Made<'_>) -> Result<Vec<u8>, FileError> {
-        let path = root.join(self.path());
-        let bytes = read_small(&path)?;
-        let text = String::from_utf8_lossy(&bytes);
+    pub fn read(&self, root: &Path, reading: &ReadOptions) -> Result<Vec<u8>, FileError> {
+        read_beside(&root.join(self.path()), reading)
+    }
+
+    /// Writes what stands in it for what was made of the data set; `bytes` is what [`Index::read`] gave.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`; and one when the file is no longer what it was when the data set was opened.
+    pub fn write_made(&self, bytes: &[u8], made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
+        let text = String::from_utf8_lossy(bytes);
         match self {
-            Self::Carried { .. } => Ok(bytes),
-            Self::Config { .. } => Ok(without_path(&text).into_bytes()),
+            Self::Carried { .. } => out.write_all(bytes),
+            Self::Config { .. } => out.write_all(without_path(&text).as_bytes()),
             Self::Paths { .. } => {
                 let mut paths = made.paths();
-                Ok(lines(&text, made.originals, |line, add| {
+                lines(&text, made.originals, out, |line, add| {
                     let key = super::inside(line).unwrap_or_default();
                     let folder = line.strip_suffix(&key).unwrap_or_default();
-                    for path in made.place(&key).map(&mut paths).iter().flat_map(|paths| paths.iter()) {
-                        add(&[folder, path]);
-                    }
-                }))
+                    let paths = made.place(&key).map(&mut paths);
+                    paths.iter().flat_map(|paths| paths.iter()).try_for_each(|path| add(&[folder, path]))
+                })
             }
             Self::Stems { folder, .. } => {
                 let (mut paths, by_stem) = (made.paths(), made.by_stem(folder));
-                Ok(lines(&text, made.originals, |line, add| {
+                lines(&text, made.originals, out, |line, add| {
                     let (name, rest) = line.split_at(line.find(char::is_whitespace).unwrap_or(line.len()));
                     for &place in by_stem.get(name).into_iter().flatten() {
                         for path in paths(place).iter() {
-                            add(&[stem(split(path).1), rest]);
+                            add(&[stem(split(path).1), rest])?;
                         }
                     }
-                }))
+                    Ok(())
+                })
             }
-            Self::Coco(file) => {
-                file.for_made(&text, made).map_err(|cause| FileError::Damaged { path, cause })
-            }
+            Self::Coco(file) => file.write_made(&text, made, out),
         }
     }
 }
 
 /// Each line, where it stays, and those that stand for its variants, which are given in parts.
-fn lines(text: &str, originals: bool, mut variants: impl FnMut(&str, &mut dyn FnMut(&[&str]))) -> Vec<u8> {
-    let mut out = String::new();
+fn lines(
+    text: &str,
+    originals: bool,
+    out: &mut dyn Write,
+    mut variants: impl FnMut(&str, &mut dyn FnMut(&[&str]) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
     let mut add = |parts: &[&str]| {
-        parts.iter().for_each(|part| out.push_str(part));
-        out.push('\n');
+        parts.iter().try_for_each(|part| out.write_all(part.as_bytes()))?;
+        out.write_all(b"\n")
     };
     for line in text.lines() {
         if originals {
-            add(&[line]);
+            add(&[line])?;
         }
-        variants(line, &mut add);
+        variants(line, &mut add)?;
     }
-    out.into_bytes()
+    Ok(())
 }
 
 /// YAML without the line that says where the data set is: it is where the file is.
@@ -178,15 +188,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("l.txt"), "a  1\nab -1\nc 0\n").unwrap();
         let list = Index::Stems { path: "l.txt".into(), folder: "JPEGImages".into() };
-        let text = |originals: bool| {
-            String::from_utf8(list.for_made(folder.path(), &made(originals)).unwrap()).unwrap()
+        let written = |list: &Index, originals: bool| {
+            let (mut out, bytes) = (Vec::new(), list.read(folder.path(), &ReadOptions::default()).unwrap());
+            list.write_made(&bytes, &made(originals), &mut out).unwrap();
+            String::from_utf8(out).unwrap()
         };
-        assert_eq!(text(true), "a  1\na__w__0  1\nab -1\nab__w__0 -1\nc 0\n");
-        assert_eq!(text(false), "a__w__0  1\nab__w__0 -1\n");
+        assert_eq!(written(&list, true), "a  1\na__w__0  1\nab -1\nab__w__0 -1\nc 0\n");
+        assert_eq!(written(&list, false), "a__w__0  1\nab__w__0 -1\n");
         std::fs::write(folder.path().join("l.txt"), "./JPEGImages/a.jpg\n").unwrap();
         let paths = Index::Paths { path: "l.txt".into() };
-        let text = String::from_utf8(paths.for_made(folder.path(), &made(true)).unwrap()).unwrap();
-        assert_eq!(text, "./JPEGImages/a.jpg\n./JPEGImages/a__w__0.jpg\n");
+        assert_eq!(written(&paths, true), "./JPEGImages/a.jpg\n./JPEGImages/a__w__0.jpg\n");
     }
 
     #[test]

@@ -25,7 +25,7 @@ fn coco(text: &str) -> tempfile::TempDir {
 }
 
 fn opened(folder: &tempfile::TempDir) -> Dataset {
-    Dataset::open(folder.path(), None).unwrap()
+    Dataset::open(folder.path(), None, &ReadOptions::default()).unwrap()
 }
 
 fn faults(dataset: &Dataset) -> Vec<String> {
@@ -64,11 +64,17 @@ fn each_layout_is_told_by_looking() {
 fn two_layouts_are_refused_by_name_and_none_too() {
     let both =
         folder(&[("images/a.jpg", ""), ("labels/a.txt", "0 0.5 0.5 0.1 0.1"), ("instances.json", COCO)]);
-    let said = Dataset::open(both.path(), None).unwrap_err().to_string();
+    let said = Dataset::open(both.path(), None, &ReadOptions::default()).unwrap_err().to_string();
     assert!(said.contains("coco (instances.json") && said.contains("yolo (labels/a.txt"), "{said}");
-    assert_eq!(keys(&Dataset::open(both.path(), Some(Layout::Yolo)).unwrap()), ["images/a.jpg"]);
+    assert_eq!(
+        keys(&Dataset::open(both.path(), Some(Layout::Yolo), &ReadOptions::default()).unwrap()),
+        ["images/a.jpg"]
+    );
     let none = folder(&[("notes.txt", "")]);
-    assert!(matches!(Dataset::open(none.path(), None), Err(DatasetError::Empty { .. })));
+    assert!(matches!(
+        Dataset::open(none.path(), None, &ReadOptions::default()),
+        Err(DatasetError::Empty { .. })
+    ));
 }
 
 #[test]
@@ -137,6 +143,29 @@ fn bad_annotations_are_named_with_their_place() {
     assert!(said[1].starts_with("labels/b.txt: there is no picture"), "{said:?}");
 }
 
+/// One annotation that is no text spoils no other, and a file that is too large is told of, not passed over.
+#[test]
+fn a_file_that_is_no_text_is_a_fault_of_its_picture_and_one_too_large_is_refused() {
+    let yolo = folder(&[("images/a.jpg", ""), ("images/b.jpg", ""), ("labels/b.txt", "0 .5 .5 .1 .1\n")]);
+    fs::write(yolo.path().join("labels/a.txt"), b"0 .5 .5 .1 .1 \xe9\n").unwrap();
+    fs::write(yolo.path().join("notes.txt"), b"\xe9\n").unwrap();
+    let found = opened(&yolo);
+    assert_eq!(faults(&found), ["labels/a.txt: it is no text in UTF-8; save it as one"]);
+    assert!(found.faults.concern("images/a.jpg") && found.samples.len() == 2);
+
+    let voc = folder(&[("JPEGImages/a.jpg", "")]);
+    fs::create_dir(voc.path().join("Annotations")).unwrap();
+    fs::write(voc.path().join("Annotations/a.xml"), b"<annotation><folder>\xe9</folder></annotation>")
+        .unwrap();
+    let found = opened(&voc);
+    assert_eq!(faults(&found), ["Annotations/a.xml: it is no text in UTF-8; save it as one"]);
+    assert!(found.faults.concern("JPEGImages/a.jpg"));
+
+    let tight = ReadOptions { most_memory: 400, ..ReadOptions::default() };
+    let said = Dataset::open(coco(COCO).path(), None, &tight).unwrap_err().to_string();
+    assert!(said.contains("instances.json: it has") && said.contains("a quarter of --max-memory"), "{said}");
+}
+
 #[cfg(unix)]
 #[test]
 fn links_that_lead_out_of_the_data_set_are_not_followed() {
@@ -159,22 +188,27 @@ fn of_coco_nothing_changes_but_ids_and_names() {
         Some(vec![(0, key.replace(".jpg", "__w__0.jpg")), (1, key.replace(".jpg", "__w__1.jpg"))])
     };
     let made = Made { samples: &dataset.samples, variants: &variants, per_image: 2, originals: true };
-    let written = dataset.indices[0].for_made(&dataset.root, &made).unwrap();
-    let written = String::from_utf8(written).unwrap();
+    let written = |made: &Made<'_>| {
+        let bytes = dataset.indices[0].read(&dataset.root, &ReadOptions::default()).unwrap();
+        let mut out = Vec::new();
+        dataset.indices[0].write_made(&bytes, made, &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    };
+    let whole = written(&made);
     // Digits stay digits, fields their order.
     assert!(
-        written.contains(
+        whole.contains(
             r#"{"id": 10, "file_name": "a__w__0.jpg", "width": 64, "height": 48, "licence": 1.50}"#
         ),
-        "{written}"
+        "{whole}"
     );
     assert!(
-        written.contains(
+        whole.contains(
             r#"{"id": 7, "image_id": 11, "bbox": [1.0, 2, 30.25, 40], "score": 1e-3, "category_id": 1}"#
         ),
-        "{written}"
+        "{whole}"
     );
-    let json: serde_json::Value = serde_json::from_str(&written).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&whole).unwrap();
     let before: serde_json::Value = serde_json::from_str(COCO).unwrap();
     assert_eq!((&json["info"], &json["categories"]), (&before["info"], &before["categories"]));
     for list in ["images", "annotations"] {
@@ -185,8 +219,7 @@ fn of_coco_nothing_changes_but_ids_and_names() {
     // The same ids for the part that holds one picture only.
     let second = |place: usize| if place == 1 { variants(place) } else { None };
     let part = Made { variants: &second, originals: false, ..made };
-    let part = String::from_utf8(dataset.indices[0].for_made(&dataset.root, &part).unwrap()).unwrap();
-    let part: serde_json::Value = serde_json::from_str(&part).unwrap();
+    let part: serde_json::Value = serde_json::from_str(&written(&part)).unwrap();
     for (list, count) in [("images", 2), ("annotations", 2)] {
         let entries = part[list].as_array().unwrap();
         assert_eq!(entries.len(), count);

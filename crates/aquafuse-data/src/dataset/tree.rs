@@ -1,11 +1,13 @@
 //! What stands in the folder of a data set.
 
 use std::collections::BTreeSet;
-use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::{Fault, Faults, split};
-use crate::picture::{FileError, Format, read_small, shown};
+use crate::picture::{FileError, Format, ReadOptions, read_beside, shown};
+
+/// What is said of a file that should be a text.
+pub(super) const NO_TEXT: &str = "it is no text in UTF-8; save it as one";
 
 /// Folders within folders; deeper ones are no data set, but a mistake.
 const DEEPEST: usize = 32;
@@ -17,13 +19,16 @@ pub(crate) struct Tree {
     pub(crate) files: BTreeSet<String>,
     /// Files that are passed over, and why.
     pub(super) faults: Faults,
+    pub(super) reading: ReadOptions,
 }
 
 impl Tree {
-    /// Lists the files; hidden ones are passed over. Links are followed to files that stand in the folder too.
-    pub(crate) fn of(root: &Path) -> Result<Self, FileError> {
-        let mut tree = Self { root: root.to_owned(), files: BTreeSet::new(), faults: Faults::default() };
+    /// Lists the files, to be read with these options; hidden ones are passed over. Links are followed to files that stand
+    /// in the folder too.
+    pub(crate) fn of(root: &Path, reading: &ReadOptions) -> Result<Self, FileError> {
         let home = root.canonicalize().map_err(|error| FileError::Read { path: root.to_owned(), error })?;
+        let (files, faults) = (BTreeSet::new(), Faults::default());
+        let mut tree = Self { root: root.to_owned(), files, faults, reading: *reading };
         tree.enter(&home, "", 0)?;
         Ok(tree)
     }
@@ -88,13 +93,9 @@ impl Tree {
         self.files.contains(path)
     }
 
-    /// Reads a text of the data set.
-    pub(super) fn read(&self, path: &str) -> Result<String, FileError> {
-        let path = self.root.join(path);
-        let bytes = read_small(&path)?;
-        String::from_utf8(bytes).map_err(|error| FileError::Read {
-            path,
-            error: io::Error::new(ErrorKind::InvalidData, error.utf8_error()),
-        })
+    /// Reads a text of the data set; none where the file is no text.
+    pub(super) fn read(&self, path: &str) -> Result<Option<String>, FileError> {
+        let bytes = read_beside(&self.root.join(path), &self.reading)?;
+        Ok(String::from_utf8(bytes).ok())
     }
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
-use super::tree::Tree;
+use super::tree::{NO_TEXT, Tree};
 use super::{Companion, Dataset, Fault, Index, Sample, inside, join, split, stem};
 use crate::picture::FileError;
 
@@ -48,7 +48,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
         }
         let annotations = join(folder, ANNOTATIONS);
         for path in tree.within(&annotations).filter(|path| above(path) == Some(folder)) {
-            let about = parse(&tree.read(path)?);
+            let about = tree.read(path)?.map_or_else(|| Err(NO_TEXT.to_owned()), |text| parse(&text));
             let name = stem(split(path).1);
             let named = about.as_ref().ok().and_then(|about| about.filename.clone());
             let named = named.map(|named| (inside(&named), named));

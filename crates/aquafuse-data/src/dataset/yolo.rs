@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::tree::Tree;
+use super::tree::{NO_TEXT, Tree};
 use super::{Companion, Dataset, Fault, Index, Sample, join, split, stem};
 use crate::picture::FileError;
 
@@ -31,17 +31,18 @@ fn names_classes(text: &str) -> bool {
     text.lines().any(|line| line.starts_with("names:") || line.starts_with("nc:"))
 }
 
-pub(super) fn evidence(tree: &Tree) -> Option<String> {
-    let named = |path: &&String| tree.read(path).is_ok_and(|text| names_classes(&text));
-    if let Some(config) = tree.files.iter().filter(|path| is_config(path)).find(named) {
-        return Some(format!("{config} names classes"));
+pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
+    for config in tree.files.iter().filter(|path| is_config(path)) {
+        if tree.read(config)?.is_some_and(|text| names_classes(&text)) {
+            return Ok(Some(format!("{config} names classes")));
+        }
     }
     let labelled = |key: &&String| key.split('/').any(|part| part == "images") && tree.holds(&label(key));
     if let Some(key) = tree.pictures().find(labelled) {
-        return Some(format!("{} is about {key}", label(key)));
+        return Ok(Some(format!("{} is about {key}", label(key))));
     }
     let beside = LISTS_OF_CLASSES.into_iter().find(|name| *name != "notes.json" && tree.holds(name));
-    beside.map(|name| format!("{name} names classes"))
+    Ok(beside.map(|name| format!("{name} names classes")))
 }
 
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
@@ -59,7 +60,10 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
                 dataset.faults.add(Fault::new(key, cause).of(key));
             }
             let text = tree.read(&path)?;
-            for (line, number) in text.lines().zip(1_usize..) {
+            if text.is_none() {
+                dataset.faults.add(Fault::new(&path, NO_TEXT).of(key));
+            }
+            for (line, number) in text.iter().flat_map(|text| text.lines()).zip(1_usize..) {
                 if let Err(cause) = check(line) {
                     dataset.faults.add(Fault::new(format!("{path}:{number}"), cause).of(key));
                 }
@@ -79,9 +83,8 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
         if LISTS_OF_CLASSES.contains(&path.as_str()) {
             dataset.indices.push(Index::Carried { path: path.clone() });
         } else if path.ends_with(".txt") && !owners.contains_key(path) {
-            let text = tree.read(path)?;
             let names_pictures = |line: &str| super::inside(line).is_ok_and(|name| tree.holds(&name));
-            if text.lines().any(names_pictures) {
+            if tree.read(path)?.is_some_and(|text| text.lines().any(names_pictures)) {
                 dataset.indices.push(Index::Paths { path: path.clone() });
             }
         }

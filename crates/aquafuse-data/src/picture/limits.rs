@@ -28,6 +28,11 @@ impl ReadOptions {
     pub fn budget(&self) -> Budget {
         Budget::new(self.most_memory)
     }
+
+    /// The most bytes of a file that goes along with pictures: what is made of its text takes at most thrice as many beside.
+    pub(crate) fn most_beside(&self) -> u64 {
+        self.most_memory / 4
+    }
 }
 
 /// What a header says of a picture's pixels.

@@ -111,23 +111,21 @@ pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
     Ok((File::open(path).map_err(cannot_read)?, about.len()))
 }
 
-/// The most bytes of a file that goes along with pictures: twice the annotations of the largest data sets.
-const MOST_BESIDE: u64 = 1 << 30;
-
-/// All of a file that is read whole, and need not hold anything.
-pub(crate) fn read_small(path: &Path) -> Result<Vec<u8>, FileError> {
+/// All of a file that goes along with pictures, which need not hold anything.
+pub(crate) fn read_beside(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, FileError> {
+    let most = options.most_beside();
     let (file, length) = match open_file(path) {
         Err(FileError::Empty { .. }) => return Ok(Vec::new()),
         opened => opened?,
     };
-    if length > MOST_BESIDE {
+    if length > most {
         let cause = format!(
-            "it has {length} bytes, more than the {MOST_BESIDE} of any file that goes along with pictures"
+            "it has {length} bytes, and files that go along with pictures may have {most}, a quarter of --max-memory"
         );
         return Err(FileError::TooLarge { path: path.to_owned(), cause });
     }
     let mut bytes = Vec::new();
-    let read = file.take(MOST_BESIDE).read_to_end(&mut bytes);
+    let read = file.take(most).read_to_end(&mut bytes);
     read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
     Ok(bytes)
 }

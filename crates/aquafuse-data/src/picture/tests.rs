@@ -365,14 +365,17 @@ fn what_is_too_large_is_refused_from_the_header() {
 }
 
 #[test]
-fn a_file_beside_pictures_that_is_larger_than_any_is_refused_and_an_empty_one_is_empty() {
+fn a_file_beside_pictures_has_a_quarter_of_memory_at_most_and_may_be_empty() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("labels.txt");
     let file = std::fs::File::create(&path).unwrap();
-    assert_eq!(read_small(&path).unwrap(), b"");
-    file.set_len((1 << 30) + 1).unwrap();
-    let said = read_small(&path).unwrap_err().to_string();
-    assert!(said.contains("labels.txt: it has 1073741825 bytes"), "{said}");
+    let options = ReadOptions { most_memory: 4_000, ..ReadOptions::default() };
+    assert_eq!(read_beside(&path, &options).unwrap(), b"");
+    file.set_len(1_000).unwrap();
+    assert_eq!(read_beside(&path, &options).unwrap(), [0; 1_000]);
+    file.set_len(1_001).unwrap();
+    let said = read_beside(&path, &options).unwrap_err().to_string();
+    assert!(said.contains("labels.txt: it has 1001 bytes, and files that go along with pictures may have 1000, a quarter of --max-memory"), "{said}");
 }
 
 /// A strip of JPEG is unpacked to its own size, whatever the picture's is.

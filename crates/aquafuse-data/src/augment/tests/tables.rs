@@ -147,7 +147,7 @@ fn a_manifest_is_a_table_too_and_is_no_data_set() {
     assert!(about.wrong.is_empty() && about.unlisted.is_empty(), "{about:?}");
 
     fs::remove_file(out.join("train-0.parquet")).unwrap();
-    let again = crate::dataset::Dataset::open(&out, None);
+    let again = crate::dataset::Dataset::open(&out, None, &ReadOptions::default());
     assert!(again.unwrap_err().to_string().contains("holds no pictures"));
 }
 

@@ -1,114 +1,117 @@
-//! JSON objects as they stand: names in their order, values as texts; and lists in them, entry by entry.
+//! JSON as it stands: the fields of an object, the items of a list, each shown as text and none kept. A list of millions
+//! of items of two bytes would take tenfold in memory.
 
 use std::fmt;
+use std::io::{self, Write};
 
-use serde::de::{Deserialize, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 
-/// The entries of an object.
-pub(super) struct Entries<'a>(Vec<(String, &'a RawValue)>);
+use crate::picture::one_line;
 
-impl<'de> Deserialize<'de> for Entries<'de> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Object;
-        impl<'de> Visitor<'de> for Object {
-            type Value = Entries<'de>;
+/// Whoever is shown the fields of an object; what fails there ends it.
+type SeeField<'s, 'de> = &'s mut dyn FnMut(&str, &'de RawValue) -> io::Result<()>;
+/// Whoever is shown the items of a list, with their numbers from 0.
+type SeeItem<'s, 'de> = &'s mut dyn FnMut(usize, &'de RawValue) -> io::Result<()>;
 
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
+/// Shows each field of the object in `text`.
+pub(super) fn fields<'de>(text: &'de str, see: SeeField<'_, 'de>) -> io::Result<()> {
+    let mut failed = None;
+    let seen = shown(text, Fields(&mut |name, value| keep(see(name, value), &mut failed)));
+    failed.map_or(seen, Err)
+}
 
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Self::Value, M::Error> {
-                let mut entries = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    entries.push(entry);
-                }
-                Ok(Entries(entries))
-            }
+/// Shows each item of the list in `text`.
+pub(super) fn items<'de>(text: &'de str, see: SeeItem<'_, 'de>) -> io::Result<()> {
+    let mut failed = None;
+    let seen = shown(text, Items(&mut |number, item| keep(see(number, item), &mut failed)));
+    failed.map_or(seen, Err)
+}
+
+/// Writes the object in `text` with some of its values exchanged; a name that it does not have is not added.
+pub(super) fn write_with(
+    text: &str,
+    out: &mut dyn Write,
+    exchanged: &mut dyn FnMut(&str, &RawValue, &mut dyn Write) -> io::Result<bool>,
+) -> io::Result<()> {
+    let mut between = "{";
+    fields(text, &mut |name, value| {
+        write!(out, "{between}{}: ", serde_json::to_string(name)?)?;
+        between = ", ";
+        match exchanged(name, value, out)? {
+            true => Ok(()),
+            false => out.write_all(value.get().as_bytes()),
         }
-        deserializer.deserialize_map(Object)
+    })?;
+    out.write_all(if between == "{" { b"{}" } else { b"}" })
+}
+
+/// Keeps an error aside, for the reader of JSON would make a text of it.
+fn keep(result: io::Result<()>, failed: &mut Option<io::Error>) -> bool {
+    match result {
+        Ok(()) => true,
+        Err(error) => {
+            *failed = Some(error);
+            false
+        }
     }
 }
 
-impl Entries<'_> {
-    /// The object with some of its values exchanged, as text; a name that it does not have is not added.
-    pub(super) fn with(&self, exchanged: &[(&str, &str)]) -> String {
-        let entry = |(name, value): &(String, &RawValue)| {
-            let other = exchanged.iter().find(|(exchanged, _)| exchanged == name);
-            let name = serde_json::to_string(name).expect("a text is JSON");
-            format!("{name}: {}", other.map_or(value.get(), |(_, value)| value))
-        };
-        format!("{{{}}}", self.0.iter().map(entry).collect::<Vec<_>>().join(", "))
-    }
-}
-
-/// Shows each entry of a list of the object in `text`, with its number, from 0. None is kept: a list of millions of
-/// entries of two bytes would take tenfold in memory.
-pub(super) fn each<'de>(
-    text: &'de str,
-    list: &'static str,
-    see: &mut dyn FnMut(usize, &'de RawValue),
-) -> Result<(), serde_json::Error> {
+fn shown<'de>(text: &'de str, seed: impl DeserializeSeed<'de, Value = ()>) -> io::Result<()> {
     let mut reader = serde_json::Deserializer::from_str(text);
-    Wanted { list, see }.deserialize(&mut reader)?;
-    reader.end()
+    let read = seed.deserialize(&mut reader).and_then(|()| reader.end());
+    read.map_err(|error| io::Error::new(io::ErrorKind::InvalidData, one_line(&error.to_string())))
 }
 
-/// The object with the list that is wanted.
-struct Wanted<'s, 'de> {
-    list: &'static str,
-    see: &'s mut dyn FnMut(usize, &'de RawValue),
-}
+struct Fields<'s, 'de>(&'s mut dyn FnMut(&str, &'de RawValue) -> bool);
+struct Items<'s, 'de>(&'s mut dyn FnMut(usize, &'de RawValue) -> bool);
 
-impl<'de> DeserializeSeed<'de> for Wanted<'_, 'de> {
+impl<'de> DeserializeSeed<'de> for Fields<'_, 'de> {
     type Value = ();
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_map(self)
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
+        from.deserialize_map(self)
     }
 }
 
-impl<'de> Visitor<'de> for Wanted<'_, 'de> {
+impl<'de> Visitor<'de> for Fields<'_, 'de> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "an object with the list `{}`", self.list)
+        f.write_str("an object")
     }
 
     fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<(), M::Error> {
-        while let Some(name) = map.next_key::<String>()? {
-            if name == self.list {
-                map.next_value_seed(List(&mut *self.see))?;
-            } else {
-                map.next_value::<IgnoredAny>()?;
+        while let Some((name, value)) = map.next_entry::<String, _>()? {
+            if !(self.0)(&name, value) {
+                return Err(M::Error::custom("it was left"));
             }
         }
         Ok(())
     }
 }
 
-/// The list itself.
-struct List<'s, 'de>(&'s mut dyn FnMut(usize, &'de RawValue));
-
-impl<'de> DeserializeSeed<'de> for List<'_, 'de> {
+impl<'de> DeserializeSeed<'de> for Items<'_, 'de> {
     type Value = ();
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_seq(self)
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
+        from.deserialize_seq(self)
     }
 }
 
-impl<'de> Visitor<'de> for List<'_, 'de> {
+impl<'de> Visitor<'de> for Items<'_, 'de> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a list")
     }
 
-    fn visit_seq<S: SeqAccess<'de>>(self, mut entries: S) -> Result<(), S::Error> {
+    fn visit_seq<S: SeqAccess<'de>>(self, mut list: S) -> Result<(), S::Error> {
         let mut number = 0_usize;
-        while let Some(entry) = entries.next_element()? {
-            (self.0)(number, entry);
+        while let Some(item) = list.next_element()? {
+            if !(self.0)(number, item) {
+                return Err(S::Error::custom("it was left"));
+            }
             number = number.saturating_add(1);
         }
         Ok(())

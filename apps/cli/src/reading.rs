@@ -14,7 +14,8 @@ pub(crate) struct Reading {
     #[arg(long, global = true, help_heading = crate::common::HEADING, value_name = "N", default_value_t = ReadOptions::default().most_pixels)]
     max_pixels: u64,
     /// Memory for all pictures that are in work at once: 512MiB, 2GiB or a number of bytes. One that needs more
-    /// by itself is refused, by every command; others wait their turn.
+    /// by itself is refused, by every command; others wait their turn. Files that go along with pictures, as annotations
+    /// and lists, may have a quarter of it each.
     #[arg(long, global = true, help_heading = crate::common::HEADING, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
     max_memory: u64,
     /// Take pictures whose file was cut short, JPEG and PNG above all, for what is left of them. Their outputs say so in

@@ -242,7 +242,8 @@ impl Dataset {
 fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
     let mut fits = Vec::new();
     for layout in Layout::ALL {
-        fits.extend(layout.evidence(tree)?.map(|evidence| (layout, evidence)));
+        let evidence = layout.evidence(tree).map_err(or_say_which)?;
+        fits.extend(evidence.map(|evidence| (layout, evidence)));
     }
     let said = |(layout, evidence): &(Layout, String)| format!("{} ({evidence})", layout.name());
     match fits.as_slice() {
@@ -251,6 +252,19 @@ fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
         [one, other, ..] => {
             Err(DatasetError::Ambiguous { root: root.to_owned(), one: said(one), other: said(other) })
         }
+    }
+}
+
+/// What else may be done about a file that is too large to tell whether it speaks for a layout.
+fn or_say_which(error: FileError) -> FileError {
+    match error {
+        FileError::TooLarge { path, cause } => FileError::TooLarge {
+            path,
+            cause: format!(
+                "{cause}; if it is about something else, say by --format how the data set is laid out"
+            ),
+        },
+        other => other,
     }
 }
 

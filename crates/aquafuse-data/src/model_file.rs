@@ -124,9 +124,9 @@ impl ModelFile {
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
         let failed = |error| FileError::Read { path: path.to_owned(), error };
         let (file, _) = open_file(path)?;
-        let mut text = String::new();
-        file.take((MOST_BYTES as u64).saturating_add(1)).read_to_string(&mut text).map_err(failed)?;
-        Self::from_text(path, &text)
+        let mut bytes = Vec::new();
+        file.take((MOST_BYTES as u64).saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
+        Self::from_text(path, &String::from_utf8_lossy(&bytes))
     }
 
     /// Reads a model that is in memory already; errors call it `path`.
@@ -138,7 +138,9 @@ impl ModelFile {
         let no_model = |cause: String| ModelFileError::Format { path: path.to_owned(), cause };
         let format = |error: toml::de::Error| no_model(one_line(error.message()));
         if text.len() > MOST_BYTES {
-            return Err(no_model(format!("it has more than the {MOST_BYTES} bytes of any")));
+            return Err(no_model(format!(
+                "it has more than the {MOST_BYTES} bytes of any; the `[[fit.pair]]` at its end may be left out"
+            )));
         }
         let Version { schema } = toml::from_str(text).map_err(format)?;
         if schema != SCHEMA {
@@ -166,7 +168,9 @@ impl ModelFile {
         while let Some(fit) =
             stored.fit.as_mut().filter(|fit| text.len() > MOST_BYTES && !fit.scores.is_empty())
         {
-            fit.scores.truncate(fit.scores.len() / 2);
+            // In proportion, and a little more, for names differ in length.
+            let fits = fit.scores.len().saturating_mul(MOST_BYTES).checked_div(text.len()).unwrap_or(0);
+            fit.scores.truncate(fits.saturating_sub(fits / 64).saturating_sub(1));
             text = toml::to_string(&stored).map_err(failed)?;
         }
         write_atomically(path, overwrite, |out| out.write_all(text.as_bytes()))

@@ -1,14 +1,15 @@
 //! Pictures with known depth: a folder with `rgb/` and `depth/`, whose files share their stems.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::fit::{Fitter, LabelError, Options};
 use aquafuse::depth::{SuppliedError, SuppliedKind};
 use aquafuse::image::Image;
-use rayon::prelude::*;
 
 use crate::depth_file;
+use crate::evaluate::Conduct;
 use crate::memory::{Budget, Reservation};
 use crate::picture::{FileError, Picture, ReadOptions, shown};
 
@@ -167,8 +168,8 @@ pub struct Gathered {
     pub names: Vec<String>,
 }
 
-/// Reads pairs on the threads of the pool it is called in, as many at once as `reading` has memory for; what of each is
-/// kept does not grow with its pixels.
+/// Reads pairs on as many threads as the pool it is called in has, as long as `reading` has memory for them; what of each is kept
+/// does not grow with its pixels.
 ///
 /// The result does not depend on the number of threads: pairs come out in the order they are given in.
 pub fn gather(
@@ -178,28 +179,33 @@ pub fn gather(
     reading: &ReadOptions,
     listener: &(dyn Fn(Message<'_>) + Sync),
 ) -> Gathered {
-    let none = || Gathered { fitter: Fitter::new(options), names: Vec::new() };
-    let budget = reading.budget();
-    let add = |mut gathered: Gathered, pair: &Pair| {
+    let (budget, threads) = (reading.budget(), NonZeroUsize::new(rayon::current_num_threads()));
+    let add = |pair: &Pair| {
         let labels = |error| PairError::Labels { path: pair.depth.clone(), error };
+        let mut fitter = Fitter::new(options);
         let added = pair
             .read_within(kind, reading, &budget)
-            .and_then(|(image, distances, _room)| gathered.fitter.add(&image, &distances).map_err(labels));
+            .and_then(|(image, distances, _room)| fitter.add(&image, &distances).map_err(labels));
         match added {
             Ok(()) => {
-                gathered.names.push(pair.name.clone());
                 listener(Message::Done { pair });
+                Some(fitter)
             }
-            Err(error) => listener(Message::Failed { pair, error }),
+            Err(error) => {
+                listener(Message::Failed { pair, error });
+                None
+            }
         }
-        gathered
     };
-    let join = |mut left: Gathered, right: Gathered| {
-        left.fitter.merge(right.fitter);
-        left.names.extend(right.names);
-        left
-    };
-    pairs.par_iter().fold(none, add).reduce(none, join)
+    let read = Conduct { threads, reading: *reading }.each(pairs, add);
+    let mut gathered = Gathered { fitter: Fitter::new(options), names: Vec::new() };
+    for (pair, fitter) in pairs.iter().zip(read) {
+        if let Some(fitter) = fitter {
+            gathered.fitter.merge(fitter);
+            gathered.names.push(pair.name.clone());
+        }
+    }
+    gathered
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! What belongs to all pictures: the manifest's first line, and the files about the whole data set.
 
-use super::header::{Header, Settings, StoredDepth};
-use std::io;
+use std::io::{self, ErrorKind};
 
+use super::header::{Header, Settings, StoredDepth};
 use super::journal::{Journal, Slot};
 use super::line::Written;
 use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Recipe, Water};
@@ -76,13 +76,23 @@ impl<E: Space> Augmentation<E> {
                     |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
                 std::fs::create_dir_all(above).map_err(failed)?;
             }
-            let mut told = (0, String::new());
-            write_atomically(&path, true, |out| -> io::Result<()> {
+            let (mut told, mut changed) = ((0, String::new()), None);
+            let result = write_atomically(&path, true, |out| -> io::Result<()> {
                 let mut hashed = Hashed::new(out);
-                index.write_made(&bytes, &made, &mut hashed)?;
+                let written = index.write_made(&bytes, &made, &mut hashed);
                 told = hashed.told();
-                Ok(())
-            })?;
+                changed = written
+                    .as_ref()
+                    .err()
+                    .filter(|error| error.kind() == ErrorKind::InvalidData)
+                    .map(ToString::to_string);
+                written
+            });
+            if let Some(cause) = changed {
+                let path = self.dataset.root.join(index.path());
+                return Err(FileError::Damaged { path, cause });
+            }
+            result?;
             let (bytes, sha256) = told;
             Ok(Written { output, bytes, sha256 })
         };

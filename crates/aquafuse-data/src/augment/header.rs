@@ -86,7 +86,7 @@ impl Header {
         Self { schema: SCHEMA, version, dataset, layout, encoding, settings, waters, instead }
     }
 
-    /// The same with its waters as texts.
+    /// The same as it may be taken apart to be told of.
     pub(super) fn told(&self) -> Self {
         let waters = self.waters.iter().map(StoredWater::told).collect();
         Self { waters, instead: self.instead.as_ref().map(StoredWater::told), ..self.clone() }

@@ -11,7 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::header::Header;
 use super::line::{Line, Written};
-use super::manifest::{Entry, Manifest, Place, ScanError, Scanned, Sealing, scan};
+use super::manifest::{Entry, MOST_LINE, Manifest, Place, ScanError, Scanned, Sealing, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
 use crate::lock::lock;
@@ -272,7 +272,7 @@ fn put(lines: &mut Vec<(Slot, Place)>, slot: Slot, place: Place) {
 fn has_a_line(file: &mut File) -> io::Result<bool> {
     file.rewind()?;
     let mut text = Vec::new();
-    BufReader::new(file).read_until(b'\n', &mut text)?;
+    BufReader::new(file).take(MOST_LINE).read_until(b'\n', &mut text)?;
     Ok(text.ends_with(b"\n"))
 }
 

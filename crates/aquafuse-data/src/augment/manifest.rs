@@ -17,8 +17,8 @@ use super::line::{Container, Line, Listed, Original, Variant, Written};
 use crate::digest::{Hashed, hexadecimal};
 use crate::picture::{FileError, open_file};
 
-/// More than the line of a shard with a hundred thousand variants takes, or of a job with as many waters.
-const MOST_LINE: u64 = 1 << 27;
+/// More than the line of a shard with a million variants takes, or of a job with as many waters.
+pub(super) const MOST_LINE: u64 = 1 << 30;
 
 /// What a manifest says of one picture.
 #[derive(Clone, Debug, Default, PartialEq)]

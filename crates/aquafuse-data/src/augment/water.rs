@@ -71,15 +71,21 @@ impl PartialEq for StoredWater {
     }
 }
 
+/// Far more bytes than the numbers of a water have.
+const MOST_TOLD: usize = 1 << 14;
+
 /// A value as it is written.
 fn raw(value: &Value) -> Box<RawValue> {
     to_raw_value(value).expect("a value is JSON")
 }
 
 impl StoredWater {
-    /// The same with its numbers as a text.
+    /// The same, its numbers as a text if they are more than those of any water.
     pub(super) fn told(&self) -> Self {
-        Self { water: raw(&self.water.get().into()), ..self.clone() }
+        match self.water.get() {
+            text if text.len() > MOST_TOLD => Self { water: raw(&text.into()), ..self.clone() },
+            _ => self.clone(),
+        }
     }
 
     /// The water; errors call it by the manifest.

@@ -4,13 +4,18 @@
 //! unknown fields their place. Ids and file names alone are ours.
 
 mod entries;
+mod sides;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
+use std::iter::Peekable;
+use std::slice::Iter;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
+
+use sides::Sides;
 
 use super::index::Made;
 use super::tree::Tree;
@@ -27,8 +32,10 @@ const SLACK: f64 = 1.0;
 pub struct File {
     /// Its path.
     pub(super) path: String,
-    /// The entries of `images` whose pictures are in the data set: their places there, and the pictures.
-    keys: Vec<(usize, String)>,
+    /// The pictures in the data set that it has entries for.
+    keys: Vec<String>,
+    /// Those entries of `images`: their places there, and which of the pictures each is of.
+    entries: Vec<(usize, u32)>,
     /// The first id for a variant's entry in `images`, the same in all files of a data set.
     first_image: i64,
     /// The first id for a variant's annotation.
@@ -58,7 +65,7 @@ struct Annotation<'a> {
     id: Option<&'a RawValue>,
     #[serde(borrow)]
     image_id: &'a RawValue,
-    bbox: Option<Vec<f64>>,
+    bbox: Option<Sides>,
 }
 
 /// Where such files stand: at the top, in a folder of the top, or in `annotations`.
@@ -93,10 +100,18 @@ pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
     let (mut keys, mut files, mut last) = (BTreeSet::new(), Vec::new(), 0);
     for path in candidates(tree) {
-        let Some(text) = coco(tree, path)? else { continue };
+        let text = match coco(tree, path) {
+            Ok(Some(text)) => text,
+            Ok(None) => continue,
+            // It may be about something else.
+            Err(error) => {
+                dataset.faults.add(Fault::new(path, one_line(&error.to_string())));
+                continue;
+            }
+        };
         match examine(tree, path, &text, &mut dataset.faults) {
             Ok((file, last_image)) => {
-                keys.extend(file.keys.iter().map(|(_, key)| key.clone()));
+                keys.extend(file.keys.iter().cloned());
                 last = last.max(last_image);
                 files.push(file);
             }
@@ -111,13 +126,14 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     Ok(())
 }
 
-/// What is known of a picture by its id: its key, if it is in the data set, and its sides, if they are said.
-type Known = (Option<String>, [Option<f64>; 2]);
+/// What is known of a picture by its id: which of those in the data set it is, if it is there, and its sides, NaN where they
+/// are not said.
+type Known = (Option<u32>, [f64; 2]);
 
 /// Finds the pictures of a file, and what is wrong with it; gives the largest id of a picture with it.
 fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> Result<(File, i64), String> {
-    let (mut keys, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<&'a str, Known>::new(), 0);
-    let mut seen = BTreeSet::new();
+    let (mut keys, mut places) = (Vec::<String>::new(), HashMap::<String, u32>::new());
+    let (mut entries, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<&'a str, Known>::new(), 0);
     let [images, annotations] = lists(text).map_err(|error| error.to_string())?;
     let mut see_image = |number: usize, raw: &'a RawValue| {
         let fault = |cause: String| Fault::new(format!("{path}, images[{number}]"), cause);
@@ -133,20 +149,30 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
         };
         let Some(key) = key else {
             faults.add(fault(format!("there is no picture {:?}", image.file_name)));
-            by_id.entry(image.id.get()).or_insert((None, [None; 2]));
+            by_id.entry(image.id.get()).or_insert((None, [f64::NAN; 2]));
             return;
         };
-        if !seen.insert(key.clone()) {
-            faults.add(fault(format!("{key} has an entry already")).of(&key));
-        }
+        let place = match places.get(&key) {
+            Some(place) => {
+                faults.add(fault(format!("{key} has an entry already")).of(&key));
+                *place
+            }
+            None => {
+                let place = u32::try_from(keys.len()).unwrap_or(u32::MAX);
+                places.insert(key.clone(), place);
+                keys.push(key.clone());
+                place
+            }
+        };
         match id(image.id) {
             Ok(id) => last_image = last_image.max(id),
             Err(cause) => faults.add(fault(cause).of(&key)),
         }
-        if by_id.insert(image.id.get(), (Some(key.clone()), [image.width, image.height])).is_some() {
+        let sides = [image.width, image.height].map(|side| side.unwrap_or(f64::NAN));
+        if by_id.insert(image.id.get(), (Some(place), sides)).is_some() {
             faults.add(fault(format!("another picture has its id {}", image.id.get())).of(&key));
         }
-        keys.push((number, key));
+        entries.push((number, place));
     };
     each(images, &mut |number, raw| {
         see_image(number, raw);
@@ -165,7 +191,7 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
         };
         let mut wrong = |cause: String| {
             let fault = fault(cause);
-            faults.add(match key {
+            faults.add(match key.and_then(|place| keys.get(place as usize)) {
                 Some(key) => fault.of(key),
                 None => fault,
             });
@@ -190,7 +216,7 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
     })
     .map_err(|error| error.to_string())?;
     let first_annotation = last_annotation.saturating_add(1);
-    Ok((File { path: path.to_owned(), keys, first_image: 0, first_annotation }, last_image))
+    Ok((File { path: path.to_owned(), keys, entries, first_image: 0, first_annotation }, last_image))
 }
 
 /// Where the picture of a name stands, by the habits of those who write such files.
@@ -219,12 +245,12 @@ fn id(raw: &RawValue) -> Result<i64, String> {
 }
 
 /// What is wrong with a box, where it is not inside its picture.
-fn outside(sides: &[f64], [width, height]: [Option<f64>; 2]) -> Option<String> {
-    let [x, y, w, h] = *sides else {
-        return Some(format!("its box has {} numbers, but a box has 4", sides.len()));
+fn outside(sides: &Sides, [width, height]: [f64; 2]) -> Option<String> {
+    let Sides { first: [x, y, w, h], count: 4 } = *sides else {
+        return Some(format!("its box has {} numbers, but a box has 4", sides.count));
     };
-    let within = |low: f64, length: f64, size: Option<f64>| {
-        low >= -SLACK && length >= 0.0 && size.is_none_or(|size| low + length <= size + SLACK)
+    let within = |low: f64, length: f64, size: f64| {
+        low >= -SLACK && length >= 0.0 && (size.is_nan() || low + length <= size + SLACK)
     };
     (!(within(x, w, width) && within(y, h, height)))
         .then(|| format!("the box {x}, {y}, {w}, {h} is not inside the picture"))
@@ -248,14 +274,13 @@ impl File {
     /// The pictures of which something was made, by their ids.
     fn made_of<'a>(&self, text: &'a str, made: &Made<'_>) -> io::Result<BTreeMap<&'a str, Numbered>> {
         let ([images, _], mut by_id) = (lists(text)?, BTreeMap::new());
-        let mut keys = self.keys.iter().peekable();
+        let mut entries = self.entries.iter().peekable();
         each(images, &mut |place, raw| {
-            let key = keys.next_if(|(own, _)| *own == place);
-            if let (Some((_, key)), Ok(image)) = (key, object::<Image<'_>>(raw.get()))
+            if let Some(key) = self.key_at(place, &mut entries)
                 && let Some((sample, variants)) = made.of(key)
             {
-                let numbers = variants.into_iter().map(|(number, _)| number).collect();
-                by_id.insert(image.id.get(), Numbered { rank: sample.rank, numbers });
+                let numbers = variants.iter().map(|(number, _)| *number).collect();
+                by_id.insert(image_at(place, raw)?.id.get(), Numbered { rank: sample.rank, numbers });
             }
             Ok(())
         })?;
@@ -263,11 +288,11 @@ impl File {
     }
 
     fn write_images(&self, list: &str, made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
-        let (mut keys, mut written) = (self.keys.iter().peekable(), Lines::begin(out)?);
+        let (mut entries, mut written) = (self.entries.iter().peekable(), Lines::begin(out)?);
         entries::items(list, &mut |place, raw| {
-            let key = keys.next_if(|(own, _)| *own == place);
-            let (Some((_, key)), Ok(image)) = (key, object::<Image<'_>>(raw.get())) else { return Ok(()) };
+            let Some(key) = self.key_at(place, &mut entries) else { return Ok(()) };
             let Some((sample, variants)) = made.of(key) else { return Ok(()) };
+            let image = image_at(place, raw)?;
             if made.originals {
                 written.add()?.write_all(raw.get().as_bytes())?;
             }
@@ -322,10 +347,25 @@ impl File {
         written.end()
     }
 
+    /// The picture of an entry of `images`, by those that are left of the entries known.
+    fn key_at(&self, place: usize, left: &mut Peekable<Iter<'_, (usize, u32)>>) -> Option<&String> {
+        let (_, key) = left.next_if(|(own, _)| *own == place)?;
+        self.keys.get(*key as usize)
+    }
+
     /// The id of a variant: the same for any subset of the data set.
     fn image_id(&self, made: &Made<'_>, rank: u64, number: u32) -> i64 {
         nth(self.first_image, i64::try_from(rank).unwrap_or(i64::MAX), made.per_image, number)
     }
+}
+
+/// The entry of a picture, which was read before.
+fn image_at(place: usize, raw: &RawValue) -> io::Result<Image<'_>> {
+    object(raw.get()).map_err(|cause| invalid(format!("images[{place}]: {cause}")))
+}
+
+fn invalid(cause: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, cause)
 }
 
 /// A picture of which something was made: its place in the data set, and the numbers of its variants.
@@ -362,12 +402,15 @@ impl<'o> Lines<'o> {
 fn lists(text: &str) -> io::Result<[Option<&RawValue>; 2]> {
     let [mut images, mut annotations] = [None; 2];
     entries::fields(text, &mut |name, value| {
-        match name {
-            "images" => images = Some(value),
-            "annotations" => annotations = Some(value),
-            _ => {}
+        let list = match name {
+            "images" => &mut images,
+            "annotations" => &mut annotations,
+            _ => return Ok(()),
+        };
+        match list.replace(value) {
+            None => Ok(()),
+            Some(_) => Err(invalid(format!("it has `{name}` twice"))),
         }
-        Ok(())
     })?;
     Ok([images, annotations])
 }
@@ -392,7 +435,7 @@ pub(crate) fn try_parse(text: &str) {
     let (root, reading) = (std::path::PathBuf::new(), ReadOptions::default());
     let tree = Tree { root, files, faults: Faults::default(), reading };
     let Ok((file, _)) = examine(&tree, "instances.json", text, &mut Faults::default()) else { return };
-    let keys: BTreeSet<&String> = file.keys.iter().map(|(_, key)| key).collect();
+    let keys: BTreeSet<&String> = file.keys.iter().collect();
     let samples: Vec<Sample> = keys.into_iter().map(|key| Sample::new(key, Vec::new())).collect();
     let variants = |_| Some(vec![(0, "v.jpg".to_owned())]);
     let made = Made { samples: &samples, variants: &variants, per_image: 1, originals: true };

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Letters of others that are said of a place or a cause; a file may name anything at any length.
+/// Letters of a cause; it may hold texts of others, of any length.
 const MOST_LETTERS: usize = 300;
 
 /// An annotation, or a picture it speaks of, is not as it should be.
@@ -19,7 +19,7 @@ pub struct Fault {
 
 impl Fault {
     pub(super) fn new(place: impl Into<String>, cause: impl Into<String>) -> Self {
-        Self { place: short(place.into()), cause: short(cause.into()), sample: None }
+        Self { place: place.into(), cause: short(cause.into()), sample: None }
     }
 
     /// The fault as one of a sample.

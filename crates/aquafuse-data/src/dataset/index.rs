@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::rc::Rc;
 
-use super::{Sample, coco, split, stem};
+use super::{Sample, coco, join, split, stem};
 use crate::picture::{FileError, ReadOptions, read_beside};
 
 /// A file about all pictures of a data set.
@@ -55,33 +55,23 @@ pub struct Made<'a> {
 impl Made<'_> {
     /// A picture and its variants; none where nothing was made of it.
     pub(super) fn of(&self, key: &str) -> Option<(&Sample, Vec<(u32, String)>)> {
-        let place = self.place(key)?;
+        let place = self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok()?;
         Some((self.samples.get(place)?, (self.variants)(place)?))
     }
 
-    fn place(&self, key: &str) -> Option<usize> {
-        self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok()
+    /// The paths of the variants of pictures whose path without its extension is this.
+    fn of_stem(&self, path: &str) -> Rc<[String]> {
+        let alike = format!("{path}.");
+        let first = self.samples.partition_point(|sample| sample.key.as_str() < alike.as_str());
+        let all = (first..).zip(self.samples.iter().skip(first));
+        let own = all.take_while(|(_, sample)| sample.key.starts_with(&alike));
+        let own = own.filter(|(_, sample)| stem(&sample.key) == path);
+        own.filter_map(|(place, _)| (self.variants)(place)).flatten().map(|(_, path)| path).collect()
     }
 
-    /// The places of the pictures in a folder, by their paths in it without extension.
-    fn by_stem(&self, folder: &str) -> HashMap<&str, Vec<usize>> {
-        let mut found: HashMap<&str, Vec<usize>> = HashMap::new();
-        for (sample, place) in self.samples.iter().zip(0_usize..) {
-            let within = sample.key.strip_prefix(folder).and_then(|within| within.strip_prefix('/'));
-            if let Some(name) = within {
-                found.entry(stem(name)).or_default().push(place);
-            }
-        }
-        found
-    }
-
-    /// The paths of the variants of pictures, each found once: a list may name a picture any number of times.
-    fn paths(&self) -> impl FnMut(usize) -> Rc<[String]> {
-        let mut known: HashMap<usize, Rc<[String]>> = HashMap::new();
-        move |place| {
-            let find = || (self.variants)(place).into_iter().flatten().map(|(_, path)| path).collect();
-            Rc::clone(known.entry(place).or_insert_with(find))
-        }
+    /// The paths of the variants of a picture.
+    fn of_key(&self, key: &str) -> Rc<[String]> {
+        self.of(key).into_iter().flat_map(|(_, variants)| variants).map(|(_, path)| path).collect()
     }
 }
 
@@ -122,24 +112,18 @@ impl Index {
             Self::Carried { .. } => out.write_all(bytes),
             Self::Config { .. } => out.write_all(without_path(&text).as_bytes()),
             Self::Paths { .. } => {
-                let mut paths = made.paths();
+                let mut paths = remembered(|line| made.of_key(&super::inside(line).unwrap_or_default()));
                 lines(&text, made.originals, out, |line, add| {
                     let key = super::inside(line).unwrap_or_default();
                     let folder = line.strip_suffix(&key).unwrap_or_default();
-                    let paths = made.place(&key).map(&mut paths);
-                    paths.iter().flat_map(|paths| paths.iter()).try_for_each(|path| add(&[folder, path]))
+                    paths(line).iter().try_for_each(|path| add(&[folder, path]))
                 })
             }
             Self::Stems { folder, .. } => {
-                let (mut paths, by_stem) = (made.paths(), made.by_stem(folder));
+                let mut paths = remembered(|name| made.of_stem(&join(folder, name)));
                 lines(&text, made.originals, out, |line, add| {
                     let (name, rest) = line.split_at(line.find(char::is_whitespace).unwrap_or(line.len()));
-                    for &place in by_stem.get(name).into_iter().flatten() {
-                        for path in paths(place).iter() {
-                            add(&[stem(split(path).1), rest])?;
-                        }
-                    }
-                    Ok(())
+                    paths(name).iter().try_for_each(|path| add(&[stem(split(path).1), rest]))
                 })
             }
             Self::Coco(file) => file.write_made(&text, made, out),
@@ -147,12 +131,27 @@ impl Index {
     }
 }
 
+/// What is found by a name, found once: a list may name a picture any number of times. What names none is not kept.
+fn remembered<'t>(find: impl Fn(&str) -> Rc<[String]>) -> impl FnMut(&'t str) -> Rc<[String]> {
+    let mut known: HashMap<&str, Rc<[String]>> = HashMap::new();
+    move |name| {
+        if let Some(found) = known.get(name) {
+            return Rc::clone(found);
+        }
+        let found = find(name);
+        if !found.is_empty() {
+            known.insert(name, Rc::clone(&found));
+        }
+        found
+    }
+}
+
 /// Each line, where it stays, and those that stand for its variants, which are given in parts.
-fn lines(
-    text: &str,
+fn lines<'t>(
+    text: &'t str,
     originals: bool,
     out: &mut dyn Write,
-    mut variants: impl FnMut(&str, &mut dyn FnMut(&[&str]) -> io::Result<()>) -> io::Result<()>,
+    mut variants: impl FnMut(&'t str, &mut dyn FnMut(&[&str]) -> io::Result<()>) -> io::Result<()>,
 ) -> io::Result<()> {
     let mut add = |parts: &[&str]| {
         parts.iter().try_for_each(|part| out.write_all(part.as_bytes()))?;

@@ -150,7 +150,10 @@ fn a_file_that_is_no_text_is_a_fault_of_its_picture_and_one_too_large_is_refused
     fs::write(yolo.path().join("labels/a.txt"), b"0 .5 .5 .1 .1 \xe9\n").unwrap();
     fs::write(yolo.path().join("notes.txt"), b"\xe9\n").unwrap();
     let found = opened(&yolo);
-    assert_eq!(faults(&found), ["labels/a.txt: it is no text in UTF-8; save it as one"]);
+    assert_eq!(
+        faults(&found),
+        ["labels/a.txt", "notes.txt"].map(|path| format!("{path}: it is no text in UTF-8; save it as one"))
+    );
     assert!(found.faults.concern("images/a.jpg") && found.samples.len() == 2);
 
     let voc = folder(&[("JPEGImages/a.jpg", "")]);

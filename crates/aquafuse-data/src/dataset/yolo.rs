@@ -84,8 +84,13 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
             dataset.indices.push(Index::Carried { path: path.clone() });
         } else if path.ends_with(".txt") && !owners.contains_key(path) {
             let names_pictures = |line: &str| super::inside(line).is_ok_and(|name| tree.holds(&name));
-            if tree.read(path)?.is_some_and(|text| text.lines().any(names_pictures)) {
-                dataset.indices.push(Index::Paths { path: path.clone() });
+            match tree.read(path)? {
+                Some(text) if text.lines().any(names_pictures) => {
+                    dataset.indices.push(Index::Paths { path: path.clone() });
+                }
+                Some(_) => {}
+                // It may be the list of pictures that the configuration names.
+                None => dataset.faults.add(Fault::new(path, NO_TEXT)),
             }
         }
     }

@@ -20,11 +20,11 @@ const CHANNELS: [&str; 3] = ["Z", "Y", "R"];
 
 /// Attributes of all headers of a file; programs write some tens.
 const MOST_ATTRIBUTES: usize = 10_000;
+/// Bytes of them together; a preview has some tens of thousands.
+const MOST_OF_ATTRIBUTES: u64 = 4 << 20;
 
 pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
-    if count_attributes(&mut reader)? > MOST_ATTRIBUTES {
-        return Err(Fault::TooLarge(format!("its headers have more than {MOST_ATTRIBUTES} attributes")));
-    }
+    check_attributes(&mut reader)?;
     reader.rewind()?;
     let chunks = block::read(reader, false)?;
     for header in chunks.headers() {
@@ -63,41 +63,62 @@ pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<
     Ok(image.layer_data.channel_data.pixels)
 }
 
-/// Counts the attributes of the headers, as far as they go: each takes the decoder a kilobyte, be it of ten bytes.
-fn count_attributes(reader: &mut (impl BufRead + Seek)) -> io::Result<usize> {
-    let (mut start, mut attributes, mut names) = ([0; 8], 0, 0_usize);
+/// Refuses headers of more attributes, or of longer ones, than any program writes: each takes the decoder a kilobyte, be it
+/// of ten bytes, and an empty text in one tenfold its length. What is no header is left to the decoder.
+fn check_attributes(reader: &mut (impl BufRead + Seek)) -> Result<(), Fault> {
+    let (mut start, mut attributes, mut names, mut bytes) = ([0; 8], 0_usize, 0_usize, 0_u64);
     reader.read_exact(&mut start)?;
     let has_parts = start[5] & 0x10 != 0;
-    while attributes <= MOST_ATTRIBUTES {
-        match text_length(reader)? {
-            // An empty name ends a header, and an empty header the last one.
-            Some(0) if !has_parts || names == 0 => break,
-            Some(0) => names = 0,
-            Some(_) => {
-                let mut length = [0; 4];
-                if text_length(reader)?.is_none() || reader.read_exact(&mut length).is_err() {
-                    break;
-                }
-                reader.seek_relative(i32::from_le_bytes(length).max(0).into())?;
-                (attributes, names) = (attributes.saturating_add(1), names.saturating_add(1));
+    loop {
+        // An empty name ends a header, and an empty header the last one.
+        match (reader.fill_buf()?.first(), names) {
+            (Some(0), 0) => return Ok(()),
+            (Some(0), _) if !has_parts => return Ok(()),
+            (Some(0), _) => {
+                reader.consume(1);
+                names = 0;
+                continue;
             }
-            None => break,
+            (Some(_), _) => {}
+            (None, _) => return Ok(()),
         }
+        let mut length = [0; 4];
+        if !pass_text(reader)? || !pass_text(reader)? || reader.read_exact(&mut length).is_err() {
+            return Ok(());
+        }
+        let Ok(length) = u32::try_from(i32::from_le_bytes(length)) else { return Ok(()) };
+        (attributes, names) = (attributes.saturating_add(1), names.saturating_add(1));
+        bytes = bytes.saturating_add(length.into());
+        if attributes > MOST_ATTRIBUTES || bytes > MOST_OF_ATTRIBUTES {
+            return Err(Fault::TooLarge(format!(
+                "its headers have {attributes} attributes of {bytes} bytes or more; {MOST_ATTRIBUTES} of \
+                 {MOST_OF_ATTRIBUTES} are allowed"
+            )));
+        }
+        reader.seek_relative(length.into())?;
     }
-    Ok(attributes)
 }
 
-/// Letters of a text that ends in zero, if it is none of more than 255.
-fn text_length(reader: &mut impl BufRead) -> io::Result<Option<usize>> {
+/// Passes a text as the decoder does: a letter, whatever it is, and all up to the next zero. False where it is none.
+fn pass_text(reader: &mut impl BufRead) -> io::Result<bool> {
     let mut text = Vec::new();
-    reader.take(256).read_until(0, &mut text)?;
-    Ok(text.strip_suffix(&[0]).map(<[u8]>::len))
+    reader.take(1).read_to_end(&mut text)?;
+    reader.take(1 << 10).read_until(0, &mut text)?;
+    Ok(text.len() > 1 && text.ends_with(&[0]))
 }
 
 /// Refuses what would take too much memory, and what is no flat picture.
 fn check(header: &Header, wanted: Wanted) -> Result<(), Fault> {
     if header.deep {
         return Err(Fault::Unsupported("deep data".into(), "Flatten it to one value a pixel"));
+    }
+    // The decoder of DWA makes room for as many numbers as a block says, and a block can say anything.
+    use Compression::{B44, B44A, PIZ, PXR24, RLE, Uncompressed, ZIP1, ZIP16};
+    if !matches!(header.compression, Uncompressed | RLE | ZIP1 | ZIP16 | PIZ | PXR24 | B44 | B44A) {
+        return Err(Fault::Unsupported(
+            format!("numbers compressed as {}", header.compression),
+            "Save it with ZIP, PIZ or no compression",
+        ));
     }
     let whole = |length: usize| length as u64;
     let bytes = whole(header.channels.bytes_per_pixel);

@@ -121,6 +121,22 @@ fn sizes_that_take_too_much_memory_are_refused_from_the_header() {
     assert!(matches!(said, Fault::TooLarge(..)), "{said:?}");
 }
 
+/// Found by fuzzing: a block of some bytes asked for 277 terabytes, which ends the process.
+#[test]
+fn exr_compressed_by_dwa_is_refused() {
+    let whole = file("z.exr", &map(DepthKind::Metres));
+    let at = whole.windows(23).position(|part| part == b"compression\0compression").unwrap() + 24 + 4;
+    for way in [8, 9] {
+        let mut exr = whole.clone();
+        exr[at] = way;
+        let said = decoded(&exr).unwrap_err();
+        assert!(
+            matches!(&said, Fault::Unsupported(found, _) if found.contains("compressed as dwa")),
+            "{said:?}"
+        );
+    }
+}
+
 #[test]
 fn headers_of_more_attributes_than_any_program_writes_are_refused_unread() {
     let whole = file("z.exr", &map(DepthKind::Metres));
@@ -138,7 +154,12 @@ fn headers_of_more_attributes_than_any_program_writes_are_refused_unread() {
         [head, &attributes, &rest].concat()
     };
     assert_eq!(decoded(&with(100)).unwrap(), decoded(&whole).unwrap());
-    let said = decoded(&with(20_000)).unwrap_err();
+    let mut hidden = with(20_000);
+    let said = decoded(&hidden).unwrap_err();
+    assert!(matches!(&said, Fault::TooLarge(cause) if cause.contains("attributes")), "{said:?}");
+    // To the decoder the first letter of a text is never its end.
+    hidden.splice(8..8, *b"a\0\0k\0\x04\0\0\0four");
+    let said = decoded(&hidden).unwrap_err();
     assert!(matches!(&said, Fault::TooLarge(cause) if cause.contains("attributes")), "{said:?}");
 }
 

@@ -96,3 +96,33 @@ fn limits_hold_for_pairs_and_a_map_of_another_size_is_not_decoded() {
     let other = read(&ReadOptions::default());
     assert!(other.contains("4000") && other.contains("40"), "{other}");
 }
+
+/// Of memory for one pair more threads read one after the other; what comes out is the same. The pictures are large enough for
+/// work on one to be shared between the threads of a pool.
+#[test]
+fn pairs_are_gathered_in_their_order_within_memory_for_one() {
+    use aquafuse::truth::{Scene, Size, waters};
+    let folder = tempfile::tempdir().unwrap();
+    let size = Size { width: 512, height: 384 };
+    let pairs: Vec<Pair> = (0..4)
+        .map(|seed| {
+            let (scene, path) =
+                (Scene::new(seed, size), |name: &str| folder.path().join(format!("{seed}{name}")));
+            let image = scene.seen_through(&waters()[0].water).to_samples::<u8>();
+            let picture = Picture::new(image);
+            picture.write(&path(".png"), &crate::picture::WriteOptions::default()).unwrap();
+            tiff_of_floats(&path(".tiff"), 512, &scene.depth.distances());
+            Pair { name: seed.to_string(), rgb: path(".png"), depth: path(".tiff") }
+        })
+        .collect();
+    let one = pairs.iter().map(|pair| Picture::open(&pair.rgb, &ReadOptions::default()).unwrap().memory());
+    let tight = ReadOptions { most_memory: one.max().unwrap(), ..ReadOptions::default() };
+    let scores = |threads: usize, reading: &ReadOptions| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let gathered =
+            pool.install(|| gather(&pairs, SuppliedKind::Metres, Options::default(), reading, &|_| {}));
+        assert_eq!(gathered.names, ["0", "1", "2", "3"]);
+        gathered.fitter.rank_scores(&aquafuse::depth::Eq3::OURS)
+    };
+    assert_eq!(scores(4, &tight), scores(1, &ReadOptions::default()));
+}

@@ -116,7 +116,7 @@ fn check(header: &Header, wanted: Wanted) -> Result<(), Fault> {
     use Compression::{B44, B44A, PIZ, PXR24, RLE, Uncompressed, ZIP1, ZIP16};
     if !matches!(header.compression, Uncompressed | RLE | ZIP1 | ZIP16 | PIZ | PXR24 | B44 | B44A) {
         return Err(Fault::Unsupported(
-            format!("numbers compressed as {}", header.compression),
+            format!("numbers in {}", header.compression),
             "Save it with ZIP, PIZ or no compression",
         ));
     }

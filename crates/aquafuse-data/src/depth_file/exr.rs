@@ -90,10 +90,10 @@ fn check_attributes(reader: &mut (impl BufRead + Seek)) -> Result<(), Fault> {
         (attributes, names) = (attributes.saturating_add(1), names.saturating_add(1));
         bytes = bytes.saturating_add(length.into());
         if attributes > MOST_ATTRIBUTES || bytes > MOST_OF_ATTRIBUTES {
-            return Err(Fault::TooLarge(format!(
-                "its headers have {attributes} attributes of {bytes} bytes or more; {MOST_ATTRIBUTES} of \
-                 {MOST_OF_ATTRIBUTES} are allowed"
-            )));
+            return Err(Fault::Unsupported(
+                format!("headers of {attributes} attributes and {bytes} bytes or more"),
+                "Save it again with the one channel that is depth and nothing else",
+            ));
         }
         reader.seek_relative(length.into())?;
     }

@@ -6,7 +6,9 @@ use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
 use aquafuse::formation::form;
 use aquafuse::image::{Encoded, Image, Linear};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::picture::{FileError, Format, Pixels, WRITTEN, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::picture::{
+    FileError, Format, Picture, Pixels, WRITTEN, WriteOptions, remove_stale_parts, shown,
+};
 use aquafuse_data::treatment::Space;
 use clap::Args;
 
@@ -15,6 +17,9 @@ use crate::depth_arguments::{kind, turned_round};
 use crate::failure::Failure;
 use crate::output;
 use crate::water_argument::{WaterArguments, WaterSource};
+
+/// Bytes of a pixel that is lit, formed and encoded in floats, beside what is read and written.
+const BYTES_OF_FLOATS: u64 = 56;
 
 const HELP: &str = "\
 Eq. 1 of the paper, U = I e^(-beta_D z) + B_inf (1 - e^(-beta_B z)), at every pixel. With a
@@ -68,12 +73,14 @@ impl Simulate {
     fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
         let written = Format::written(&self.output);
         let unknown = || FileError::UnknownExtension { path: self.output.clone(), expected: WRITTEN };
-        written.ok_or_else(unknown)?;
+        let format = written.ok_or_else(unknown)?;
         if !self.overwrite && self.output.symlink_metadata().is_ok() {
             return Err(FileError::Exists { path: self.output.clone() }.into());
         }
         let water = WaterSource::parse(&self.water)?;
-        let mut picture = common.reading.read(&self.image)?;
+        let opened = Picture::open(&self.image, &common.reading.options())?;
+        opened.memory_until_written(format, opened.pixels().saturating_mul(BYTES_OF_FLOATS))?;
+        let mut picture = opened.decode()?;
         let supplied = DepthSource::Supplied { path: self.depth.clone(), kind: self.depth_kind };
         let found = analyse::<E>(&picture, &supplied)?;
         let file = self.waters.read::<E>(&water, DepthModel::default(), &common.reading)?;

@@ -106,6 +106,25 @@ fn limits_are_obeyed_and_can_be_raised() {
         );
     }
     run.ok(&["inspect", "water.png", "--max-pixels", "6144", "--max-memory", "17MiB"]);
+
+    // What a strip and a picture in floats take beside the picture itself is counted too.
+    let large = Scene::new(9, Size { width: 600, height: 400 });
+    Picture::new(large.clear.to_samples::<u8>())
+        .write(&run.path("large.png"), &WriteOptions::default())
+        .unwrap();
+    run.ok(&["depth", "large.png", "-o", "z.png", "--max-memory", "28MiB"]);
+    let values = ["theta=0,5,10,15,20,25,30,35,40,45,50,55,60,65,70,75", "theta=0,5"];
+    let sweep = |values| {
+        ["fuse", "large.png", "water.png", "-o", "s.png", "--max-memory", "28MiB", "--sweep", values]
+    };
+    let simulate =
+        ["simulate", "large.png", "z.png", "preset:jerlov-3C", "-o", "d.png", "--depth-kind", "relative"];
+    for refused in [&sweep(values[0])[..], &[&simulate[..], &["--max-memory", "28MiB"]].concat()] {
+        let said = run.fails(1, refused).stderr;
+        assert!(said.contains("large.png") && said.contains("--max-memory"), "{said}");
+    }
+    run.ok(&sweep(values[1]));
+    run.ok(&simulate);
 }
 
 #[test]

@@ -141,6 +141,20 @@ fn what_else_stands_among_cameras_is_passed_over() {
 }
 
 #[test]
+fn two_cameras_of_one_picture_are_refused() {
+    let run = Run::new();
+    reef(&run);
+    fs::remove_dir_all(run.path("reef/sparse")).unwrap();
+    let frame =
+        "{\"file_path\": \"images/a.png\", \"transform_matrix\": [[1,0,0,2],[0,1,0,3],[0,0,1,4],[0,0,0,1]]}";
+    let frames = vec![frame; 100_000].join(",");
+    let text = format!("{{\"camera_angle_x\": 1.5, \"w\": 64, \"h\": 48, \"frames\": [{frames}]}}");
+    fs::write(run.path("reef/transforms.json"), text).unwrap();
+    let said = within_bounds(&run, 1, &["scene", "train", "reef", "-o", "reef.ply"]);
+    assert!(said.contains("transforms.json: it has two cameras of images/a.png"), "{said}");
+}
+
+#[test]
 fn a_depth_model_longer_than_any_is_none() {
     let run = data();
     let text = format!("schema = 1\nx=[{}]\n", "{a=0},".repeat(650_000));

@@ -52,7 +52,10 @@ impl From<std::io::Error> for Fault {
     fn from(error: std::io::Error) -> Self {
         match error.kind() {
             std::io::ErrorKind::UnexpectedEof => Self::Damaged("it ends too early".into()),
-            std::io::ErrorKind::InvalidData => Self::Damaged(error.to_string()),
+            // What unpacks says the latter, and so does the system of a place in a file that is none.
+            std::io::ErrorKind::InvalidData | std::io::ErrorKind::InvalidInput => {
+                Self::Damaged(error.to_string())
+            }
             _ => Self::Read(error),
         }
     }

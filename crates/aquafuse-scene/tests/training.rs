@@ -97,6 +97,15 @@ fn neither_threads_nor_a_stop_change_a_bit() {
         |options, bytes: &[u8]| Trainer::resume(options, place.shots(&pictures), bytes).unwrap_err();
     assert_eq!(refused(options(241), &kept), CheckpointError::OtherOptions);
     assert_eq!(refused(options(240), b"splats"), CheckpointError::Unknown);
+    // The step stands behind mark, options and pictures; the first splat behind it, chance, the views to come, the degree.
+    let length = |at: usize| u64::from_le_bytes(kept[at..at + 8].try_into().unwrap()) as usize;
+    let step = 16 + 8 + length(16) + 8;
+    let splat = step + 4 + 8 + 8 + 4 * length(step + 12) + 1 + 8;
+    for (at, lie) in [(step, [0xff; 4]), (splat, f32::NAN.to_le_bytes())] {
+        let mut changed = kept.clone();
+        changed[at..at + 4].copy_from_slice(&lie);
+        assert!(matches!(refused(options(240), &changed), CheckpointError::Damaged { .. }), "{at}");
+    }
     for end in (16..kept.len()).step_by(kept.len() / 60) {
         assert!(matches!(refused(options(240), &kept[..end]), CheckpointError::Damaged { .. }), "{end}");
     }

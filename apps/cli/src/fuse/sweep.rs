@@ -8,7 +8,7 @@ use aquafuse::image::Image;
 use aquafuse::waterbody::Estimate;
 use aquafuse_data::analysis::analyse;
 use aquafuse_data::job::Item;
-use aquafuse_data::picture::{Picture, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::picture::{Format, Picture, WriteOptions, remove_stale_parts, shown};
 use aquafuse_data::sheet::{Cell, lay_out};
 use aquafuse_data::treatment::{Space, Treatment};
 
@@ -88,11 +88,16 @@ impl Sweep {
                 "--sweep makes a strip of one picture; name one, not a folder"
             )));
         };
-        let content = common.reading.read(&item.input)?;
+        let steps = self.steps(settings.options);
+        let opened = Picture::open(&item.input, &common.reading.options())?;
+        // The content and each picture of the strip, in bytes, and two that are turned and scaled.
+        let cells = 3_u64.saturating_mul(opened.pixels()).saturating_mul(steps.len() as u64 + 3);
+        opened.memory_until_written(Format::written(&item.output).unwrap_or(Format::Png), cells)?;
+        let content = opened.decode()?;
         let found = analyse::<E>(&content, &item.depth)?;
         let seen = |picture: Picture| picture.upright().pixels.into_bytes();
         let mut cells = vec![Cell { caption: "content".into(), image: Some(seen(content.clone())) }];
-        for (caption, options) in self.steps(settings.options) {
+        for (caption, options) in steps {
             let mut fused = content.clone();
             let treatment = Treatment::Fuse { reference: *reference, options };
             treatment.apply(&mut fused.pixels, &found).map_err(Failure::work)?;

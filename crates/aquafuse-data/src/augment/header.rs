@@ -46,7 +46,7 @@ pub(super) struct Settings {
 }
 
 /// A number that is one in 32 bits too.
-pub(super) fn finite<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+fn finite<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     let number = f32::deserialize(from)?;
     if number.is_finite() { Ok(number) } else { Err(D::Error::custom("a number is too large")) }
 }

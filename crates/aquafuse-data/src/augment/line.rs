@@ -1,9 +1,11 @@
 //! The lines of a manifest.
 
+use aquafuse::fusion::{Gain, Incidence};
 use aquafuse::waterbody::Reason;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
-use super::header::{Header, finite};
+use super::header::Header;
 
 /// A file that was written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +38,17 @@ macro_rules! lists {
 
 lists!(Written, Variant, Original, Container);
 
+/// An angle of incidence, in degrees.
+fn angle<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+    let degrees = f32::deserialize(from)?;
+    Incidence::from_degrees(degrees).map(Incidence::degrees).map_err(D::Error::custom)
+}
+
+fn gain<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+    let number = f32::deserialize(from)?;
+    Gain::new(number).map(Gain::get).map_err(D::Error::custom)
+}
+
 /// A variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Variant {
@@ -43,9 +56,9 @@ pub(super) struct Variant {
     pub(super) number: u32,
     /// Which of the header's waters.
     pub(super) water: usize,
-    #[serde(deserialize_with = "finite")]
+    #[serde(deserialize_with = "angle")]
     pub(super) theta: f32,
-    #[serde(deserialize_with = "finite")]
+    #[serde(deserialize_with = "gain")]
     pub(super) alpha: f32,
     pub(super) source: Source,
     /// What the picture's own estimate is worth.

@@ -416,10 +416,14 @@ fn a_manifest_with_a_number_too_large_for_its_settings_is_none() {
     run(&job(&root, &out));
     let path = out.join("manifest.jsonl");
     let text = fs::read_to_string(&path).unwrap();
-    for (from, line) in [("\"most_gain\":2.0", 1), ("\"theta\":", 3)] {
+    for (from, large, line) in [
+        ("\"most_gain\":2.0", "\"most_gain\":1e39", 1),
+        ("\"theta\":", "\"theta\":1e39,\"was\":", 3),
+        ("\"theta\":", "\"theta\":91,\"was\":", 3),
+        ("\"alpha\":", "\"alpha\":-1,\"was\":", 3),
+    ] {
         let at = text.find(from).unwrap();
         let end = at + from.len();
-        let large = if line == 1 { "\"most_gain\":1e39" } else { "\"theta\":1e39,\"was\":" };
         fs::write(&path, format!("{}{large}{}", &text[..at], &text[end..])).unwrap();
         let refused = verify(&out, None).unwrap_err();
         assert!(matches!(refused, AugmentError::Manifest { line: told, .. } if told == line), "{refused}");

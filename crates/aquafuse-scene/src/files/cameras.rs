@@ -2,6 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use aquafuse_data::picture::shown;
+
 use super::{SceneFileError, bytes, colmap_binary, colmap_text, transforms};
 use crate::camera::Camera;
 use crate::lens::Lens;
@@ -47,7 +49,7 @@ pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
             continue;
         };
         cameras.taken.sort_by(|a, b| a.name.cmp(&b.name));
-        return checked(Cameras { model: PathBuf::from(place), ..cameras }, folder);
+        return checked(Cameras { model: PathBuf::from(place), ..cameras }, &model);
     }
     let path = folder.join("transforms.json");
     if !path.is_file() {
@@ -55,13 +57,19 @@ pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
     }
     let mut taken = transforms::read(&path, &bytes::read(&path)?)?;
     taken.sort_by(|a, b| a.name.cmp(&b.name));
-    checked(Cameras { taken, points: Vec::new(), model: PathBuf::new() }, folder)
+    checked(Cameras { taken, points: Vec::new(), model: PathBuf::new() }, &path)
 }
 
-fn checked(cameras: Cameras, folder: &Path) -> Result<Cameras, SceneFileError> {
+fn checked(cameras: Cameras, path: &Path) -> Result<Cameras, SceneFileError> {
     if cameras.taken.is_empty() {
         let cause = "no picture has a pose. Run structure from motion on more, or on sharper, pictures";
-        return Err(SceneFileError::content(&folder.join(&cameras.model), cause));
+        return Err(SceneFileError::content(path, cause));
+    }
+    // They are sorted by name.
+    let mut next = cameras.taken.iter().zip(cameras.taken.iter().skip(1));
+    if let Some((one, _)) = next.find(|(one, next)| one.name == next.name) {
+        let cause = format!("it has two cameras of {}. Leave one of them out", shown(&one.name));
+        return Err(SceneFileError::content(path, cause));
     }
     Ok(cameras)
 }

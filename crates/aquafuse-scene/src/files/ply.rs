@@ -90,6 +90,18 @@ fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {
             return Err(SceneFileError::content(path, cause));
         }
     }
+    for (property, number) in header.properties.iter().zip(0_usize..) {
+        let is_wanted = goes(&property.name).is_some();
+        if is_wanted && !matches!(property.kind, Kind::Float | Kind::Double) {
+            let cause =
+                format!("its property {:?} is of whole numbers, and splats have floats", property.name);
+            return Err(SceneFileError::content(path, cause));
+        }
+        if is_wanted && header.properties.iter().take(number).any(|other| other.name == property.name) {
+            let cause = format!("it has the property {:?} twice", property.name);
+            return Err(SceneFileError::content(path, cause));
+        }
+    }
     let places: Vec<(Kind, Option<usize>)> =
         header.properties.iter().map(|property| (property.kind, goes(&property.name))).collect();
 
@@ -292,6 +304,16 @@ mod tests {
             }
         }
         assert_eq!(parse(Path::new("a.ply"), &file).unwrap(), splats);
+    }
+
+    #[test]
+    fn a_property_of_splats_is_of_floats_and_stands_once() {
+        let whole = String::from_utf8_lossy(&ply_bytes(&some(0))).into_owned();
+        let of = |from: &str, to: &str| {
+            parse(Path::new("a.ply"), whole.replace(from, to).as_bytes()).unwrap_err().to_string()
+        };
+        assert!(of("float opacity", "int opacity").contains("\"opacity\" is of whole numbers"));
+        assert!(of("float nx", "float x").contains("the property \"x\" twice"));
     }
 
     #[test]

@@ -81,11 +81,20 @@ impl Trainer {
         }
         let state = reader.state()?;
         let views = shots.len();
-        if !reader.rest.is_empty() || state.queue.iter().any(|&view| view as usize >= views) {
+        let is_of_views = state.queue.iter().all(|&view| (view as usize) < views);
+        if !reader.rest.is_empty() || !is_of_views || state.step > options.iterations || !is_finite(&state) {
             return Err(reader.damaged());
         }
         Ok(Self::at(options, shots, state))
     }
+}
+
+/// Whether all of it are numbers: no step makes others, and they would spread.
+fn is_finite(state: &State) -> bool {
+    let all = |list: &[f32]| list.iter().all(|value| value.is_finite());
+    let moments = |moments: &Moments| all(&moments.first) && all(&moments.second);
+    let water = state.water.as_ref().is_none_or(|(water, of)| all(&water.raw) && moments(of));
+    all(state.splats.rows()) && moments(&state.moments) && all(&state.density.drift) && water
 }
 
 fn options_text(options: &Options) -> String {

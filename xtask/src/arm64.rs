@@ -49,7 +49,7 @@ fn test(toolchain: &Toolchain) -> Result<()> {
 }
 
 /// Instructions of one frame, beside what the paper says of a Raspberry Pi 4, into a page.
-pub(crate) fn write_instructions(page: &str, pictures: &Path, published: &str) -> Result<()> {
+pub(crate) fn write_instructions(page: &str, images: &Path, published: &str) -> Result<()> {
     let text = match Toolchain::set_up() {
         Err(error) => format!("Not counted: {error:#}.\n"),
         Ok(toolchain) => {
@@ -57,7 +57,7 @@ pub(crate) fn write_instructions(page: &str, pictures: &Path, published: &str) -
             let build = ["build", "--release", "--quiet", "--locked", "--package", "aquafuse"];
             let example = ["--example", "kernels", "--no-default-features", "--features", "simd"];
             call(toolchain.cargo(&[&build[..], &example].concat()))?;
-            let [one, two] = [1, 2].map(|frames| executed(&toolchain, pictures, frames));
+            let [one, two] = [1, 2].map(|frames| executed(&toolchain, images, frames));
             format!(
                 "| instructions of a frame of 256 x 256, cached, Cortex-A72 emulated | published, other machine: Raspberry Pi 4 |\n\
                  |---|---|\n| {:.1} million | {published} |\n",
@@ -70,10 +70,10 @@ pub(crate) fn write_instructions(page: &str, pictures: &Path, published: &str) -
 }
 
 /// Instructions of the whole program: the emulator names each before it is executed.
-fn executed(toolchain: &Toolchain, pictures: &Path, frames: u64) -> Result<u64> {
+fn executed(toolchain: &Toolchain, images: &Path, frames: u64) -> Result<u64> {
     let program = built().join(TARGET).join("release/examples/kernels");
     let mut traced = toolchain.emulator(&["-singlestep", "-d", "exec,nochain"]);
-    traced.arg(program).arg("frame").arg(pictures.join("blue.ppm")).arg(frames.to_string());
+    traced.arg(program).arg("frame").arg(images.join("blue.ppm")).arg(frames.to_string());
     let mut child = traced.stderr(Stdio::piped()).spawn().context("cannot start the emulator")?;
     let mut count = 0;
     if let Some(stderr) = child.stderr.take() {

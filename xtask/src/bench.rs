@@ -14,7 +14,7 @@ use crate::results::write_section;
 use crate::setup::Tools;
 use crate::shell::{cargo, command, output, run as call, say};
 use published::Published;
-use rivals::{OTHERS, Others, pictures};
+use rivals::{OTHERS, Others, images};
 use turns::{TURNS, Turns};
 
 const PAGE: &str = "BENCHMARKS.md";
@@ -48,7 +48,7 @@ pub(crate) fn run(tools: &Tools, parts: &[&str]) -> Result<()> {
             "others" => others()?,
             "scaling" => scaling()?,
             "footprint" => footprint::write(PAGE)?,
-            _ => crate::arm64::write_instructions(PAGE, &pictures((256, 256))?, &published()?)?,
+            _ => crate::arm64::write_instructions(PAGE, &images((256, 256))?, &published()?)?,
         }
     }
     Ok(())
@@ -61,11 +61,11 @@ fn frames(tools: &Tools) -> Result<()> {
     let mut machine = None;
     for size @ (width, height) in SIZES {
         say(&format!("{width} x {height}"));
-        let (pictures, frames) = (pictures(size)?, frames_of(size));
+        let (images, frames) = (images(size)?, frames_of(size));
         let (mut ours, mut theirs) = (Turns::default(), Turns::default());
         for _ in 0..TURNS {
             machine = Some(ours::turn(&mut ours, size, &frames, ours::ALL)?);
-            rivals::pipeline(tools, &mut theirs, &pictures, &frames)?;
+            rivals::pipeline(tools, &mut theirs, &images, &frames)?;
         }
         for (case, reference, smoothing) in CASES {
             let (our, their) = (ours.median(case), theirs.median(case));
@@ -96,15 +96,15 @@ fn frames(tools: &Tools) -> Result<()> {
     write_section(PAGE, "restored", &format!("{head}{restored}"))
 }
 
-/// What others do to a picture, at the largest size of the paper.
+/// What others do to an image, at the largest size of the paper.
 fn others() -> Result<()> {
     say("Other programs");
     let rivals = Others::set_up()?;
-    let (pictures, frames) = (pictures(FULL_HD)?, frames_of(FULL_HD));
+    let (images, frames) = (images(FULL_HD)?, frames_of(FULL_HD));
     let (mut ours, mut theirs) = (Turns::default(), Turns::default());
     for _ in 0..TURNS {
         ours::turn(&mut ours, FULL_HD, &frames, ours::CACHED)?;
-        rivals.turn(&mut theirs, &pictures)?;
+        rivals.turn(&mut theirs, &images)?;
     }
     let mut table =
         String::from("| program | ms | beside ours | ms | times as fast |\n|---|---|---|---|---|\n");

@@ -1,4 +1,4 @@
-//! `cargo xtask corpus`: the examples that fuzzing starts from and the tests replay, made anew.
+//! `cargo xtask corpus`: the examples that fuzzing starts from and the tests replay, made again.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,13 +12,13 @@ use crate::shell::{cargo, root, run, say};
 const MOST_BYTES: u64 = 2048;
 /// Where the files of the generator go, by role and extension.
 const TARGETS: [(&str, &str, &str); 12] = [
-    ("picture", "bmp", "bmp"),
-    ("picture", "gif", "gif"),
-    ("picture", "jpg", "jpeg"),
-    ("picture", "png", "png"),
-    ("picture", "tif", "tiff"),
-    ("picture", "tiff", "tiff"),
-    ("picture", "webp", "webp"),
+    ("image", "bmp", "bmp"),
+    ("image", "gif", "gif"),
+    ("image", "jpg", "jpeg"),
+    ("image", "png", "png"),
+    ("image", "tif", "tiff"),
+    ("image", "tiff", "tiff"),
+    ("image", "webp", "webp"),
     ("depth", "exr", "depth-exr"),
     ("depth", "npy", "depth-npy"),
     ("depth", "pfm", "depth-pfm"),
@@ -74,7 +74,7 @@ const TEXTS: [(&str, &str, &str); 7] = [
 ];
 
 pub(crate) fn run_all() -> Result<()> {
-    say("Making the corpus of fuzz/ anew");
+    say("Making the corpus of fuzz/ again");
     let made = root().join("target/corpus");
     let arguments =
         ["run", "--release", "--quiet", "--package", "aquafuse-data", "--example", "hostile_files", "--"];
@@ -101,7 +101,7 @@ pub(crate) fn run_all() -> Result<()> {
     for (target, name, text) in TEXTS {
         add(&corpus, target, name, text.as_bytes())?;
     }
-    let shard = [member("a.jpg", b"no picture"), member("a.txt", b"0"), vec![0; 1024]].concat();
+    let shard = [member("a.jpg", b"no image"), member("a.txt", b"0"), vec![0; 1024]].concat();
     add(&corpus, "dataset-shards", "a.tar", &shard)?;
     let arguments = ["run", "--release", "--quiet", "--package", "aquafuse-data", "--features", "parquet"];
     let example = ["--example", "small_table", "--", &made.to_string_lossy()];

@@ -1,4 +1,4 @@
-//! `cargo xtask helps`: whether a network learns more from a data set that was multiplied, tried in a water it has not seen.
+//! `cargo xtask helps`: whether a network learns more from a dataset that was multiplied, tried in a water it has not seen.
 
 use std::fs;
 

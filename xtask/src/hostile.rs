@@ -73,7 +73,7 @@ impl Stage {
         let mut runner = Runner::new(LIMITS)?;
         let mut seen = Vec::new();
         for trial in trials {
-            let rivals = if trial.role == Role::Picture { &[false, true][..] } else { &[false] };
+            let rivals = if trial.role == Role::Image { &[false, true][..] } else { &[false] };
             for &is_rival in rivals {
                 let (outcome, tally) = self.one(&mut runner, trial, is_rival)?;
                 if tally.faults.iter().any(|count| *count > 0) {
@@ -97,7 +97,7 @@ impl Stage {
         let ours = |content| [fuse, content, &self.water, to, &output, threads, one, model, physical];
         let outcome = match (is_rival, trial.role) {
             (true, _) => runner.run(&self.rival, &[file, &output])?,
-            (false, Role::Picture) => runner.run(&self.ours, &ours(file))?,
+            (false, Role::Image) => runner.run(&self.ours, &ours(file))?,
             (false, Role::Depth) => runner
                 .run(&self.ours, &[&ours(&self.good)[..], &[depth, file, depth_kind, metres]].concat())?,
         };

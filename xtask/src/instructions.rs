@@ -21,7 +21,7 @@ const MARGIN: f64 = 1.08;
 /// Instructions of one call, by kernel and level.
 type Counts = BTreeMap<(String, String), u64>;
 
-/// `cargo xtask instructions`: counts and writes the ceilings anew.
+/// `cargo xtask instructions`: counts and writes the ceilings again.
 pub(crate) fn renew() -> Result<()> {
     if let Some(why) = obstacle() {
         bail!("cannot count instructions: {why}");
@@ -29,7 +29,7 @@ pub(crate) fn renew() -> Result<()> {
     let counts = count()?;
     let [rust, valgrind] = ["rustc", "valgrind"].map(version);
     let mut table = format!(
-        "# Instructions of one call on a picture of 256 x 256, by {valgrind}, built by {rust}.\n\
+        "# Instructions of one call on an image of 256 x 256, by {valgrind}, built by {rust}.\n\
          # `cargo xtask instructions` writes this file; `cargo xtask test` allows {:.0} % more.\n\
          kernel\tplain\tavx2\n",
         100.0 * (MARGIN - 1.0)
@@ -103,7 +103,7 @@ fn count() -> Result<Counts> {
     Ok(counts)
 }
 
-/// The example that runs a kernel, and the picture it runs on.
+/// The example that runs a kernel, and the image it runs on.
 fn build(features: &[&str], folder: &Path) -> Result<PathBuf> {
     let examples = ["--example", "kernels", "--example", "scene", "--no-default-features"];
     let build = ["build", "--release", "--quiet", "--locked", "--package", "aquafuse"];

@@ -29,12 +29,12 @@ cargo xtask COMMAND
   truth      how much of the true change is made on scenes of known truth, into docs/results.md
   readings   what each way to read the paper does to the scores, into docs/method.md
   depth      how well depth from colour agrees with measured depth, into docs/results.md
-  published  real pictures scored beside the paper's tables and other methods, into docs/results.md
+  published  real images scored beside the paper's tables and other methods, into docs/results.md
   hostile    hundreds of bad files given to the command and to a rival, into docs/results.md
-  memory     [PICTURES] what a run over 1,000 pictures of 24 megapixels holds, into docs/results.md
-  multiply   [PICTURES] a data set of 10,000 small pictures multiplied, and killed 50 times, into docs/results.md
-  helps      whether a small network learns more from a data set multiplied, into docs/results.md
-  corpus     the examples that fuzzing starts from, made anew
+  memory     [PICTURES] what a run over 1,000 images of 24 megapixels holds, into docs/results.md
+  multiply   [PICTURES] a dataset of 10,000 small images multiplied, and killed 50 times, into docs/results.md
+  helps      whether a small network learns more from a dataset multiplied, into docs/results.md
+  corpus     the examples that fuzzing starts from, made again
   soak       [MINUTES] [PARSERS] every parser fuzzed, each law tried on 100,000 cases, and a folder's job killed 1,000 times,
              into docs/results.md; where parsers are named, those are fuzzed and nothing else is done
   scene      splats trained on a truth scene, with the water inside, and scenes beside themselves fused, into
@@ -44,7 +44,7 @@ cargo xtask COMMAND
   bench      [PARTS] whole frames against the same in OpenCV, and others, into BENCHMARKS.md; parts are frames, others,
              scaling, footprint, arm64
 
-Tests on real pictures look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
+Tests on real images look for them in the folder AQUAFUSE_TEST_DATA and say so when they skip.
 Tools are kept in AQUAFUSE_CACHE (default ~/.cache/aquafuse), Python packages under target/.
 ";
 
@@ -60,12 +60,12 @@ fn main() -> ExitCode {
         ["readings"] => results::readings(),
         ["hostile"] => hostile::run(),
         ["memory"] => memory::run_with(memory::PICTURES),
-        ["memory", pictures] if pictures.parse::<usize>().is_ok_and(|count| count > 0) => {
-            memory::run_with(pictures.parse().unwrap_or(memory::PICTURES))
+        ["memory", images] if images.parse::<usize>().is_ok_and(|count| count > 0) => {
+            memory::run_with(images.parse().unwrap_or(memory::PICTURES))
         }
         ["multiply"] => multiply::run_with(multiply::PICTURES),
-        ["multiply", pictures] if pictures.parse::<usize>().is_ok_and(|count| count >= 10) => {
-            multiply::run_with(pictures.parse().unwrap_or(multiply::PICTURES))
+        ["multiply", images] if images.parse::<usize>().is_ok_and(|count| count >= 10) => {
+            multiply::run_with(images.parse().unwrap_or(multiply::PICTURES))
         }
         ["helps"] => helps::run_all(),
         ["corpus"] => corpus::run_all(),

@@ -1,4 +1,4 @@
-//! `cargo xtask multiply`: a data set of many small pictures multiplied, against reading and writing alone; killed and
+//! `cargo xtask multiply`: a dataset of many small images multiplied, against reading and writing alone; killed and
 //! gone on with.
 
 use std::fmt::Write;
@@ -12,14 +12,14 @@ use crate::runner::{End, Limits, Outcome, Runner};
 use crate::shell::{cargo, output, root, run, say};
 
 pub(crate) const PICTURES: usize = 10_000;
-/// Variants of each picture.
+/// Variants of each image.
 const TIMES: &str = "2";
 const TURNS: usize = 3;
 const KILLS: &str = "50";
 const LIMITS: Limits = Limits { seconds: 7200, address_space: 16 << 20 };
 
-pub(crate) fn run_with(pictures: usize) -> Result<()> {
-    say("Building the command, and small pictures");
+pub(crate) fn run_with(image_files: usize) -> Result<()> {
+    say("Building the command, and small images");
     run(cargo(&["build", "--release", "--quiet", "--package", "aquafuse-cli"]))?;
     let build =
         ["build", "--release", "--quiet", "--package", "aquafuse-data", "--example", "small_data_set"];
@@ -27,16 +27,16 @@ pub(crate) fn run_with(pictures: usize) -> Result<()> {
     let example = root().join("target/release/examples/small_data_set");
     let mut runner = Runner::new(LIMITS)?;
     let mut table = String::from(
-        "| pictures of 160 x 120 | variants | pictures written a second | of reading and writing alone | peak memory, MiB |\n\
+        "| images of 160 x 120 | variants | images written a second | of reading and writing alone | peak memory, MiB |\n\
          |---|---|---|---|---|\n",
     );
-    for count in [pictures / 10, pictures] {
+    for count in [image_files / 10, image_files] {
         let folder = root().join("target/multiply").join(count.to_string());
         if folder.exists() {
             fs::remove_dir_all(&folder)?;
         }
         finished(runner.run(&example, &["make".as_ref(), &folder, count.to_string().as_ref()])?)?;
-        say(&format!("Multiplying {count} pictures, {TURNS} turns"));
+        say(&format!("Multiplying {count} images, {TURNS} turns"));
         let mut ratios = Vec::new();
         let (mut rate, mut peak) = (0.0_f64, 0.0_f64);
         for _ in 0..TURNS {
@@ -64,7 +64,7 @@ fn augment(runner: &mut Runner, folder: &Path) -> Result<Outcome> {
     finished(runner.run(&program, &[&paths[..], &options].concat())?)
 }
 
-/// The same pictures read and written as often, and nothing else.
+/// The same images read and written as often, and nothing else.
 fn plain(runner: &mut Runner, example: &Path, folder: &Path) -> Result<Outcome> {
     let (images, again) = (folder.join("set/images"), folder.join("again"));
     clear(&again)?;

@@ -21,17 +21,17 @@ pub(crate) fn truth() -> Result<()> {
 /// `cargo xtask depth`: how well depth from colour agrees with measured depth.
 pub(crate) fn depth() -> Result<()> {
     say("Comparing depth from colour with measured depth");
-    let data = real_pictures()?;
+    let data = real_images()?;
     let example = ["run", "--release", "--quiet", "--package", "aquafuse-data", "--example", "depth_table"];
     write_shown("depth", &output(cargo(&[&example[..], &["--", &data]].concat()))?)?;
     evaluated("depth-scores", &["depth", &format!("{data}/depth_pairs"), "--depth-kind", "metres"])
 }
 
-/// `cargo xtask published`: real pictures scored, beside what the paper prints, what others make of them, and before
+/// `cargo xtask published`: real images scored, beside what the paper prints, what others make of them, and before
 /// and after enhancement.
 pub(crate) fn published() -> Result<()> {
-    say("Fusing real pictures, each with eight others (minutes)");
-    let scenes = format!("{}/scenes", real_pictures()?);
+    say("Fusing real images, each with eight others (minutes)");
+    let scenes = format!("{}/scenes", real_images()?);
     let fusion =
         ["fusion", "--contents", &scenes, "--references", &scenes, "--group-by", "prefix", "--pairs", "8"];
     evaluated("published", &[&fusion[..], &["--as-published"]].concat())?;
@@ -65,9 +65,9 @@ pub(crate) fn sections(text: &str) -> Result<Vec<(&str, &str)>> {
     Ok(found)
 }
 
-/// The folder of real pictures.
-pub(crate) fn real_pictures() -> Result<String> {
-    std::env::var("AQUAFUSE_TEST_DATA").context("AQUAFUSE_TEST_DATA must name the folder of real pictures")
+/// The folder of real images.
+pub(crate) fn real_images() -> Result<String> {
+    std::env::var("AQUAFUSE_TEST_DATA").context("AQUAFUSE_TEST_DATA must name the folder of real images")
 }
 
 /// Writes a section that `aquafuse evaluate` makes: the tables that it prints.

@@ -1,16 +1,16 @@
 //! `cargo xtask scene`: splats trained on a truth scene, with the water inside; and the paper's table of view synthesis, on
-//! that scene and on real pictures of a pool.
+//! that scene and on real images of a pool.
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use crate::results::{RESULTS, real_pictures, sections, write_section};
+use crate::results::{RESULTS, real_images, sections, write_section};
 use crate::shell::{cargo, output, root, run, say};
 
 const RUN: [&str; 6] = ["run", "--release", "--quiet", "--package", "aquafuse-cli", "--"];
 const MODELS: [&str; 3] = ["aquafuse", "physical", "exchange"];
-/// Small pictures and short runs: five of them on either scene take minutes.
+/// Small images and short runs: five of them on either scene take minutes.
 const TRAINED: [&str; 8] = ["--longest", "200", "--iterations", "700", "--splats", "24000", "--hold", "8"];
 
 pub(crate) fn run_all() -> Result<()> {
@@ -31,7 +31,7 @@ pub(crate) fn run_all() -> Result<()> {
         ["run", "--release", "--quiet", "--package", "aquafuse-scene", "--example", "truth_scene", "--"];
     run(cargo(&[&example[..], &[&path("reef")]].concat()))?;
     compared("scene-fused-truth", &path("reef"), &path("reef.water.png"), &work)?;
-    match real_pictures() {
+    match real_images() {
         Ok(data) => compared(
             "scene-fused-pool",
             &format!("{data}/sequence_subvo_pool"),

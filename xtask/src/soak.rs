@@ -1,4 +1,4 @@
-//! `cargo xtask soak`: every parser fuzzed for its share of the time, each law tried on cases drawn anew, and a folder's
+//! `cargo xtask soak`: every parser fuzzed for its share of the time, each law tried on cases drawn again, and a folder's
 //! job killed again and again.
 //!
 //! Executions add up over runs in the table of `docs/results.md`; time goes to the parsers that lack most. The fuzzer is LLVM's, which counts on the compiler
@@ -204,7 +204,7 @@ fn too_slow(said: &str) -> Option<&str> {
     said.lines().find_map(|line| line.split_once("Test unit written to ").map(|(_, path)| path.trim()))
 }
 
-/// The laws of the method on cases drawn anew, many more than the tests try.
+/// The laws of the method on cases drawn again, many more than the tests try.
 fn laws() -> Result<()> {
     say(&format!("Trying each law on {CASES} cases"));
     let mut command = cargo(&["test", "--release", "--package", "aquafuse", "--test", "laws"]);

@@ -9,7 +9,7 @@ use crate::setup::{Tools, set_up};
 use crate::shell::{cargo, say};
 
 /// What property tests draw their cases from: the same ones wherever this runs, so that what failed once fails again.
-/// Other cases are for [`crate::soak`], and for `cargo test`, which draws anew each time.
+/// Other cases are for [`crate::soak`], and for `cargo test`, which draws again each time.
 const SEED: &str = "2411";
 
 pub(crate) fn run() -> Result<()> {

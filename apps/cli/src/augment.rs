@@ -1,4 +1,4 @@
-//! `aquafuse augment`: a data set multiplied, its annotations carried over.
+//! `aquafuse augment`: a dataset multiplied, its annotations carried over.
 
 mod range;
 mod summary;
@@ -15,8 +15,8 @@ use aquafuse_data::augment::{
     AugmentError, Augmentation, Conduct, DepthPlan, Draws, Message, OnDoubtful, Recipe, Shard,
 };
 use aquafuse_data::dataset::{Dataset, Layout};
+use aquafuse_data::image_file::shown;
 use aquafuse_data::job::Summary;
-use aquafuse_data::picture::shown;
 use aquafuse_data::treatment::Space;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
@@ -32,50 +32,50 @@ use crate::water_argument::{WaterArguments, WaterSource};
 
 const HELP: &str = "\
 Layouts, told by looking:
-  folder   pictures in folders, and nothing about them
+  folder   images in folders, and nothing about them
   coco     JSON with images and annotations: boxes, outlines, key points, captions
   yolo     labels/NAME.txt for images/NAME.jpg, with data.yaml or without
   voc      Annotations/NAME.xml for JPEGImages/NAME.jpg, masks and lists of names
   masks    masks/NAME.png for images/NAME.jpg
   shards   WebDataset: tar files; KEY.jpg and all else of that key
-  parquet  Hugging Face: tables with a column of pictures (built with --features parquet)
+  parquet  Hugging Face: tables with a column of images (built with --features parquet)
 
 Pixels stay where they are, so annotations stay true: labels and masks are copied byte for byte,
 of JSON and XML all but ids and names of files. Variants are named STEM__WATER__NUMBER and stand
-where their picture stands, and so in its split. manifest.jsonl says of each what it was made
+where their image stands, and so in its split. manifest.jsonl says of each what it was made
 from; `verify` checks it, `replay` makes one again. A run that was stopped goes on: the same
 command makes what is missing.
 
 Examples:
   aquafuse augment fish/ green.jpg blue.jpg -o more/ --per-image 2 --keep-originals
   aquafuse augment fish/ waters/ preset:jerlov-3C -o more/ --per-image 5 --theta-range 0,60
-                                                     a folder of reference pictures, and a preset
+                                                     a folder of reference images, and a preset
   aquafuse augment coco/ waters/ -o more/ --shard 1/4
                                                      on one of four machines; afterwards, the four outputs
                                                      put together, the same without --shard joins them";
 
-/// Multiply a data set: every picture in other waters, annotations carried over.
+/// Multiply a dataset: every image in other waters, annotations carried over.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Augment {
-    /// The folder of the data set.
+    /// The folder of the dataset.
     dataset: PathBuf,
-    /// The waters to draw from: pictures, folders of pictures, NAME.water.json, preset:NAME.
+    /// The waters to draw from: images, folders of images, NAME.water.json, preset:NAME.
     #[arg(required = true)]
     waters: Vec<PathBuf>,
     /// The folder to write to: new or empty, or that of a run to go on with.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// How the data set is laid out, where that cannot be told.
+    /// How the dataset is laid out, where that cannot be told.
     #[arg(long, value_name = "LAYOUT", value_parser = layout())]
     format: Option<Layout>,
-    /// Variants of each picture.
+    /// Variants of each image.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     per_image: u32,
-    /// Carry the pictures themselves over too, byte for byte.
+    /// Carry the images themselves over too, byte for byte.
     #[arg(long)]
     keep_originals: bool,
-    /// What is drawn depends on this, the picture's path and the variant's number alone.
+    /// What is drawn depends on this, the image's path and the variant's number alone.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Draw a water again before every other was drawn.
@@ -87,16 +87,16 @@ pub(crate) struct Augment {
     /// Draw alpha evenly from this range.
     #[arg(long, value_name = "LOW,HIGH", conflicts_with = "alpha")]
     alpha_range: Option<Range>,
-    /// What to do where a picture's own water, or one to draw, cannot be told well: `flag` says so in the manifest, `skip`
+    /// What to do where an image's own water, or one to draw, cannot be told well: `flag` says so in the manifest, `skip`
     /// leaves it out, preset:NAME takes that water instead.
     #[arg(long, value_name = "HOW", default_value = "flag")]
     on_doubtful: Doubtful,
-    /// What to do about pictures with bad annotations: a box outside the picture, an id that is not unique, a name that
-    /// leads out of the data set. `skip` leaves the pictures out, `keep` carries the annotations over; what has no
-    /// picture is left out by both.
+    /// What to do about images with bad annotations: a box outside the image, an id that is not unique, a name that
+    /// leads out of the dataset. `skip` leaves the images out, `keep` carries the annotations over; what has no
+    /// image is left out by both.
     #[arg(long, value_name = "HOW", value_enum, default_value_t)]
     on_bad_annotation: OnBad,
-    /// Make part I of N only, for N machines that share the data set.
+    /// Make part I of N only, for N machines that share the dataset.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
     /// Say what would be made, and make nothing.
@@ -114,13 +114,13 @@ pub(crate) struct Augment {
     /// Work in linear light instead of the values that cameras write.
     #[arg(long)]
     linear: bool,
-    /// Begin anew where DIR holds what other settings made, which is removed.
+    /// Begin again where DIR holds what other settings made, which is removed.
     #[arg(long)]
     overwrite: bool,
-    /// Stop at the first picture that fails, as `--max-errors 0`.
+    /// Stop at the first image that fails, as `--max-errors 0`.
     #[arg(long, conflicts_with = "max_errors")]
     fail_fast: bool,
-    /// Stop once more pictures than this have failed [default: go on].
+    /// Stop once more images than this have failed [default: go on].
     #[arg(long, value_name = "N")]
     max_errors: Option<usize>,
     /// How the manifest is written beside manifest.jsonl, which always is: `parquet` adds a table with a row a variant.
@@ -147,7 +147,7 @@ enum OnBad {
     /// Name them, and make nothing.
     #[default]
     Refuse,
-    /// Leave their pictures out.
+    /// Leave their images out.
     Skip,
     /// Carry them over.
     Keep,
@@ -264,7 +264,7 @@ impl Augment {
         match ended {
             Summary { failed: 0, .. } => Ok(()),
             Summary { failed, left: 0, done, kept } => Err(Failure::work(anyhow!(
-                "{failed} of {} pictures failed; the messages above say why, and the manifest in {} lists them",
+                "{failed} of {} images failed; the messages above say why, and the manifest in {} lists them",
                 failed + done + kept,
                 shown(&self.output)
             ))),
@@ -274,7 +274,7 @@ impl Augment {
         }
     }
 
-    /// Does what is to be done about bad annotations, and says how many pictures were left out.
+    /// Does what is to be done about bad annotations, and says how many images were left out.
     fn without_bad(&self, dataset: &mut Dataset) -> Result<usize, Failure> {
         let faults = &dataset.faults;
         if self.on_bad_annotation == OnBad::Refuse && !faults.is_empty() {
@@ -296,7 +296,7 @@ impl Augment {
             dataset.samples.retain(|sample| !dataset.faults.concern(&sample.key));
         }
         if dataset.samples.is_empty() {
-            return Err(Failure::usage(anyhow!("no picture of {} is left", shown(&self.dataset))));
+            return Err(Failure::usage(anyhow!("no image of {} is left", shown(&self.dataset))));
         }
         Ok(before - dataset.samples.len())
     }
@@ -349,7 +349,7 @@ pub(crate) fn failure(error: AugmentError) -> Failure {
 }
 
 impl DepthArguments {
-    /// Where the depth of a data set's pictures comes from. Errors are wrong usage.
+    /// Where the depth of a dataset's images comes from. Errors are wrong usage.
     fn plan(&self, model: aquafuse::depth::DepthModel) -> anyhow::Result<DepthPlan> {
         use crate::depth_arguments::Supply;
         Ok(match self.supply(true, model)? {

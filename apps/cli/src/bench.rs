@@ -1,4 +1,4 @@
-//! `aquafuse bench`: how fast this machine is, on pictures made by the program.
+//! `aquafuse bench`: how fast this machine is, on images made by the program.
 
 mod machine;
 mod measure;
@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::fuse::settings::smoothing;
 use crate::output;
 use machine::Machine;
-use measure::{Pictures, Reference};
+use measure::{Images, Reference};
 use table::{Case, Restoration};
 
 /// The sizes of the paper's table.
@@ -23,7 +23,7 @@ const SIZES: [(usize, usize); 4] = [(256, 256), (512, 512), (1024, 1024), (1920,
 const LONGEST_SIDE: usize = 16_384;
 
 const HELP: &str = "\
-A frame is a picture of bytes in memory: its depth and water are estimated and it is fused with the model
+A frame is an image of bytes in memory: its depth and water are estimated and it is fused with the model
 `aquafuse`, in the memory of the frame before. Cached: the reference's water is known; estimated: it is
 estimated for every frame as well. The JSON also has the stages, each by itself and in memory of its own, and
 `restore`. Times are medians.";
@@ -34,7 +34,7 @@ estimated for every frame as well. The JSON also has the stages, each by itself 
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Bench {
-    /// Size of the pictures; may be given several times [default: the paper's four].
+    /// Size of the images; may be given several times [default: the paper's four].
     #[arg(long = "size", value_name = "WIDTHxHEIGHT", value_parser = size)]
     sizes: Vec<Size>,
     /// Frames of each case [default: what half a second allows, 5 at least].
@@ -71,13 +71,12 @@ impl Bench {
         self.tell(&format!("{machine}\n\n{}", Case::HEADING))?;
         let mut report = Report { schema: 1, machine, results: Vec::new(), restorations: Vec::new() };
         for &size in sizes {
-            // The pictures are made on all cores, whatever is measured.
+            // The images are made on all cores, whatever is measured.
             let all = rayon::ThreadPoolBuilder::new().num_threads(report.machine.cores).build();
-            let pictures =
-                all.map_err(Failure::work)?.install(|| Pictures::new(size)).map_err(Failure::work)?;
+            let images = all.map_err(Failure::work)?.install(|| Images::new(size)).map_err(Failure::work)?;
             for &threads in &threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-                pool.map_err(Failure::work)?.install(|| self.measure(&pictures, threads, &mut report))?;
+                pool.map_err(Failure::work)?.install(|| self.measure(&images, threads, &mut report))?;
             }
         }
         if self.json {
@@ -88,21 +87,21 @@ impl Bench {
     }
 
     /// The cases of one size on so many threads, which this is called on.
-    fn measure(&self, pictures: &Pictures, threads: usize, report: &mut Report) -> Result<(), Failure> {
-        let stages = pictures.stages(self.frames).map_err(Failure::work)?;
+    fn measure(&self, images: &Images, threads: usize, report: &mut Report) -> Result<(), Failure> {
+        let stages = images.stages(self.frames).map_err(Failure::work)?;
         for smooth in Smoothing::ALL.into_iter().filter(|one| self.smooth.is_none_or(|only| only == *one)) {
             for reference in
                 Reference::ALL.into_iter().filter(|one| self.reference.is_none_or(|only| only == *one))
             {
-                let speed = pictures.fused(reference, smooth, self.frames).map_err(Failure::work)?;
-                let case = Case::new(pictures.size(), threads, reference, smooth, speed, stages);
+                let speed = images.fused(reference, smooth, self.frames).map_err(Failure::work)?;
+                let case = Case::new(images.size(), threads, reference, smooth, speed, stages);
                 self.tell(&case.to_string())?;
                 report.results.push(case);
             }
         }
         if self.smooth.is_none() && self.reference.is_none() {
-            let speed = pictures.restored(self.frames).map_err(Failure::work)?;
-            let restoration = Restoration::new(pictures.size(), threads, speed);
+            let speed = images.restored(self.frames).map_err(Failure::work)?;
+            let restoration = Restoration::new(images.size(), threads, speed);
             self.tell(&restoration.to_string())?;
             report.restorations.push(restoration);
         }

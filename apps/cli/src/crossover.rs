@@ -1,4 +1,4 @@
-//! `aquafuse crossover`: two pictures, each in the other's water.
+//! `aquafuse crossover`: two images, each in the other's water.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::picture::{FileError, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::image_file::{FileError, WriteOptions, remove_stale_parts, shown};
 use aquafuse_data::treatment::{Space, Treatment};
 use clap::Args;
 
@@ -16,13 +16,13 @@ use crate::fuse::settings::{Settings, SettingsArgs};
 use crate::inspect::veiling_light;
 use crate::output;
 
-/// Put two pictures each into the other's water: twice the data.
+/// Put two images each into the other's water: twice the data.
 ///
 /// Writes DIR/A__B.png, A's objects in B's water, and DIR/B__A.png (their names without extension).
 #[derive(Args)]
 #[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/ --model physical")]
 pub(crate) struct Crossover {
-    /// One picture.
+    /// One image.
     a: PathBuf,
     /// The other.
     b: PathBuf,
@@ -34,7 +34,7 @@ pub(crate) struct Crossover {
     /// Work in linear light.
     #[arg(long)]
     linear: bool,
-    /// Replace pictures that exist.
+    /// Replace images that exist.
     #[arg(long)]
     overwrite: bool,
 }
@@ -60,11 +60,11 @@ impl Crossover {
         if !common.quiet {
             output::print(&says.concat())?;
         }
-        for (i, (mut picture, path)) in [a, b].into_iter().zip(&outputs).enumerate() {
+        for (i, (mut image, path)) in [a, b].into_iter().zip(&outputs).enumerate() {
             let treatment = Treatment::Fuse { reference: waters[1 - i].estimate, options };
-            let treated = treatment.apply(&mut picture.pixels, &waters[i]).map_err(Failure::work)?;
-            picture.pixels = picture.pixels.smoothed(smoothing);
-            picture.write(path, &WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() })?;
+            let treated = treatment.apply(&mut image.pixels, &waters[i]).map_err(Failure::work)?;
+            image.pixels = image.pixels.smoothed(smoothing);
+            image.write(path, &WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() })?;
             if !common.quiet {
                 let clipped = 100.0 * treated.clipping.share();
                 output::print(&format!("{}: written, {clipped:.2} % of the values clipped\n", shown(path)))?;

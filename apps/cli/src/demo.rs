@@ -1,4 +1,4 @@
-//! `aquafuse demo`: the main job on pictures it makes itself.
+//! `aquafuse demo`: the main job on images it makes itself.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -6,17 +6,17 @@ use std::time::Instant;
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
-use aquafuse_data::picture::{Picture, WriteOptions, shown};
+use aquafuse_data::image_file::{ImageFile, WriteOptions, shown};
 use aquafuse_data::sheet::{Cell, lay_out};
 use clap::Args;
 
 use crate::failure::Failure;
 use crate::output;
 
-/// See what it does, on underwater pictures it makes itself.
+/// See what it does, on underwater images it makes itself.
 ///
 /// Ray-marches places on a sea floor, sees them through different waters, and fuses each with each: the
-/// estimators are given nothing but the pictures.
+/// estimators are given nothing but the images.
 #[derive(Args)]
 pub(crate) struct Demo {
     /// Where to write.
@@ -25,7 +25,7 @@ pub(crate) struct Demo {
     /// Which places to make.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Write into a folder that is not empty, replacing pictures of the same names.
+    /// Write into a folder that is not empty, replacing images of the same names.
     #[arg(long)]
     overwrite: bool,
 }
@@ -43,13 +43,13 @@ impl Demo {
         output::make_folder(&self.output)?;
         let began = Instant::now();
         let [blue, green, turbid, clear, deep] = waters();
-        say(&format!("Making pictures and fusing them, into {}:\n", shown(&self.output)))?;
+        say(&format!("Making images and fusing them, into {}:\n", shown(&self.output)))?;
 
         let mut references = Vec::new();
         for (i, water) in [green, clear, deep].into_iter().enumerate() {
             let scene = Scene::new(self.seed.wrapping_add(10 + i as u64), REFERENCE);
             let made = Made::new(&scene, water)?;
-            let path = self.write(&format!("reference_{}.png", water.name), &made.picture)?;
+            let path = self.write(&format!("reference_{}.png", water.name), &made.image_file)?;
             say(&format!("  {}   after {:.1} s\n", shown(&path), began.elapsed().as_secs_f32()))?;
             references.push(made);
         }
@@ -57,11 +57,11 @@ impl Demo {
         for (i, water) in [blue, turbid].into_iter().enumerate() {
             let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water)?;
             let name = format!("content_{}", water.name);
-            let path = self.write(&format!("{name}.png"), &content.picture)?;
+            let path = self.write(&format!("{name}.png"), &content.image_file)?;
             say(&format!("  {}   after {:.1} s\n", shown(&path), began.elapsed().as_secs_f32()))?;
             say(&content.veils())?;
             for model in [Model::Physical, Model::Aquafuse] {
-                let mut row = vec![cell(&format!("content, {} water", water.name), &content.picture)];
+                let mut row = vec![cell(&format!("content, {} water", water.name), &content.image_file)];
                 for reference in &references {
                     let fused = content.fused(reference, model);
                     let file = format!("{name}__{}__{}.png", reference.water.name, model.name());
@@ -71,11 +71,11 @@ impl Demo {
                 rows.push(row);
             }
         }
-        let sheet = Picture::new(lay_out(&rows, 320, 214));
+        let sheet = ImageFile::new(lay_out(&rows, 320, 214));
         let path = self.write("sheet.jpg", &sheet)?;
         say(&format!(
             "  {}   all of them side by side, after {:.1} s\n\n\
-             Look at that sheet first. Your own pictures, once\n\
+             Look at that sheet first. Your own images, once\n\
              `cargo install --locked --path apps/cli` has put aquafuse on your PATH:\n  \
              aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
             shown(&path),
@@ -84,32 +84,32 @@ impl Demo {
         ))
     }
 
-    fn write(&self, name: &str, picture: &Picture) -> Result<PathBuf, Failure> {
+    fn write(&self, name: &str, image_file: &ImageFile) -> Result<PathBuf, Failure> {
         let path = self.output.join(name);
-        picture.write(&path, &WriteOptions { overwrite: self.overwrite, quality: 90 })?;
+        image_file.write(&path, &WriteOptions { overwrite: self.overwrite, quality: 90 })?;
         Ok(path)
     }
 }
 
-/// A made picture, the water it was made with, and the water that was estimated from it.
+/// A made image, the water it was made with, and the water that was estimated from it.
 struct Made {
-    picture: Picture,
+    image_file: ImageFile,
     water: NamedWater,
     found: Analysis,
 }
 
 impl Made {
     fn new(scene: &Scene, water: NamedWater) -> Result<Self, Failure> {
-        let picture = Picture::new(scene.seen_through(&water.water).to_samples::<u8>());
-        let found = analyse(&picture, &DepthSource::default())?;
-        Ok(Self { picture, water, found })
+        let image_file = ImageFile::new(scene.seen_through(&water.water).to_samples::<u8>());
+        let found = analyse(&image_file, &DepthSource::default())?;
+        Ok(Self { image_file, water, found })
     }
 
-    fn fused(&self, reference: &Made, model: Model) -> Picture {
+    fn fused(&self, reference: &Made, model: Model) -> ImageFile {
         let (content, reference) = (&self.found.estimate, &reference.found.estimate);
         let bounded = Bounded::new(content, reference, Options::for_model(model));
-        let fused = fuse(&self.picture.bytes(), &self.found.depth, bounded.waters(), &bounded.options);
-        Picture::new(fused.expect("the depth map was made from this picture").image)
+        let fused = fuse(&self.image_file.bytes(), &self.found.depth, bounded.waters(), &bounded.options);
+        ImageFile::new(fused.expect("the depth map was made from this image").image)
     }
 
     fn veils(&self) -> String {
@@ -123,11 +123,12 @@ impl Made {
 
 fn heading(references: &[Made]) -> Vec<Cell> {
     let title = Cell { caption: "the waters to fuse with:".into(), image: None };
-    let named =
-        references.iter().map(|made| cell(&format!("reference, {} water", made.water.name), &made.picture));
+    let named = references
+        .iter()
+        .map(|made| cell(&format!("reference, {} water", made.water.name), &made.image_file));
     std::iter::once(title).chain(named).collect()
 }
 
-fn cell(caption: &str, picture: &Picture) -> Cell {
-    Cell { caption: caption.into(), image: Some(picture.bytes().into_owned()) }
+fn cell(caption: &str, image_file: &ImageFile) -> Cell {
+    Cell { caption: caption.into(), image: Some(image_file.bytes().into_owned()) }
 }

@@ -1,9 +1,9 @@
-//! `aquafuse depth`: a picture's depth as a file.
+//! `aquafuse depth`: an image's depth as a file.
 
 use std::path::PathBuf;
 
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::{WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::image_file::{WriteOptions, remove_stale_parts, shown};
 use clap::Args;
 
 use crate::depth_model::DepthModelArg;
@@ -36,10 +36,10 @@ pub(crate) struct Depth {
 
 impl Depth {
     pub(crate) fn run(&self, reading: &Reading, quiet: bool) -> Result<(), Failure> {
-        let picture = reading.read(&self.image)?;
+        let image_file = reading.read(&self.image)?;
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
         remove_stale_parts(output::make_folder_of(&self.output)?);
-        let depth = picture.pixels.depth(&self.model.get(), picture.top_edge());
+        let depth = image_file.pixels.depth(&self.model.get(), image_file.top_edge());
         depth_file::write(&self.output, &depth, &options)?;
         if quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&self.output))) }
     }

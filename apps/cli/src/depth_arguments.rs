@@ -1,4 +1,4 @@
-//! `--depth` and `--depth-kind`: depth that comes with a picture.
+//! `--depth` and `--depth-kind`: depth that comes with an image.
 
 use std::path::{Path, PathBuf};
 
@@ -6,14 +6,14 @@ use anyhow::{Result, anyhow};
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::depth_file::DepthFolder;
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// Where depth comes from, if not from colour.
 #[derive(Args)]
 pub(crate) struct DepthArguments {
-    /// Take depth from this file (PNG, TIFF, OpenEXR, NPY, PFM), of the picture's size; for a folder of pictures, a
+    /// Take depth from this file (PNG, TIFF, OpenEXR, NPY, PFM), of the image's size; for a folder of images, a
     /// folder of such files with the same stems. Where it holds no valid value, colour tells (by
     /// `ratio`). The depth of a reference always comes from colour, by --depth-model.
     #[arg(long, value_name = "FILE")]
@@ -31,7 +31,7 @@ pub(crate) fn kind() -> impl TypedValueParser<Value = SuppliedKind> {
     })
 }
 
-/// Where the depth of each picture of a run comes from.
+/// Where the depth of each image of a run comes from.
 pub(crate) enum Supply {
     Colour(DepthModel),
     File(PathBuf, SuppliedKind),
@@ -47,7 +47,7 @@ impl DepthArguments {
         }
     }
 
-    /// Where depth comes from; `in_folder` where it is that of a folder's pictures. Errors are wrong usage.
+    /// Where depth comes from; `in_folder` where it is that of a folder's images. Errors are wrong usage.
     pub(crate) fn supply(&self, in_folder: bool, model: DepthModel) -> Result<Supply> {
         let (depth, kind) = match (&self.depth, self.depth_kind) {
             (None, None) => return Ok(Supply::Colour(model)),
@@ -64,7 +64,7 @@ impl DepthArguments {
         match (in_folder, depth.is_dir()) {
             (true, true) => Ok(Supply::Folder(DepthFolder::list(depth)?, kind)),
             (true, false) => Err(anyhow!(
-                "the pictures stand in a folder, so --depth must be a folder too, with a map of the same stem for \
+                "the images stand in a folder, so --depth must be a folder too, with a map of the same stem for \
                  each; {} is none",
                 shown(depth)
             )),
@@ -74,25 +74,25 @@ impl DepthArguments {
 }
 
 impl Supply {
-    /// The depth of one picture.
-    pub(crate) fn of(&self, picture: &Path) -> Result<DepthSource> {
+    /// The depth of one image.
+    pub(crate) fn of(&self, image: &Path) -> Result<DepthSource> {
         Ok(match self {
             Self::Colour(model) => DepthSource::Estimated(*model),
             Self::File(path, kind) => DepthSource::Supplied { path: path.clone(), kind: *kind },
             Self::Folder(folder, kind) => {
-                DepthSource::Supplied { path: folder.map_of(picture)?.to_owned(), kind: *kind }
+                DepthSource::Supplied { path: folder.map_of(image)?.to_owned(), kind: *kind }
             }
         })
     }
 }
 
-/// What to say of a map that looks turned round.
+/// What to say of a map that looks inverted.
 pub(crate) fn turned_round(report: &SuppliedReport) -> String {
     let other = match report.kind {
         SuppliedKind::Inverse | SuppliedKind::Disparity => "relative",
         _ => "inverse",
     };
     format!(
-        "looks turned round: what colour and height in the picture call near is far in it; is it rather `{other}`?"
+        "looks inverted: what colour and height in the image call near is far in it; is it rather `{other}`?"
     )
 }

@@ -13,7 +13,7 @@ pub(crate) struct DepthModelArg {
     /// How depth is estimated from colour: eq3, ratio, ulap, udepth, layout, or FILE.toml from `fit`.
     ///
     /// `eq3` is the paper's, `ratio` the logarithm of max(G, B) / R, `ulap` and `udepth` are published lines.
-    /// `layout` puts what is higher in the picture farther away and corrects that by colour: right for a
+    /// `layout` puts what is higher in the image farther away and corrects that by colour: right for a
     /// level camera that looks ahead, wrong for a rolled or down-looking one. FILE.toml is `eq3` with the
     /// coefficients of that file.
     #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model)]

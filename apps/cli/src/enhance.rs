@@ -22,19 +22,19 @@ use crate::work::{Work, WorkArguments};
 const HELP: &str = "\
 The scores: UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that
 are parts of the first, the sharpness that is part of the second. Higher is held to be better;
-all are fooled by oversaturation and noise, so look at the picture.
+all are fooled by oversaturation and noise, so look at the image.
 
 Example:
   aquafuse enhance reef.jpg -o reef_enhanced.jpg
   aquafuse enhance photos/ clear_day.jpg -o enhanced/";
 
-/// Make a picture, or a folder of them, clearer by fusion with clear water.
+/// Make an image, or a folder of them, clearer by fusion with clear water.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Enhance {
-    /// A picture (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of pictures (not GIF).
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
     content: PathBuf,
-    /// Clear water: a picture, NAME.water.json or preset:NAME. By default that of the clearest ocean.
+    /// Clear water: an image, NAME.water.json or preset:NAME. By default that of the clearest ocean.
     #[arg(default_value = "preset:jerlov-I")]
     clear: PathBuf,
     #[command(flatten)]
@@ -43,7 +43,7 @@ pub(crate) struct Enhance {
     settings: EnhanceSettings,
 }
 
-/// How pictures are made clearer.
+/// How images are made clearer.
 #[derive(Args)]
 pub(crate) struct EnhanceSettings {
     /// What is exchanged, as in `fuse`.

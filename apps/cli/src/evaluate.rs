@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::anyhow;
 use aquafuse_data::evaluate::report::{self, markdown_of_table};
 use aquafuse_data::evaluate::{Conduct, EvaluateError, Listener, Lpips, Message, Outputs, Report};
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 use clap::{Args, Subcommand};
 
 use crate::common::Common;
@@ -24,16 +24,16 @@ use crate::progress::Progress;
 const EXAMPLES: &str = "\
 Examples:
   aquafuse evaluate fusion --contents dives/ --references waters/ --rivals -o report.html
-                                                     how much fused pictures look like their contents
+                                                     how much fused images look like their contents
   aquafuse evaluate truth -o truth.html              how much of the true change each method makes
   aquafuse evaluate enhancement dives/ -o clearer.md before and after
   aquafuse evaluate depth pairs/ --depth-kind metres -o depth.csv
                                                      depth from colour against measured depth";
 
-/// Measure what methods are worth: on your pictures, or on scenes of known truth.
+/// Measure what methods are worth: on your images, or on scenes of known truth.
 ///
-/// Means come with their variance and a 95 % interval by resampling whole pictures. No figure depends on the number of
-/// threads. A picture that fails is named and listed in the report; the others go on, and the exit code is 1.
+/// Means come with their variance and a 95 % interval by resampling whole images. No figure depends on the number of
+/// threads. An image that fails is named and listed in the report; the others go on, and the exit code is 1.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Evaluate {
@@ -103,7 +103,7 @@ impl LpipsArguments {
 const COMPLAINTS: usize = 12;
 
 impl ReportArguments {
-    /// Refuses what can be refused before any picture is read.
+    /// Refuses what can be refused before any image is read.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         let Some(path) = &self.output else { return Ok(()) };
         Ok(report::check_name(path, self.overwrite)?)
@@ -194,7 +194,7 @@ fn outputs(named: &[Named], taken: &[&str]) -> Result<Vec<Outputs>, Failure> {
 }
 
 impl From<EvaluateError> for Failure {
-    /// What is told before work begins, and is no picture's fault, is wrong usage.
+    /// What is told before work begins, and is no image's fault, is wrong usage.
     fn from(error: EvaluateError) -> Self {
         match error {
             EvaluateError::File(error) => error.into(),

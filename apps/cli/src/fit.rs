@@ -1,4 +1,4 @@
-//! `aquafuse fit`: a depth model from pictures whose depth is known.
+//! `aquafuse fit`: a depth model from images whose depth is known.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::depth::fit::{self, Options, Scale, Target};
 use aquafuse::depth::{Eq3, SuppliedKind};
+use aquafuse_data::image_file::{FileError, shown};
 use aquafuse_data::model_file::{self, FitRecord, ModelFile, PairScore};
 use aquafuse_data::pairs::{self, Gathered, Message};
-use aquafuse_data::picture::{FileError, shown};
 use clap::{Args, ValueEnum};
 
 use crate::common::Common;
@@ -17,9 +17,9 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 
-/// Fit the depth model `eq3` to pictures with known depth, for `--depth-model FILE.toml`.
+/// Fit the depth model `eq3` to images with known depth, for `--depth-model FILE.toml`.
 ///
-/// PAIRS holds a folder `rgb` of pictures (PNG, JPEG, TIFF, WebP, BMP) and a folder `depth` of depth maps
+/// PAIRS holds a folder `rgb` of images (PNG, JPEG, TIFF, WebP, BMP) and a folder `depth` of depth maps
 /// (PNG, TIFF, OpenEXR, NPY, PFM) of the same stems and sizes. Depth never rises with red nor falls with max(G, B) in the fitted model, and
 /// spans 0 to 1 over all colours. A few pairs of one place make a model of that place: look at pairs it was
 /// not fitted to.
@@ -35,7 +35,7 @@ pub(crate) struct Fit {
     /// millimetres and disparity.
     #[arg(long, value_name = "KIND", value_parser = kind())]
     depth_kind: SuppliedKind,
-    /// What the depths of different pictures have in common.
+    /// What the depths of different images have in common.
     #[arg(long, value_enum, default_value_t)]
     scale: ScaleArg,
     /// What of the depths is fitted to.
@@ -48,9 +48,9 @@ pub(crate) struct Fit {
 
 #[derive(Clone, Copy, Default, ValueEnum)]
 enum ScaleArg {
-    /// Nothing: each picture has a scale and a shift of its own.
+    /// Nothing: each image has a scale and a shift of its own.
     #[default]
-    PerPicture,
+    PerImage,
     /// One scale and one shift: metres, in one water. Not for inverse depth and disparity.
     Shared,
 }
@@ -60,7 +60,7 @@ enum TargetArg {
     /// Their numbers.
     #[default]
     Distances,
-    /// Which pixel is farther than which, picture by picture.
+    /// Which pixel is farther than which, image by image.
     Order,
 }
 
@@ -79,7 +79,7 @@ impl Fit {
         let scale_of_its_own = matches!(self.depth_kind, SuppliedKind::Inverse | SuppliedKind::Disparity);
         if scale_of_its_own && matches!(self.scale, ScaleArg::Shared) {
             return Err(Failure::usage(anyhow!(
-                "--scale shared needs depths with one unit, and {} has another in each picture; leave --scale out",
+                "--scale shared needs depths with one unit, and {} has another in each image; leave --scale out",
                 self.depth_kind.name()
             )));
         }
@@ -167,7 +167,7 @@ impl From<TargetArg> for Target {
 impl From<ScaleArg> for Scale {
     fn from(scale: ScaleArg) -> Self {
         match scale {
-            ScaleArg::PerPicture => Self::PerPicture,
+            ScaleArg::PerImage => Self::PerImage,
             ScaleArg::Shared => Self::Shared,
         }
     }

@@ -1,4 +1,4 @@
-//! `aquafuse fuse`: a picture, or a folder of them, in another picture's water.
+//! `aquafuse fuse`: an image, or a folder of them, in another image's water.
 
 pub(crate) mod settings;
 mod sweep;
@@ -19,16 +19,16 @@ use crate::inspect::veiling_light;
 use crate::water_argument::{WaterArguments, WaterSource};
 use crate::work::{Work, WorkArguments};
 
-/// Put a picture, or a folder of them, into another picture's water.
+/// Put an image, or a folder of them, into another image's water.
 ///
 /// A folder's run that was stopped goes on where it was: the same command makes what is missing.
 #[derive(Args)]
 #[command(after_help = settings::HELP)]
 pub(crate) struct Fuse {
-    /// The objects: a picture (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of pictures (not GIF).
+    /// The objects: an image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
     /// Folders inside it are not entered.
     content: PathBuf,
-    /// The reference, whose water is taken: a picture (best one with open water in view), NAME.water.json from `water
+    /// The reference, whose water is taken: an image (best one with open water in view), NAME.water.json from `water
     /// extract`, or preset:NAME from `water list`.
     water: PathBuf,
     #[command(flatten)]
@@ -37,7 +37,7 @@ pub(crate) struct Fuse {
     settings: SettingsArgs,
     #[command(flatten)]
     waters: WaterArguments,
-    /// Instead of one picture a strip of them, theta=0,30,60,90 or alpha=0.5,1,2 for example: CONTENT, then one for
+    /// Instead of one image a strip of them, theta=0,30,60,90 or alpha=0.5,1,2 for example: CONTENT, then one for
     /// each value.
     #[arg(long, value_name = "NAME=V,V", conflicts_with_all = ["json", "maps", "report", "upright"])]
     sweep: Option<Sweep>,

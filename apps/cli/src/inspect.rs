@@ -1,4 +1,4 @@
-//! `aquafuse inspect`: what a picture tells about its depth and its water.
+//! `aquafuse inspect`: what an image tells about its depth and its water.
 
 mod doubts;
 mod plots;
@@ -8,7 +8,7 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use aquafuse_data::analysis::analyse;
-use aquafuse_data::picture::{FileError, Picture, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions, remove_stale_parts, shown};
 use clap::Args;
 
 use crate::depth_arguments::DepthArguments;
@@ -19,7 +19,7 @@ use crate::reading::Reading;
 use report::Report;
 pub(crate) use text::{hex, reasons, veiling_light};
 
-/// Show what a picture tells about its depth and its water.
+/// Show what an image tells about its depth and its water.
 ///
 /// `fuse` uses exactly these estimates: depth z, the veiling light B∞ (the colour of open water), how fast
 /// backscatter grows with z (β_B) and how fast the scene's own light fades (β_D). At the far end, β z is the
@@ -38,7 +38,7 @@ pub(crate) struct Inspect {
     #[arg(long)]
     json: bool,
     /// Draw it too, as DIR/STEM.inspect.png: depth, where the veiling light was read, the samples behind β_B and β_D
-    /// with their curves, what is left of the light, and the picture without its water. A missing DIR is made.
+    /// with their curves, what is left of the light, and the image without its water. A missing DIR is made.
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
     /// Replace the file of --plots if it exists.
@@ -49,24 +49,24 @@ pub(crate) struct Inspect {
 impl Inspect {
     pub(crate) fn run(&self, reading: &Reading) -> Result<(), Failure> {
         let plot = self.plots.as_deref().map(|folder| self.plot_in(folder)).transpose()?;
-        let picture = reading.read(&self.image)?;
+        let image_file = reading.read(&self.image)?;
         let supply = self.depth.supply(false, self.model.get()).map_err(Failure::usage)?;
         let source = supply.of(&self.image).map_err(Failure::usage)?;
-        let found = analyse(&picture, &source)?;
+        let found = analyse(&image_file, &source)?;
         if let Some(path) = &plot {
             let name = self.image.file_name().unwrap_or_default();
             let figure =
-                plots::draw(&shown(name.as_ref()).to_string(), &picture, &found).map_err(Failure::work)?;
+                plots::draw(&shown(name.as_ref()).to_string(), &image_file, &found).map_err(Failure::work)?;
             let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
             remove_stale_parts(output::make_folder_of(path)?);
-            Picture::new(figure).write(path, &options)?;
+            ImageFile::new(figure).write(path, &options)?;
         }
         if self.json {
-            let report = Report::new(&picture, &found);
+            let report = Report::new(&image_file, &found);
             let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
             output::print(&format!("{json}\n"))
         } else {
-            output::print(&text::text(&picture, &found, plot.as_deref()))
+            output::print(&text::text(&image_file, &found, plot.as_deref()))
         }
     }
 

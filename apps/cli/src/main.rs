@@ -1,4 +1,4 @@
-//! The `aquafuse` command: moves the waterbody of one underwater picture into another.
+//! The `aquafuse` command: moves the waterbody of one underwater image into another.
 
 mod augment;
 mod bench;
@@ -35,7 +35,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use common::Common;
 use failure::Failure;
 
-/// Moves the waterbody of one underwater picture into another, by physics in closed form.
+/// Moves the waterbody of one underwater image into another, by physics in closed form.
 ///
 /// The objects stay where they are: only the veil of water between them and the camera is exchanged.
 #[derive(Parser)]
@@ -71,11 +71,11 @@ enum Command {
 
 const EXAMPLES: &str = "\
 Examples:
-  aquafuse demo                                      see what it does, on pictures it makes itself
+  aquafuse demo                                      see what it does, on images it makes itself
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical
                                                      reef.jpg in green.jpg's water
-  aquafuse fuse photos/ green.jpg -o fused/          every picture of a folder, subtly
-  aquafuse inspect reef.jpg                          what the picture tells about its water
+  aquafuse fuse photos/ green.jpg -o fused/          every image of a folder, subtly
+  aquafuse inspect reef.jpg                          what the image tells about its water
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --depth reef.tiff --depth-kind metres
                                                      with depth that was measured
   aquafuse fuse reef.jpg preset:jerlov-3C -o fused.jpg --model physical
@@ -86,15 +86,15 @@ Examples:
                                                      a water to keep
   aquafuse depth reef.jpg -o depth.png
   aquafuse augment fish/ waters/ -o more/ --per-image 5 --keep-originals
-                                                     a data set, six times as large
+                                                     a dataset, six times as large
   aquafuse fit pairs/ -o mine.toml --depth-kind metres
-                                                     a depth model from pictures with known depth
+                                                     a depth model from images with known depth
   aquafuse evaluate fusion --contents photos/ --references waters/ -o report.html
-                                                     what fusion does to pictures, in figures
+                                                     what fusion does to images, in figures
   aquafuse scene train reef/ -o reef.ply --water learn
                                                      a scene in 3D, and the water in it
 
-Exit codes: 0 all done; 1 a picture, or several, failed; 2 the arguments cannot be carried
+Exit codes: 0 all done; 1 an image, or several, failed; 2 the arguments cannot be carried
 out as they are (a name that nothing bears, an output that exists, a number out of range),
 and nothing was done; 129, 130, 143 stopped by SIGHUP, SIGINT, SIGTERM: every file that is
 there is whole.";

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aquafuse_data::picture::{shown, write_text};
+use aquafuse_data::image_file::{shown, write_text};
 use clap::{Args, Command};
 use clap_complete::Shell;
 

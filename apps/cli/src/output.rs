@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use anyhow::anyhow;
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 
 use crate::failure::Failure;
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use aquafuse_data::image_file::shown;
 use aquafuse_data::job::Message;
-use aquafuse_data::picture::shown;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::output;

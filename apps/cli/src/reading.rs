@@ -1,24 +1,24 @@
-//! `--max-pixels`, `--max-memory` and `--lenient`: which pictures are taken on.
+//! `--max-pixels`, `--max-memory` and `--lenient`: which images are taken on.
 
 use std::path::Path;
 
 use anyhow::{Result, anyhow};
-use aquafuse_data::picture::{Picture, ReadOptions};
+use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use clap::Args;
 
 use crate::failure::Failure;
 
 #[derive(Args)]
 pub(crate) struct Reading {
-    /// Refuse pictures of more pixels than this.
+    /// Refuse images of more pixels than this.
     #[arg(long, global = true, help_heading = crate::common::HEADING, value_name = "N", default_value_t = ReadOptions::default().most_pixels)]
     max_pixels: u64,
-    /// Memory for all pictures that are in work at once: 512MiB, 2GiB or a number of bytes. One that needs more
-    /// by itself is refused, by every command; others wait their turn. Files that go along with pictures, as annotations
+    /// Memory for all images that are in work at once: 512MiB, 2GiB or a number of bytes. One that needs more
+    /// by itself is refused, by every command; others wait their turn. Files that go along with images, as annotations
     /// and lists, may have a quarter of it each.
     #[arg(long, global = true, help_heading = crate::common::HEADING, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
     max_memory: u64,
-    /// Take pictures whose file was cut short, JPEG and PNG above all, for what is left of them. Their outputs say so in
+    /// Take images whose file was cut short, JPEG and PNG above all, for what is left of them. Their outputs say so in
     /// their EXIF description.
     #[arg(long, global = true, help_heading = crate::common::HEADING)]
     lenient: bool,
@@ -29,9 +29,9 @@ impl Reading {
         ReadOptions { most_pixels: self.max_pixels, most_memory: self.max_memory, lenient: self.lenient }
     }
 
-    /// Reads one picture.
-    pub(crate) fn read(&self, path: &Path) -> Result<Picture, Failure> {
-        Ok(Picture::open(path, &self.options())?.decode()?)
+    /// Reads one image.
+    pub(crate) fn read(&self, path: &Path) -> Result<ImageFile, Failure> {
+        Ok(ImageFile::open(path, &self.options())?.decode()?)
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::augment::{Again, Replayed, replay};
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 use clap::Args;
 
 use crate::augment::failure;
@@ -21,13 +21,13 @@ use crate::output;
 pub(crate) struct Replay {
     /// The manifest that `augment` wrote, or its folder.
     manifest: PathBuf,
-    /// Of the variants only this one, by its path in the manifest, or those of this picture [default: all].
+    /// Of the variants only this one, by its path in the manifest, or those of this image [default: all].
     #[arg(long, value_name = "KEY")]
     only: Option<String>,
     /// Where to write them.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Where the data set is now [default: where it was].
+    /// Where the dataset is now [default: where it was].
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
     /// Replace files that exist.
@@ -57,7 +57,7 @@ impl Replay {
         }
         for path in &different {
             output::complain(&format!(
-                "{}: its bytes are others than in the manifest; the picture or the version changed",
+                "{}: its bytes are others than in the manifest; the image or the version changed",
                 shown(path)
             ));
         }

@@ -1,4 +1,4 @@
-//! `aquafuse restore`: a picture, or a folder of them, as if seen through air.
+//! `aquafuse restore`: an image, or a folder of them, as if seen through air.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use crate::work::{Work, WorkArguments};
 const HELP: &str = "\
 Eq. 2 of the paper, I = (U - B) e^(beta_D z): the backscatter is taken off, then what has faded
 is strengthened, --max-gain times at most. It is as right as depth and water are. From colour
-alone expect a clearer picture, not true colours; with a depth map in metres expect more. What
+alone expect a clearer image, not true colours; with a depth map in metres expect more. What
 is far and faint has drowned in noise and stays dark. Where colours look burnt, --max-gain 2 is
 gentler.
 
@@ -25,11 +25,11 @@ Example:
   aquafuse restore reef.jpg -o clear.png
   aquafuse restore photos/ -o clear/ --depth depths/ --depth-kind metres";
 
-/// Take the water out of a picture, or of a folder of them.
+/// Take the water out of an image, or of a folder of them.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Restore {
-    /// A picture (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of pictures (not GIF).
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
     content: PathBuf,
     #[command(flatten)]
     work: WorkArguments,

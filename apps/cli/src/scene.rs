@@ -22,7 +22,7 @@ use crate::failure::Failure;
 #[command(after_help = "\
 SCENE is a folder with the cameras that structure from motion found (COLMAP's cameras, images and
 points3D, .bin or .txt, in it, in sparse/0, sparse or colmap_text; or transforms.json) and the
-pictures, in its folder images or beside them.
+images, in its folder images or beside them.
 
 Examples:
   aquafuse scene sfm photos/ -o reef/
@@ -76,7 +76,7 @@ impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         match error {
             CaptureError::Cameras(error) => error.into(),
-            CaptureError::Picture(error) => error.into(),
+            CaptureError::Image(error) => error.into(),
             error => Self::work(error),
         }
     }

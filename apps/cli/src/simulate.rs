@@ -1,4 +1,4 @@
-//! `aquafuse simulate`: a picture taken in air, with its depth, as it would look under water.
+//! `aquafuse simulate`: an image taken in air, with its depth, as it would look under water.
 
 use std::path::PathBuf;
 
@@ -6,8 +6,8 @@ use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
 use aquafuse::formation::form;
 use aquafuse::image::{Encoded, Image, Linear};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::picture::{
-    FileError, Format, Picture, Pixels, WRITTEN, WriteOptions, remove_stale_parts, shown,
+use aquafuse_data::image_file::{
+    FileError, Format, ImageFile, Pixels, WRITTEN, WriteOptions, remove_stale_parts, shown,
 };
 use aquafuse_data::treatment::Space;
 use clap::Args;
@@ -29,16 +29,16 @@ preset the scene is lit by the light that reaches it (--below-surface) as well, 
 Example:
   aquafuse simulate room.jpg room_depth.png preset:jerlov-3C -o dived.png --depth-kind millimetres --linear";
 
-/// Put a picture taken in air under water, for RGB-D data.
+/// Put an image taken in air under water, for RGB-D data.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Simulate {
-    /// The picture, taken in air.
+    /// The image, taken in air.
     image: PathBuf,
-    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the picture's size. Where it holds no valid value, colour
+    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the image's size. Where it holds no valid value, colour
     /// tells, as in `fuse`: little more than a guess in air, and counted.
     depth: PathBuf,
-    /// The water: preset:NAME from `water list`, NAME.water.json from `water extract`, or a picture.
+    /// The water: preset:NAME from `water list`, NAME.water.json from `water extract`, or an image.
     water: PathBuf,
     /// Where to write; the name says the format.
     #[arg(short, long, value_name = "OUT")]
@@ -78,11 +78,11 @@ impl Simulate {
             return Err(FileError::Exists { path: self.output.clone() }.into());
         }
         let water = WaterSource::parse(&self.water)?;
-        let opened = Picture::open(&self.image, &common.reading.options())?;
+        let opened = ImageFile::open(&self.image, &common.reading.options())?;
         opened.memory_until_written(format, opened.pixels().saturating_mul(BYTES_OF_FLOATS))?;
-        let mut picture = opened.decode()?;
+        let mut image_file = opened.decode()?;
         let supplied = DepthSource::Supplied { path: self.depth.clone(), kind: self.depth_kind };
-        let found = analyse::<E>(&picture, &supplied)?;
+        let found = analyse::<E>(&image_file, &supplied)?;
         let file = self.waters.read::<E>(&water, DepthModel::default(), &common.reading)?;
         let seen_through = self.waters.per(found.depth.kind(), &file)?.water;
 
@@ -92,18 +92,18 @@ impl Simulate {
             }
             _ => [1.0; 3],
         };
-        let lit = lit(&picture.pixels, light);
+        let lit = lit(&image_file.pixels, light);
         let (width, height) = lit.size();
         let clear = lit.pixels().iter().flatten().map(|&value| E::from_encoded(value)).collect();
         let clear = Image::<f32, E>::from_raw(width, height, clear).map_err(Failure::work)?;
         let formed = form(&clear, &found.depth, &seen_through).map_err(Failure::work)?.to_encoded();
-        match &mut picture.pixels {
+        match &mut image_file.pixels {
             Pixels::Bytes(layers) => layers.image = formed.to_samples(),
             Pixels::Words(layers) => layers.image = formed.to_samples(),
             Pixels::Floats(layers) => layers.image = formed.to_samples(),
         }
         remove_stale_parts(output::make_folder_of(&self.output)?);
-        picture.write(&self.output, &WriteOptions { overwrite: self.overwrite, quality: self.quality })?;
+        image_file.write(&self.output, &WriteOptions { overwrite: self.overwrite, quality: self.quality })?;
         if common.quiet {
             return Ok(());
         }
@@ -123,7 +123,7 @@ impl Simulate {
     }
 }
 
-/// The picture as lit by this light, relative to the light it was taken in.
+/// The image as lit by this light, relative to the light it was taken in.
 fn lit(pixels: &Pixels, light: [f32; 3]) -> Image<f32> {
     let image = match pixels {
         Pixels::Bytes(layers) => layers.image.to_unit(),

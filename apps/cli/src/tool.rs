@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 
 /// The one that runs, if any.
 static RUNNING: Mutex<Option<Child>> = Mutex::new(None);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use aquafuse_data::augment::verify;
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 use clap::Args;
 use serde::Serialize;
 
@@ -19,7 +19,7 @@ use crate::output;
 pub(crate) struct Verify {
     /// The folder that `augment` wrote, or the manifest in it.
     folder: PathBuf,
-    /// Check the pictures that it was made from too, in this data set.
+    /// Check the images that it was made from too, in this dataset.
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
     /// Print one JSON object, for programs.

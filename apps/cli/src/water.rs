@@ -10,7 +10,7 @@ use aquafuse::image::{Encoded, Linear};
 use aquafuse::waterbody::pool;
 use aquafuse::waterbody::presets::Preset;
 use aquafuse_data::analysis::analyse;
-use aquafuse_data::picture::{remove_stale_parts, shown};
+use aquafuse_data::image_file::{remove_stale_parts, shown};
 use aquafuse_data::treatment::Space;
 use aquafuse_data::water_file::WaterFile;
 use clap::{Args, Subcommand};
@@ -24,7 +24,7 @@ use crate::inspect::{hex, veiling_light};
 use crate::output;
 use crate::water_argument::WaterArguments;
 
-/// Keep a picture's water as a file, and look at waters.
+/// Keep an image's water as a file, and look at waters.
 #[derive(Args)]
 pub(crate) struct Water {
     #[command(subcommand)]
@@ -38,16 +38,16 @@ enum Command {
     Show(Show),
 }
 
-/// Write the water of a picture, or of several of one water, as a file.
+/// Write the water of an image, or of several of one water, as a file.
 #[derive(Args)]
 #[command(after_help = "\
-Of several pictures each number is the median, weighted by how sure each picture is.
+Of several images each number is the median, weighted by how sure each image is.
 
 Example:
   aquafuse water extract harbour.jpg -o harbour.water.json
   aquafuse fuse reef.jpg harbour.water.json -o fused.jpg --model physical")]
 struct Extract {
-    /// Pictures of one water.
+    /// Images of one water.
     #[arg(required = true)]
     images: Vec<PathBuf>,
     /// Where to write, NAME.water.json; a missing folder is made.
@@ -100,7 +100,7 @@ impl Extract {
             }
             estimates.push(found.estimate);
         }
-        let nothing = || Failure::usage(anyhow!("name a picture"));
+        let nothing = || Failure::usage(anyhow!("name an image"));
         let file = WaterFile {
             from: self.images.iter().map(|path| shown(path).to_string()).collect(),
             depth_kind: kind.ok_or_else(nothing)?,
@@ -111,7 +111,7 @@ impl Extract {
         if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&self.output))) }
     }
 
-    /// Where the depth of each picture comes from: with several, --depth is a folder.
+    /// Where the depth of each image comes from: with several, --depth is a folder.
     fn supply(&self) -> Result<Supply, Failure> {
         self.depth.supply(self.images.len() > 1, self.model.get()).map_err(Failure::usage)
     }

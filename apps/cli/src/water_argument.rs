@@ -1,4 +1,4 @@
-//! `WATER`: a picture, a `*.water.json` file, or `preset:NAME`.
+//! `WATER`: an image, a `*.water.json` file, or `preset:NAME`.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
 use aquafuse::waterbody::Estimate;
 use aquafuse::waterbody::presets::{Conditions, Preset, White};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 use aquafuse_data::treatment::Space;
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 use clap::{Args, ValueEnum};
@@ -18,7 +18,7 @@ use crate::reading::Reading;
 /// Where a water comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum WaterSource {
-    Picture(PathBuf),
+    Image(PathBuf),
     File(PathBuf),
     Preset(Preset),
 }
@@ -59,7 +59,7 @@ impl WaterSource {
                 return Err(Failure::usage(anyhow!("there is no file {name}; did you mean preset:{name}?")));
             }
             let path = said.to_owned();
-            return Ok(if has_suffix(said) { Self::File(path) } else { Self::Picture(path) });
+            return Ok(if has_suffix(said) { Self::File(path) } else { Self::Image(path) });
         };
         Preset::from_name(name).map(Self::Preset).ok_or_else(|| {
             let names = Preset::ALL.map(Preset::name).join(", ");
@@ -72,7 +72,7 @@ impl WaterSource {
     /// The file it is read from.
     pub(crate) fn path(&self) -> Option<&Path> {
         match self {
-            Self::Picture(path) | Self::File(path) => Some(path),
+            Self::Image(path) | Self::File(path) => Some(path),
             Self::Preset(_) => None,
         }
     }
@@ -80,7 +80,7 @@ impl WaterSource {
     /// What to call it.
     pub(crate) fn name(&self) -> String {
         match self {
-            Self::Picture(path) | Self::File(path) => shown(path).to_string(),
+            Self::Image(path) | Self::File(path) => shown(path).to_string(),
             Self::Preset(preset) => format!("preset:{}", preset.name()),
         }
     }
@@ -126,7 +126,7 @@ impl WaterArguments {
                 depth_kind: DepthKind::Metres,
                 estimate: Estimate::given(preset.water(&self.conditions()?)),
             }),
-            WaterSource::Picture(path) => {
+            WaterSource::Image(path) => {
                 let found = analyse(&reading.read(path)?, &DepthSource::Estimated(model))?;
                 Ok(WaterFile {
                     from: vec![shown(path).to_string()],

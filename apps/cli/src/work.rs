@@ -1,4 +1,4 @@
-//! Pictures made from pictures, one or a folder of them: what `fuse`, `restore` and `enhance` have in common.
+//! Images made from images, one or a folder of them: what `fuse`, `restore` and `enhance` have in common.
 
 mod json;
 mod plan;
@@ -11,8 +11,8 @@ use std::sync::Mutex;
 use anyhow::anyhow;
 use aquafuse::depth::DepthModel;
 use aquafuse::smooth::Smoothing;
+use aquafuse_data::image_file::{FileError, WriteOptions, remove_stale_parts, shown, write_text};
 use aquafuse_data::job::{Conduct, Item, Job, Message, RECORD, Recipe, Record, Summary};
-use aquafuse_data::picture::{FileError, WriteOptions, remove_stale_parts, shown, write_text};
 use aquafuse_data::treatment::{Space, Treatment};
 use clap::Args;
 use serde::Serialize;
@@ -28,7 +28,7 @@ use crate::progress::Progress;
 /// What is read, and where and how the outputs are written.
 #[derive(Args)]
 pub(crate) struct WorkArguments {
-    /// Where to write: a file or a folder for a picture, a folder for a folder. Missing folders are made. The name says
+    /// Where to write: a file or a folder for an image, a folder for a folder. Missing folders are made. The name says
     /// the format: .png and .tif keep 16 bits and transparency, .webp is lossless, .jpg is 4:4:4.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
@@ -41,23 +41,23 @@ pub(crate) struct WorkArguments {
     /// the orientation is carried over.
     #[arg(long)]
     pub(crate) upright: bool,
-    /// Replace pictures that exist.
+    /// Replace images that exist.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Stop at the first picture that fails, as `--max-errors 0`.
+    /// Stop at the first image that fails, as `--max-errors 0`.
     #[arg(long, conflicts_with = "max_errors")]
     fail_fast: bool,
-    /// Stop once more pictures than this have failed [default: go on].
+    /// Stop once more images than this have failed [default: go on].
     #[arg(long, value_name = "N")]
     max_errors: Option<usize>,
-    /// Print one JSON object a picture, for programs, instead of the summary.
+    /// Print one JSON object an image, for programs, instead of the summary.
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write what each picture is made from into this folder, as pictures: STEM.depth.png (16 bits: 65535 is the
+    /// Write what each image is made from into this folder, as images: STEM.depth.png (16 bits: 65535 is the
     /// farthest, or one millimetre a step), .backscatter, .illumination and .change (mid grey: nothing).
     #[arg(long, value_name = "DIR")]
     maps: Option<PathBuf>,
-    /// Write settings, waters and a record of each picture into this file, as JSON.
+    /// Write settings, waters and a record of each image into this file, as JSON.
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
     /// Work in linear light instead of the values that cameras write, which the paper works on. Depth from colour is
@@ -74,7 +74,7 @@ pub(crate) struct Work<'a, E: Space> {
     pub(crate) depth_model: DepthModel,
     pub(crate) treatment: Treatment<E>,
     pub(crate) smoothing: Smoothing,
-    /// Score each picture before and after.
+    /// Score each image before and after.
     pub(crate) scores: bool,
     /// The first line of the summary.
     pub(crate) heading: String,
@@ -88,11 +88,11 @@ struct Report {
     schema: u32,
     version: &'static str,
     settings: Value,
-    pictures: Vec<Box<RawValue>>,
+    images: Vec<Box<RawValue>>,
 }
 
 impl WorkArguments {
-    /// Refuses what can be refused before any picture is read, and gives the pictures.
+    /// Refuses what can be refused before any image is read, and gives the images.
     pub(crate) fn plan(
         &self,
         content: &Path,
@@ -187,11 +187,11 @@ impl WorkArguments {
         Ok(record)
     }
 
-    fn write_report(&self, settings: Value, mut pictures: Vec<Box<RawValue>>) -> Result<(), Failure> {
+    fn write_report(&self, settings: Value, mut images: Vec<Box<RawValue>>) -> Result<(), Failure> {
         let Some(path) = &self.report else { return Ok(()) };
-        // Pictures get done in any order; their names stand first in their records.
-        pictures.sort_by(|a, b| a.get().cmp(b.get()));
-        let report = Report { schema: 1, version: env!("CARGO_PKG_VERSION"), settings, pictures };
+        // Images get done in any order; their names stand first in their records.
+        images.sort_by(|a, b| a.get().cmp(b.get()));
+        let report = Report { schema: 1, version: env!("CARGO_PKG_VERSION"), settings, images };
         let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
         output::make_folder_of(path)?;
         Ok(write_text(path, &(text + "\n"), self.overwrite)?)

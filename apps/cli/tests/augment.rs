@@ -1,4 +1,4 @@
-//! Data sets multiplied by the command, read back by the readers that people use, killed and gone on with.
+//! Datasets multiplied by the command, read back by the readers that people use, killed and gone on with.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
@@ -15,8 +15,8 @@ use run::{Chance, Run, killed_after, kills, scene};
 const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_datasets.py");
 const WRITER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/write_tables.py");
 
-/// A data set of YOLO with `pictures` pictures in two splits, and two waters beside it.
-fn fish(pictures: usize) -> Run {
+/// A dataset of YOLO with `image_files` images in two splits, and two waters beside it.
+fn fish(image_files: usize) -> Run {
     let run = Run::new();
     for folder in ["fish/images/train", "fish/images/val", "fish/labels/train", "fish/labels/val", "waters"] {
         fs::create_dir_all(run.path(folder)).unwrap();
@@ -26,7 +26,7 @@ fn fish(pictures: usize) -> Run {
         "path: ../fish\ntrain: images/train\nval: images/val\nnames: [fish]\n",
     )
     .unwrap();
-    for number in 0..pictures {
+    for number in 0..image_files {
         let split = if number % 4 == 0 { "val" } else { "train" };
         scene(&run.path(&format!("fish/images/{split}/{number}.png")), number as u64, "blue");
         let label = format!("0 0.5 0.4 0.{}25 0.3\n0 0.25 0.25 0.125 0.0625\n", 1 + number % 5);
@@ -64,11 +64,11 @@ fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
 fn a_data_set_is_multiplied_checked_and_made_again() {
     let run = fish(4);
     let dry = run.ok(&with(&["--dry-run", "--keep-originals"]));
-    assert!(dry.stdout.contains("would make 8 variants of 4 pictures"), "{}", dry.stdout);
+    assert!(dry.stdout.contains("would make 8 variants of 4 images"), "{}", dry.stdout);
     assert!(!run.path("more").exists());
     let said = run.ok(&with(&["--keep-originals"]));
     assert!(said.stdout.contains("layout yolo, 2 waters"), "{}", said.stdout);
-    assert!(said.stdout.contains("8 variants of 4 pictures written to more"), "{}", said.stdout);
+    assert!(said.stdout.contains("8 variants of 4 images written to more"), "{}", said.stdout);
     let made = files(&run.path("more"));
     assert_eq!(made.len(), 2 * 12 + 2);
     assert_eq!(made["data.yaml"], b"train: images/train\nval: images/val\nnames: [fish]\n");
@@ -77,7 +77,7 @@ fn a_data_set_is_multiplied_checked_and_made_again() {
     );
 
     let again = run.ok(&with(&["--keep-originals"]));
-    assert!(again.stdout.contains("4 pictures were done already"), "{}", again.stdout);
+    assert!(again.stdout.contains("4 images were done already"), "{}", again.stdout);
     let checked = run.ok(&["verify", "more", "--dataset", "fish"]);
     assert_eq!(checked.stdout, "30 of 30 files are as they were made\n");
     fs::write(run.path("more/labels/val/0.txt"), "0 0.5 0.5 0.5 0.5\n").unwrap();
@@ -121,7 +121,7 @@ fn what_cannot_be_done_is_said_before_anything_is_made() {
     let bad = run.fails(2, &AUGMENT);
     assert!(
         bad.stderr.contains("labels/val/0.txt:1: the box reaches from 0.7000 to 1.1000 across")
-            && bad.stderr.contains("labels/val/9.txt: there is no picture")
+            && bad.stderr.contains("labels/val/9.txt: there is no image")
             && bad.stderr.contains("--on-bad-annotation"),
         "{}",
         bad.stderr
@@ -133,12 +133,12 @@ fn what_cannot_be_done_is_said_before_anything_is_made() {
 }
 
 #[test]
-fn a_picture_that_fails_is_named_and_listed() {
+fn an_image_that_fails_is_named_and_listed() {
     let run = fish(4);
-    fs::write(run.path("fish/images/val/0.png"), "no picture").unwrap();
+    fs::write(run.path("fish/images/val/0.png"), "no image").unwrap();
     let failed = run.fails(1, &AUGMENT);
     assert!(failed.stderr.contains("fish/images/val/0.png"), "{}", failed.stderr);
-    assert!(failed.stderr.contains("1 of 4 pictures failed"), "{}", failed.stderr);
+    assert!(failed.stderr.contains("1 of 4 images failed"), "{}", failed.stderr);
     let manifest = String::from_utf8(run.bytes("more/manifest.jsonl")).unwrap();
     assert!(manifest.contains(r#""line":"failed","key":"images/val/0.png""#), "{manifest}");
     assert_eq!(files(&run.path("more")).keys().filter(|name| name.ends_with(".png")).count(), 6);
@@ -172,7 +172,7 @@ fn an_augmentation_killed_and_run_again_equals_one_clean_run() {
     println!("augmentations killed: {killed}, finished: {}, half files: 0, differing bytes: 0", finished + 1);
 }
 
-/// Has a data set and what was made of it compared by the readers of others.
+/// Has a dataset and what was made of it compared by the readers of others.
 fn compare(layout: &str, before: &Path, after: &Path) -> bool {
     let Some(python) = std::env::var_os("AQUAFUSE_PYTHON") else {
         println!(
@@ -193,8 +193,8 @@ fn the_readers_of_others_find_the_same_annotations() {
     if !compare("yolo", &run.path("fish"), &run.path("more")) {
         return;
     }
-    // The same pictures, described in the other two ways.
-    let pictures: Vec<PathBuf> = ["val/0.png", "train/1.png", "train/2.png"]
+    // The same images, described in the other two ways.
+    let image_files: Vec<PathBuf> = ["val/0.png", "train/1.png", "train/2.png"]
         .map(|name| run.path(&format!("fish/images/{name}")))
         .into();
     let (mut images, mut annotations) = (Vec::new(), Vec::new());
@@ -202,10 +202,10 @@ fn the_readers_of_others_find_the_same_annotations() {
     for folder in ["voc/Annotations", "voc/JPEGImages", "voc/ImageSets/Main", "masks/images", "masks/masks"] {
         fs::create_dir_all(run.path(folder)).unwrap();
     }
-    for (picture, number) in pictures.iter().zip(1..) {
-        let name = picture.file_name().unwrap().to_str().unwrap();
+    for (image_file, number) in image_files.iter().zip(1..) {
+        let name = image_file.file_name().unwrap().to_str().unwrap();
         for folder in ["coco/images", "voc/JPEGImages", "masks/images", "masks/masks"] {
-            fs::copy(picture, run.path(folder).join(name)).unwrap();
+            fs::copy(image_file, run.path(folder).join(name)).unwrap();
         }
         images.push(format!(r#"{{"id": {number}, "file_name": "{name}", "width": 96, "height": 64}}"#));
         annotations.push(format!(
@@ -226,10 +226,10 @@ fn the_readers_of_others_find_the_same_annotations() {
     fs::write(run.path("voc/ImageSets/Main/train.txt"), "0\n1\n2\n").unwrap();
     fs::create_dir(run.path("shards")).unwrap();
     let mut shard = tar::Builder::new(fs::File::create(run.path("shards/train-000.tar")).unwrap());
-    for picture in &pictures {
-        let key = picture.file_stem().unwrap().to_str().unwrap();
+    for image_file in &image_files {
+        let key = image_file.file_stem().unwrap().to_str().unwrap();
         for (end, bytes) in
-            [("png", fs::read(picture).unwrap()), ("cls", key.into()), ("seg.mask.png", vec![7; 600])]
+            [("png", fs::read(image_file).unwrap()), ("cls", key.into()), ("seg.mask.png", vec![7; 600])]
         {
             let mut header = tar::Header::new_gnu();
             header.set_size(bytes.len() as u64);
@@ -242,7 +242,7 @@ fn the_readers_of_others_find_the_same_annotations() {
     if tables {
         let python = std::env::var_os("AQUAFUSE_PYTHON").unwrap();
         let writer =
-            Command::new(python).arg(WRITER).arg(run.path("parquet")).args(&pictures).output().unwrap();
+            Command::new(python).arg(WRITER).arg(run.path("parquet")).args(&image_files).output().unwrap();
         assert!(writer.status.success(), "{}", String::from_utf8_lossy(&writer.stderr));
     }
     let of_tables = tables.then_some(["parquet", "kinds"]).into_iter().flatten();
@@ -261,7 +261,7 @@ fn the_readers_of_others_find_the_same_annotations() {
 #[test]
 fn real_fish_and_real_masks_six_times() {
     let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA").map(PathBuf::from) else {
-        println!("skipped: AQUAFUSE_TEST_DATA names no folder of real pictures");
+        println!("skipped: AQUAFUSE_TEST_DATA names no folder of real images");
         return;
     };
     let run = Run::new();
@@ -281,11 +281,11 @@ fn real_fish_and_real_masks_six_times() {
         command.arg("-o").arg(&after).arg(&before).args(&waters);
         let output = command.output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let pictures = |root: &Path| {
+        let image_files = |root: &Path| {
             let names = files(root).into_keys().filter(|name| name.starts_with("images/"));
             names.filter(|name| !name.ends_with(".txt")).count()
         };
-        assert_eq!(pictures(&after), 6 * pictures(&before), "{layout}");
+        assert_eq!(image_files(&after), 6 * image_files(&before), "{layout}");
         run.ok(&["verify", layout]);
         if !compare(layout, &before, &after) {
             return;

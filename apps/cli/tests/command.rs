@@ -9,7 +9,7 @@ use std::path::Path;
 use run::{Run, scene, scenes_folder};
 
 #[test]
-fn a_picture_is_fused_and_the_clipping_reported() {
+fn an_image_is_fused_and_the_clipping_reported() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
     scene(&run.path("water.png"), 2, "green");
@@ -21,12 +21,12 @@ fn a_picture_is_fused_and_the_clipping_reported() {
 }
 
 #[test]
-fn pictures_that_deserve_a_look_are_named() {
+fn images_that_deserve_a_look_are_named() {
     let run = Run::new();
     std::fs::create_dir(run.path("photos")).unwrap();
     scene(&run.path("photos/reef.png"), 1, "blue");
     let night = aquafuse::image::Image::<u8>::from_raw(64, 64, vec![0; 64 * 64 * 3]).unwrap();
-    let night = aquafuse_data::picture::Picture::new(night);
+    let night = aquafuse_data::image_file::ImageFile::new(night);
     night.write(&run.path("photos/night.png"), &Default::default()).unwrap();
     scene(&run.path("water.png"), 2, "clear");
     let bright = ["fuse", "photos", "water.png", "-o", "out", "--model", "physical", "--alpha", "4"];
@@ -65,7 +65,7 @@ fn a_folder_is_fused_whatever_the_number_of_threads() {
     scene(&run.path("water.jpg"), 9, "turbid");
     run.ok(&["fuse", "photos", "water.jpg", "-o", "one", "--threads", "1"]);
     let two = run.ok(&["fuse", "photos", "water.jpg", "-o", "two", "--threads", "2"]);
-    assert!(two.stdout.contains("\n3 pictures written"), "{}", two.stdout);
+    assert!(two.stdout.contains("\n3 images written"), "{}", two.stdout);
     for name in ["a.png", "b.png", "c.jpg"] {
         assert_eq!(run.bytes(&format!("one/{name}")), run.bytes(&format!("two/{name}")), "{name}");
     }
@@ -73,10 +73,10 @@ fn a_folder_is_fused_whatever_the_number_of_threads() {
 }
 
 #[test]
-fn one_bad_picture_does_not_spoil_the_folder() {
+fn one_bad_image_does_not_spoil_the_folder() {
     let run = Run::new();
     scenes_folder(&run.path("photos"));
-    std::fs::write(run.path("photos/bad.png"), "this is no picture").unwrap();
+    std::fs::write(run.path("photos/bad.png"), "this is no image").unwrap();
     scene(&run.path("water.png"), 9, "turbid");
     let ended = run.fails(1, &["fuse", "photos", "water.png", "-o", "fused"]);
     assert!(
@@ -85,7 +85,7 @@ fn one_bad_picture_does_not_spoil_the_folder() {
         ended.stderr
     );
     assert!(ended.stderr.contains("1 of 4 failed"), "{}", ended.stderr);
-    assert_eq!(std::fs::read_dir(run.path("fused")).unwrap().count(), 3 + 1, "three pictures and the record");
+    assert_eq!(std::fs::read_dir(run.path("fused")).unwrap().count(), 3 + 1, "three images and the record");
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn wrong_usage_ends_with_two_and_says_what_to_do() {
         (&["fuse", "photos", "content.png", "-o", "photos"], "both content and output"),
         (&["fuse", "photos", "content.png", "-o", "content.png"], "output must be one"),
         (&["fuse", "photos", "content.png", "-o", "new.jpg"], "output must be one"),
-        (&["fuse", "content.png", "photos", "-o", "o.png"], "Name a picture in it"),
+        (&["fuse", "content.png", "photos", "-o", "o.png"], "Name an image in it"),
         (&["fuse", "photos/a.png", "content.png", "-o", "content.png", "--overwrite"], "is an input"),
         (&["fuse", "photos/a.png", "content.png", "-o", "content.png/o.png"], "there is a file of that name"),
         (&["--threads", "1000000", "inspect", "content.png"], "1..=512"),
@@ -142,9 +142,9 @@ fn wrong_usage_ends_with_two_and_says_what_to_do() {
 }
 
 #[test]
-fn a_picture_that_cannot_be_read_ends_with_one() {
+fn an_image_that_cannot_be_read_ends_with_one() {
     let run = Run::new();
-    std::fs::write(run.path("bad.png"), "no picture").unwrap();
+    std::fs::write(run.path("bad.png"), "no image").unwrap();
     for arguments in [&["inspect", "bad.png"][..], &["depth", "bad.png", "-o", "z.png"]] {
         let failed = run.fails(1, arguments);
         assert!(failed.stderr.contains("bad.png: its content is none of PNG, JPEG"), "{}", failed.stderr);
@@ -198,7 +198,7 @@ fn every_command_takes_the_depth_model_it_is_told() {
 }
 
 #[test]
-fn exchange_changes_more_than_the_veil_and_leaves_a_picture_in_its_own_water() {
+fn exchange_changes_more_than_the_veil_and_leaves_an_image_in_its_own_water() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
     scene(&run.path("water.png"), 2, "green");
@@ -248,7 +248,7 @@ fn as_published_is_a_name_for_five_settings_and_allows_none_beside_it() {
 }
 
 #[test]
-fn depth_is_a_sixteen_bit_picture_of_the_same_size() {
+fn depth_is_a_sixteen_bit_image_of_the_same_size() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
     run.ok(&["depth", "content.png", "-o", "z.png"]);
@@ -260,7 +260,7 @@ fn depth_is_a_sixteen_bit_picture_of_the_same_size() {
 }
 
 #[test]
-fn demo_makes_what_fuse_makes_of_the_same_pictures() {
+fn demo_makes_what_fuse_makes_of_the_same_images() {
     let run = Run::new();
     let said = run.ok(&["demo", "-o", "demo"]).stdout;
     assert!(said.contains("sheet.jpg") && said.contains("estimated"), "{said}");
@@ -292,7 +292,7 @@ fn quiet_says_nothing() {
 fn a_closed_pipe_is_no_error() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
-    std::fs::write(run.path("bad.png"), "no picture").unwrap();
+    std::fs::write(run.path("bad.png"), "no image").unwrap();
     let nobody = || {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
@@ -307,7 +307,7 @@ fn a_closed_pipe_is_no_error() {
 #[test]
 fn every_real_scene_can_be_fused() {
     let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA") else {
-        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real pictures");
+        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real images");
         return;
     };
     let scenes = Path::new(&data).join("scenes");
@@ -347,7 +347,7 @@ fn what_is_swept_is_not_given_too() {
 }
 
 #[test]
-fn a_scene_that_thick_water_hides_is_told_of_by_the_name_of_its_picture() {
+fn a_scene_that_thick_water_hides_is_told_of_by_the_name_of_its_image() {
     let run = Run::new();
     scene(&run.path("a.png"), 1, "blue");
     let thick =

@@ -6,11 +6,11 @@ mod run;
 
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use run::{Run, scene};
 use serde_json::Value;
 
-/// Two blue pictures, two green ones and a clear one, named by their water.
+/// Two blue images, two green ones and a clear one, named by their water.
 fn dives(run: &Run) {
     std::fs::create_dir(run.path("dives")).unwrap();
     let all = [("blue", 1), ("blue", 2), ("green", 3), ("green", 4), ("clear", 5)];
@@ -94,7 +94,7 @@ fn what_changes_nothing_scores_as_nothing_changed() {
 }
 
 #[test]
-fn another_tools_pictures_are_scored_as_ours_and_what_is_missing_is_named() {
+fn another_tools_images_are_scored_as_ours_and_what_is_missing_is_named() {
     let run = Run::new();
     std::fs::create_dir(run.path("c")).unwrap();
     std::fs::create_dir(run.path("r")).unwrap();
@@ -126,7 +126,7 @@ fn another_tools_pictures_are_scored_as_ours_and_what_is_missing_is_named() {
 
     std::fs::remove_file(run.path("mine/wall__milky.png")).unwrap();
     let ended = run.fails(1, &with(&evaluate, &["-o", "report.md"]));
-    assert!(ended.stderr.contains("mine holds 0 pictures named wall__milky"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("mine holds 0 images named wall__milky"), "{}", ended.stderr);
     assert!(ended.stdout.contains("| mine | all | 1 | 1 |"), "{}", ended.stdout);
     let report = String::from_utf8(run.bytes("report.md")).unwrap();
     assert!(
@@ -135,7 +135,7 @@ fn another_tools_pictures_are_scored_as_ours_and_what_is_missing_is_named() {
     );
 
     let small = Scene::new(1, Size { width: 40, height: 30 }).clear.to_samples::<u8>();
-    Picture::new(small).write(&run.path("mine/wall__milky.png"), &WriteOptions::default()).unwrap();
+    ImageFile::new(small).write(&run.path("mine/wall__milky.png"), &WriteOptions::default()).unwrap();
     let ended = run.fails(1, &evaluate).stderr;
     assert!(ended.contains("has 40x30 pixels") && ended.contains("96x64"), "{ended}");
     let twice = run.fails(2, &with(&evaluate, &["--method", "mine=mine"])).stderr;
@@ -143,11 +143,11 @@ fn another_tools_pictures_are_scored_as_ours_and_what_is_missing_is_named() {
 }
 
 #[test]
-fn a_bad_picture_spoils_nothing_but_itself() {
+fn a_bad_image_spoils_nothing_but_itself() {
     let run = Run::new();
     dives(&run);
     let whole = json(&run, &with(&FUSION, &["--group-by", "prefix"]));
-    std::fs::write(run.path("dives/blue_9.png"), "no picture").unwrap();
+    std::fs::write(run.path("dives/blue_9.png"), "no image").unwrap();
     let ended = run.fails(1, &with(&FUSION, &["--group-by", "prefix", "-o", "report.json"]));
     assert!(ended.stderr.contains("blue_9.png") && ended.stderr.contains("failed"), "{}", ended.stderr);
     let report: Value = serde_json::from_slice(&run.bytes("report.json")).unwrap();
@@ -195,7 +195,7 @@ fn truth_tells_the_methods_apart() {
 }
 
 #[test]
-fn enhancement_is_told_picture_by_picture() {
+fn enhancement_is_told_image_by_image() {
     let run = Run::new();
     dives(&run);
     let evaluate = ["evaluate", "enhancement", "dives", "--method", "same=dives"];
@@ -203,10 +203,10 @@ fn enhancement_is_told_picture_by_picture() {
     let change = |method: &str, score: &str| {
         row(&report, "change", &[("method", method)])[score]["mean"].as_f64().unwrap()
     };
-    // The pictures as they are, called another tool's, change nothing.
+    // The images as they are, called another tool's, change nothing.
     assert_eq!((change("same", "uciqe"), change("same", "sharpness")), (0.0, 0.0));
     assert!(change("AquaFuse enhance", "contrast") > 0.0);
-    // One picture's figures are those of the command itself.
+    // One image's figures are those of the command itself.
     let single = run.ok(&["enhance", "dives/green_3.png", "-o", "g.png", "--json"]).stdout;
     let single: Value = serde_json::from_str(&single).unwrap();
     let items = report["items"].as_array().unwrap();
@@ -228,7 +228,7 @@ fn depth_maps_are_measured_by_their_declared_kind() {
     for (seed, name) in [(1, "a"), (2, "b"), (3, "c")] {
         let place = Scene::new(seed, Size { width: 96, height: 64 });
         let image = place.seen_through(&waters()[0].water).to_samples::<u8>();
-        Picture::new(image)
+        ImageFile::new(image)
             .write(&run.path(&format!("pairs/rgb/{name}.png")), &WriteOptions::default())
             .unwrap();
         let depth = run.path(&format!("pairs/depth/{name}.tiff"));
@@ -249,14 +249,14 @@ fn depth_maps_are_measured_by_their_declared_kind() {
     }
     let evaluate =
         ["evaluate", "depth", "pairs", "--depth-kind", "metres", "--maps", "stereo=disparity:near"];
-    let report = json(&run, &with(&evaluate, &["--maps", "turned round=metres:near"]));
+    let report = json(&run, &with(&evaluate, &["--maps", "inverted=metres:near"]));
     let score =
         |name: &str, score: &str| row(&report, "depth", &[("depth", name)])[score]["mean"].as_f64().unwrap();
     assert!((score("stereo", "spearman") - 1.0).abs() < 1e-9);
     assert!(score("stereo", "rmse_metres") < 1e-3 && score("stereo", "delta_percent") == 100.0);
-    assert!((score("turned round", "spearman") + 1.0).abs() < 1e-9);
+    assert!((score("inverted", "spearman") + 1.0).abs() < 1e-9);
     // It is worth what the mean is worth, and no more.
-    assert!(score("turned round", "rmse_metres") > score("`eq3`", "rmse_metres"));
+    assert!(score("inverted", "rmse_metres") > score("`eq3`", "rmse_metres"));
     assert!(score("image row", "spearman") > 0.5);
 
     std::fs::remove_file(run.path("near/b.pfm")).unwrap();

@@ -6,11 +6,11 @@ mod run;
 
 use aquafuse::depth::{DepthModel, Eq3};
 use aquafuse_data::depth_file;
+use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::model_file::ModelFile;
-use aquafuse_data::picture::Picture;
 use run::{Run, scene};
 
-/// A folder of pairs whose depth a known model made, and one more picture without depth.
+/// A folder of pairs whose depth a known model made, and one more image without depth.
 fn pairs(run: &Run, known: Eq3) {
     for folder in ["pairs", "pairs/rgb", "pairs/depth"] {
         std::fs::create_dir(run.path(folder)).unwrap();
@@ -25,7 +25,7 @@ fn pairs(run: &Run, known: Eq3) {
     for (seed, water, format) in pairs {
         let rgb = run.path(&format!("pairs/rgb/{water}.png"));
         scene(&rgb, seed, water);
-        let depth = DepthModel::Eq3(known).estimate(&Picture::read(&rgb).unwrap().bytes());
+        let depth = DepthModel::Eq3(known).estimate(&ImageFile::read(&rgb).unwrap().bytes());
         depth_file::write(&run.path(&format!("pairs/depth/{water}.{format}")), &depth, &Default::default())
             .unwrap();
     }
@@ -58,14 +58,14 @@ fn a_model_is_fitted_and_used_wherever_depth_is_estimated() {
     run.ok(&["--threads", "1", "fit", "pairs", "-o", "one.toml", "--depth-kind", "relative"]);
     assert_eq!(run.bytes("one.toml"), run.bytes("out/mine.toml"));
 
-    let picture = "pairs/rgb/blue.png";
-    run.ok(&["depth", picture, "-o", "z.png", "--depth-model", "one.toml"]);
+    let image = "pairs/rgb/blue.png";
+    run.ok(&["depth", image, "-o", "z.png", "--depth-model", "one.toml"]);
     let fused =
-        |out, model| run.ok(&["fuse", picture, "pairs/rgb/green.png", "-o", out, "--depth-model", model]);
+        |out, model| run.ok(&["fuse", image, "pairs/rgb/green.png", "-o", out, "--depth-model", model]);
     fused("fitted.png", "one.toml");
     fused("eq3.png", "eq3");
     assert!(run.bytes("fitted.png") != run.bytes("eq3.png"));
-    let json = run.ok(&["inspect", picture, "--json", "--depth-model", "one.toml"]).stdout;
+    let json = run.ok(&["inspect", image, "--json", "--depth-model", "one.toml"]).stdout;
     assert!(json.contains("\"source\": \"fitted\""), "{json}");
 }
 
@@ -95,7 +95,7 @@ fn what_cannot_be_fitted_is_refused_by_cause() {
         assert!(!run.path("m.toml").exists());
     }
     // One bad pair is named and left out.
-    std::fs::write(run.path("pairs/depth/alone.png"), "no picture").unwrap();
+    std::fs::write(run.path("pairs/depth/alone.png"), "no image").unwrap();
     let ended = run.fails(1, &["fit", "pairs", "-o", "m.toml", "--depth-kind", "relative"]);
     assert!(
         ended.stderr.contains("alone.png") && ended.stderr.contains("1 of 6 pairs failed"),

@@ -10,17 +10,17 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use aquafuse::truth::{Scene, Size, waters};
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use run::{Chance, Run, killed_after, kills, scene, scenes_folder};
 
 const FUSE: [&str; 5] = ["fuse", "photos", "water.png", "-o", "fused"];
 
-/// The pictures of a folder; its record and whatever else is hidden left out.
-fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+/// The images of a folder; its record and whatever else is hidden left out.
+fn image_files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let Ok(entries) = std::fs::read_dir(folder) else { return BTreeMap::new() };
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let pictures = names.filter(|name| !name.starts_with('.') && name != "aquafuse-job.jsonl");
-    pictures.map(|name| (name.clone(), std::fs::read(folder.join(name)).unwrap())).collect()
+    let image_files = names.filter(|name| !name.starts_with('.') && name != "aquafuse-job.jsonl");
+    image_files.map(|name| (name.clone(), std::fs::read(folder.join(name)).unwrap())).collect()
 }
 
 fn parts(folder: &Path) -> usize {
@@ -36,24 +36,24 @@ fn small() -> Run {
 }
 
 #[test]
-fn a_finished_job_is_not_done_again_and_a_new_picture_is_added() {
+fn a_finished_job_is_not_done_again_and_a_new_image_is_added() {
     let run = small();
     run.ok(&FUSE);
     let time = || run.path("fused/a.png").metadata().unwrap().modified().unwrap();
     let before = time();
     let again = run.ok(&FUSE);
-    assert!(again.stdout.contains("3 pictures were there already"), "{}", again.stdout);
+    assert!(again.stdout.contains("3 images were there already"), "{}", again.stdout);
     scene(&run.path("photos/d.png"), 5, "deep");
     let added = run.ok(&FUSE);
     assert!(added.stdout.contains("d.png: written"), "{}", added.stdout);
-    assert_eq!((time(), pictures(&run.path("fused")).len()), (before, 4));
+    assert_eq!((time(), image_files(&run.path("fused")).len()), (before, 4));
 }
 
 #[test]
 fn other_settings_need_a_word() {
     let run = small();
     run.ok(&FUSE);
-    let before = pictures(&run.path("fused"));
+    let before = image_files(&run.path("fused"));
     let stronger = [&FUSE[..], &["--model", "physical"]].concat();
     let refused = run.fails(2, &stronger);
     assert!(
@@ -61,21 +61,21 @@ fn other_settings_need_a_word() {
         "{}",
         refused.stderr
     );
-    assert_eq!(pictures(&run.path("fused")), before);
+    assert_eq!(image_files(&run.path("fused")), before);
     run.ok(&[&stronger[..], &["--overwrite"]].concat());
-    assert!(pictures(&run.path("fused")).iter().all(|(name, bytes)| bytes != &before[name]));
+    assert!(image_files(&run.path("fused")).iter().all(|(name, bytes)| bytes != &before[name]));
 }
 
 #[test]
 fn another_folder_of_the_same_names_is_refused_and_another_way_to_depth_too() {
     let run = small();
     run.ok(&FUSE);
-    let before = pictures(&run.path("fused"));
+    let before = image_files(&run.path("fused"));
     scenes_folder(&run.path("others"));
     let others = run.fails(2, &["fuse", "others", "water.png", "-o", "fused"]);
     assert!(others.stderr.contains("--overwrite"), "{}", others.stderr);
     run.fails(2, &[&FUSE[..], &["--depth-model", "ratio"]].concat());
-    assert_eq!(pictures(&run.path("fused")), before);
+    assert_eq!(image_files(&run.path("fused")), before);
     let onto_water = run.fails(2, &["fuse", "others", "photos/a.png", "-o", "photos", "--overwrite"]);
     assert!(onto_water.stderr.contains("is an input"), "{}", onto_water.stderr);
 }
@@ -95,7 +95,7 @@ fn what_failed_is_made_once_it_is_repaired() {
 fn as_many_failures_as_allowed_and_the_failed_are_listed() {
     let run = small();
     for name in ["bad1.png", "bad2.png", "bad3.png"] {
-        std::fs::write(run.path("photos").join(name), "no picture").unwrap();
+        std::fs::write(run.path("photos").join(name), "no image").unwrap();
     }
     let ended = run.fails(1, &FUSE);
     assert!(
@@ -119,9 +119,9 @@ fn as_many_failures_as_allowed_and_the_failed_are_listed() {
 }
 
 #[test]
-fn each_picture_has_a_record_for_programs() {
+fn each_image_has_a_record_for_programs() {
     let run = small();
-    std::fs::write(run.path("photos/bad.png"), "no picture").unwrap();
+    std::fs::write(run.path("photos/bad.png"), "no image").unwrap();
     let ended = run.fails(1, &[&FUSE[..], &["--json"]].concat());
     let mut statuses = BTreeMap::new();
     for line in ended.stdout.lines() {
@@ -146,13 +146,13 @@ fn each_picture_has_a_record_for_programs() {
 }
 
 #[test]
-fn bmp_becomes_png_and_two_pictures_never_share_an_output() {
+fn bmp_becomes_png_and_two_images_never_share_an_output() {
     let run = small();
     let image = ::image::RgbImage::from_fn(32, 24, |x, y| ::image::Rgb([x as u8, y as u8, 90]));
     image.save(run.path("photos/d.bmp")).unwrap();
     image.save(run.path("photos/ignored.gif")).unwrap();
     run.ok(&FUSE);
-    let names: Vec<_> = pictures(&run.path("fused")).into_keys().collect();
+    let names: Vec<_> = image_files(&run.path("fused")).into_keys().collect();
     assert_eq!(names, ["a.png", "b.png", "c.jpg", "d.bmp.png"]);
     image.save(run.path("photos/d.bmp.png")).unwrap();
     assert!(run.fails(2, &FUSE).stderr.contains("rename one of them"));
@@ -163,17 +163,17 @@ fn larger(count: usize) -> Run {
     let run = Run::new();
     std::fs::create_dir(run.path("photos")).unwrap();
     let [blue, .., deep] = waters();
-    let picture = |seed| {
-        Picture::new(
+    let image_file = |seed| {
+        ImageFile::new(
             Scene::new(seed, Size { width: 192, height: 128 }).seen_through(&blue.water).to_samples::<u8>(),
         )
     };
-    let made: Vec<_> = (0..4).map(picture).collect();
+    let made: Vec<_> = (0..4).map(image_file).collect();
     for i in 0..count {
         made[i % 4].write(&run.path(&format!("photos/{i:02}.png")), &WriteOptions::default()).unwrap();
     }
     let water = Scene::new(9, Size { width: 96, height: 64 }).seen_through(&deep.water).to_samples::<u8>();
-    Picture::new(water).write(&run.path("water.png"), &WriteOptions::default()).unwrap();
+    ImageFile::new(water).write(&run.path("water.png"), &WriteOptions::default()).unwrap();
     run
 }
 
@@ -183,13 +183,13 @@ fn killed_and_run_again_equals_one_clean_run() {
     let began = Instant::now();
     run.ok(&["fuse", "photos", "water.png", "-o", "clean", "--quiet"]);
     let whole_run = began.elapsed();
-    let clean = pictures(&run.path("clean"));
+    let clean = image_files(&run.path("clean"));
     let folder = run.path("fused");
     let (mut killed, mut finished, mut most_parts, mut chance) = (0, 0, 0, Chance(1));
     while killed < kills() {
         let is_killed = killed_after(run.command(&FUSE), whole_run.mul_f64(chance.share()));
         killed += usize::from(is_killed);
-        let there = pictures(&folder);
+        let there = image_files(&folder);
         assert!(there.iter().all(|(name, bytes)| bytes == &clean[name]), "a half file");
         most_parts = most_parts.max(parts(&folder));
         if !is_killed {
@@ -199,7 +199,7 @@ fn killed_and_run_again_equals_one_clean_run() {
         }
     }
     run.ok(&FUSE);
-    assert_eq!((pictures(&folder), parts(&folder)), (clean, 0));
+    assert_eq!((image_files(&folder), parts(&folder)), (clean, 0));
     let threads = std::thread::available_parallelism().unwrap().get();
     assert!(most_parts <= threads + 1, "{most_parts} temporary files of {threads} threads");
     println!(
@@ -213,13 +213,13 @@ fn killed_and_run_again_equals_one_clean_run() {
 fn signals_end_it_at_once_with_their_code_and_leave_nothing_half() {
     let run = larger(16);
     run.ok(&["fuse", "photos", "water.png", "-o", "clean", "--quiet"]);
-    let clean = pictures(&run.path("clean"));
+    let clean = image_files(&run.path("clean"));
     let folder = run.path("fused");
     let signals = [("INT", 130), ("TERM", 143), ("HUP", 129)];
     let mut latencies = Vec::new();
     for (name, code) in signals.into_iter().cycle().take(kills().div_ceil(4)) {
         let mut child = run.command(&FUSE).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-        while pictures(&folder).is_empty() && child.try_wait().unwrap().is_none() {
+        while image_files(&folder).is_empty() && child.try_wait().unwrap().is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
         let sent = Instant::now();
@@ -234,7 +234,7 @@ fn signals_end_it_at_once_with_their_code_and_leave_nothing_half() {
             assert!(said.contains("stopped") && said.contains("goes on"), "{said}");
         }
         assert_eq!(parts(&folder), 0);
-        assert!(pictures(&folder).iter().all(|(name, bytes)| bytes == &clean[name]));
+        assert!(image_files(&folder).iter().all(|(name, bytes)| bytes == &clean[name]));
         std::fs::remove_dir_all(&folder).unwrap();
     }
     assert!(!latencies.is_empty(), "every run was done before it could be stopped");

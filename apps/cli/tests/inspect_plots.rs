@@ -7,7 +7,7 @@ mod run;
 use aquafuse::depth::DepthMap;
 use aquafuse::image::Image;
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use run::{Run, scene};
 use serde_json::Value;
 
@@ -15,12 +15,12 @@ use serde_json::Value;
 const CELLS: (usize, usize) = (4, 3);
 const CELL: (usize, usize) = (416, 376);
 const HEAD: usize = 48;
-/// Cell of the veiling light, and the middle of its swatch there, below a picture of 3 to 2.
+/// Cell of the veiling light, and the middle of its swatch there, below an image of 3 to 2.
 const VEIL: (usize, usize) = (0, 1);
 const SWATCH: (usize, usize) = (44, 312);
 
 fn figure(run: &Run, name: &str) -> Image<u8> {
-    let figure = Picture::read(&run.path(name)).unwrap().pixels.into_bytes();
+    let figure = ImageFile::read(&run.path(name)).unwrap().pixels.into_bytes();
     assert_eq!(figure.size(), (CELLS.0 * CELL.0, HEAD + CELLS.1 * CELL.1));
     figure
 }
@@ -95,13 +95,13 @@ fn supplied_depth_is_drawn_beside_depth_from_colour() {
 }
 
 #[test]
-fn a_picture_on_its_side_is_drawn_upright() {
+fn an_image_on_its_side_is_drawn_upright() {
     let run = Run::new();
     // Stored: left half dark, right half bright. Orientation 6 turns the left edge up.
     let row = |_| (0..90).flat_map(|x| if x < 45 { [10_u8, 30, 40] } else { [90, 160, 180] });
-    let mut picture = Picture::new(Image::from_raw(90, 60, (0..60).flat_map(row).collect()).unwrap());
-    picture.metadata.exif = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec());
-    picture.write(&run.path("side.png"), &WriteOptions::default()).unwrap();
+    let mut image = ImageFile::new(Image::from_raw(90, 60, (0..60).flat_map(row).collect()).unwrap());
+    image.metadata.exif = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec());
+    image.write(&run.path("side.png"), &WriteOptions::default()).unwrap();
     run.ok(&["inspect", "side.png", "--plots", "."]);
     let figure = figure(&run, "side.inspect.png");
     let [top, bottom] = [60, 300].map(|y| at(&figure, (0, 0), (208, y))[1]);
@@ -113,7 +113,7 @@ fn a_picture_on_its_side_is_drawn_upright() {
 fn the_farthest_depth_that_a_number_can_say_is_drawn() {
     let run = Run::new();
     scene(&run.path("a.png"), 3, "blue");
-    let (width, height) = Picture::read(&run.path("a.png")).unwrap().pixels.size();
+    let (width, height) = ImageFile::read(&run.path("a.png")).unwrap().pixels.size();
     let far = vec![f32::MAX; width * height];
     let map = DepthMap::from_distances(width, height, aquafuse::depth::DepthKind::Metres, far).unwrap();
     depth_file::write(&run.path("z.npy"), &map, &WriteOptions::default()).unwrap();

@@ -6,16 +6,16 @@ mod run;
 
 use aquafuse::image::Image;
 use aquafuse::truth::{Scene, Size, waters};
-use aquafuse_data::picture::{Layers, Picture, Pixels, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, Layers, Pixels, WriteOptions};
 use run::{Run, scene};
 
-/// A picture of 16 bits with opacity.
-fn fine() -> Picture {
+/// An image of 16 bits with opacity.
+fn fine() -> ImageFile {
     let [blue, ..] = waters();
     let image: Image<u16> =
         Scene::new(3, Size { width: 64, height: 48 }).seen_through(&blue.water).to_samples();
     let alpha = Some((0..64 * 48).map(|i| (i * 21) as u16).collect());
-    Picture::new(Pixels::Words(Layers { image, alpha }))
+    ImageFile::new(Pixels::Words(Layers { image, alpha }))
 }
 
 #[test]
@@ -25,7 +25,7 @@ fn sixteen_bits_stay_sixteen_and_opacity_is_untouched() {
     let content = fine();
     content.write(&run.path("fine.png"), &WriteOptions::default()).unwrap();
     run.ok(&["fuse", "fine.png", "water.png", "-o", "fused.tif", "--model", "physical"]);
-    let Pixels::Words(fused) = Picture::read(&run.path("fused.tif")).unwrap().pixels else {
+    let Pixels::Words(fused) = ImageFile::read(&run.path("fused.tif")).unwrap().pixels else {
         panic!("16 bits became fewer");
     };
     let Pixels::Words(before) = &content.pixels else { unreachable!() };
@@ -35,15 +35,15 @@ fn sixteen_bits_stay_sixteen_and_opacity_is_untouched() {
     let fine = fused.image.as_raw().iter().filter(|&&value| value % 257 != 0).count();
     assert!(fine > fused.image.as_raw().len() * 9 / 10);
 
-    // The same picture in bytes is fused to the same: by one exponential to a few bytes, for its depth has 256 levels; by
+    // The same image in bytes is fused to the same: by one exponential to a few bytes, for its depth has 256 levels; by
     // a table of F, which may be steep, as nearly on the mean.
-    Picture::new(content.bytes().into_owned())
+    ImageFile::new(content.bytes().into_owned())
         .write(&run.path("coarse.png"), &WriteOptions::default())
         .unwrap();
     let apart = |model: &str| -> Vec<u8> {
         let fused = |content: &str, fused: &str| {
             run.ok(&["fuse", content, "water.png", "-o", fused, "--model", model, "--overwrite"]);
-            Picture::read(&run.path(fused)).unwrap().bytes().as_raw().to_vec()
+            ImageFile::read(&run.path(fused)).unwrap().bytes().as_raw().to_vec()
         };
         let (fine, coarse) = (fused("fine.png", "fused.tif"), fused("coarse.png", "coarse_fused.png"));
         fine.iter().zip(coarse).map(|(a, b)| a.abs_diff(b)).collect()
@@ -56,11 +56,11 @@ fn sixteen_bits_stay_sixteen_and_opacity_is_untouched() {
 }
 
 #[test]
-fn a_picture_on_its_side_stays_so_or_is_turned_on_request() {
+fn an_image_on_its_side_stays_so_or_is_turned_on_request() {
     let run = Run::new();
     scene(&run.path("water.png"), 9, "turbid");
     scene(&run.path("plain.png"), 1, "blue");
-    let mut turned = Picture::read(&run.path("plain.png")).unwrap();
+    let mut turned = ImageFile::read(&run.path("plain.png")).unwrap();
     // Orientation 6: column 0 is up.
     turned.metadata.exif = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec());
     turned.write(&run.path("side.jpg"), &WriteOptions::default()).unwrap();
@@ -68,15 +68,15 @@ fn a_picture_on_its_side_stays_so_or_is_turned_on_request() {
         [("kept.tif", (96, 64), 6, &[][..]), ("up.tif", (64, 96), 1, &["--upright"])]
     {
         run.ok(&[&["fuse", "side.jpg", "water.png", "-o", name], arguments].concat());
-        let fused = Picture::read(&run.path(name)).unwrap();
+        let fused = ImageFile::read(&run.path(name)).unwrap();
         assert_eq!((fused.pixels.size(), fused.metadata.orientation()), (size, orientation));
     }
-    let [kept, up] = ["kept.tif", "up.tif"].map(|name| Picture::read(&run.path(name)).unwrap());
+    let [kept, up] = ["kept.tif", "up.tif"].map(|name| ImageFile::read(&run.path(name)).unwrap());
     assert_eq!(kept.upright().pixels, up.pixels);
 }
 
 #[test]
-fn a_picture_cut_short_is_refused_or_taken_and_marked() {
+fn an_image_cut_short_is_refused_or_taken_and_marked() {
     let run = Run::new();
     scene(&run.path("water.png"), 9, "turbid");
     scene(&run.path("whole.jpg"), 1, "blue");
@@ -107,9 +107,9 @@ fn limits_are_obeyed_and_can_be_raised() {
     }
     run.ok(&["inspect", "water.png", "--max-pixels", "6144", "--max-memory", "17MiB"]);
 
-    // What a strip and a picture in floats take beside the picture itself is counted too.
+    // What a strip and an image in floats take beside the image itself is counted too.
     let large = Scene::new(9, Size { width: 600, height: 400 });
-    Picture::new(large.clear.to_samples::<u8>())
+    ImageFile::new(large.clear.to_samples::<u8>())
         .write(&run.path("large.png"), &WriteOptions::default())
         .unwrap();
     run.ok(&["depth", "large.png", "-o", "z.png", "--max-memory", "28MiB"]);
@@ -166,14 +166,14 @@ mod unix {
         for name in names {
             std::fs::copy(run.path("water.png"), run.path("photos").join(OsStr::from_bytes(name))).unwrap();
         }
-        std::fs::write(run.path("photos/bad\n.png"), "no picture").unwrap();
+        std::fs::write(run.path("photos/bad\n.png"), "no image").unwrap();
         let ended = run.fails(1, &["fuse", "photos", "water.png", "-o", "fused"]);
         assert!(ended.stderr.contains("bad\\n.png") && !ended.stderr.contains("bad\n"), "{}", ended.stderr);
         for name in names {
             assert!(run.path("fused").join(OsStr::from_bytes(name)).exists(), "{name:?}");
         }
         let again = run.fails(1, &["fuse", "photos", "water.png", "-o", "fused"]);
-        assert!(again.stdout.contains("6 pictures were there already"), "{}", again.stdout);
+        assert!(again.stdout.contains("6 images were there already"), "{}", again.stdout);
         run.ok(&["fuse", "-o", "out.png", "--", "photos/-dash.png", "water.png"]);
     }
 

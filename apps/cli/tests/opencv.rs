@@ -57,7 +57,7 @@ fn smoothing_equals_the_bilateral_filter_of_opencv() {
         command.current_dir(run.path("")).args(["-c", script, name, "theirs.png"]);
         let ended = command.output().unwrap();
         assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
-        // In its own water the picture itself is what is smoothed.
+        // In its own water the image itself is what is smoothed.
         run.ok(&["fuse", name, name, "-o", "ours.png", "--smooth", "bilateral", "--overwrite"]);
         let pixels = |name: &str| image::open(run.path(name)).unwrap().into_rgb8().into_raw();
         let off = pixels("ours.png").iter().zip(&pixels("theirs.png")).map(|(a, b)| a.abs_diff(*b)).max();
@@ -94,13 +94,13 @@ fn compare(run: &Run, python: &Path, content: &str, reference: &str, model: &str
 }
 
 fn lower_half(whole: &Path, half: &Path) {
-    let picture = image::open(whole).unwrap();
-    let (width, height) = (picture.width(), picture.height());
-    picture.crop_imm(0, height / 2, width, height / 2).save(half).unwrap();
+    let image = image::open(whole).unwrap();
+    let (width, height) = (image.width(), image.height());
+    image.crop_imm(0, height / 2, width, height / 2).save(half).unwrap();
 }
 
 fn crushed(whole: &Path, crushed: &Path) {
-    let mut picture = image::open(whole).unwrap().into_rgb8();
-    picture.iter_mut().for_each(|value| *value = value.saturating_sub(70));
-    picture.save(crushed).unwrap();
+    let mut image = image::open(whole).unwrap().into_rgb8();
+    image.iter_mut().for_each(|value| *value = value.saturating_sub(70));
+    image.save(crushed).unwrap();
 }

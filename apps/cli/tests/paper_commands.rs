@@ -7,20 +7,20 @@ mod run;
 use aquafuse::metrics::psnr;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use run::{Run, scene, scenes_folder};
 use serde_json::Value;
 
-fn read(run: &Run, name: &str) -> Picture {
-    Picture::read(&run.path(name)).unwrap()
+fn read(run: &Run, name: &str) -> ImageFile {
+    ImageFile::read(&run.path(name)).unwrap()
 }
 
-/// A truth scene's clear picture, the picture in a water, and its depth in metres, as files.
+/// A truth scene's clear image, the image in a water, and its depth in metres, as files.
 fn truth(run: &Run) -> (Scene, aquafuse::waterbody::Waterbody) {
     let scene = Scene::new(4, Size { width: 96, height: 64 });
     let water = waters()[1].water;
     let write = |name: &str, image: aquafuse::image::Image<f32>| {
-        Picture::new(image.to_samples::<u8>()).write(&run.path(name), &WriteOptions::default()).unwrap();
+        ImageFile::new(image.to_samples::<u8>()).write(&run.path(name), &WriteOptions::default()).unwrap();
     };
     write("seen.png", scene.seen_through(&water));
     write("clear.png", scene.clear.clone());
@@ -29,14 +29,14 @@ fn truth(run: &Run) -> (Scene, aquafuse::waterbody::Waterbody) {
 }
 
 #[test]
-fn restore_comes_nearer_to_the_clear_picture() {
+fn restore_comes_nearer_to_the_clear_image() {
     let run = Run::new();
     truth(&run);
     let said =
         run.ok(&["restore", "seen.png", "-o", "air.png", "--depth", "z.tiff", "--depth-kind", "metres"]);
     assert!(said.stdout.contains("air.png: written"), "{}", said.stdout);
     let (clear, seen, air) = (read(&run, "clear.png"), read(&run, "seen.png"), read(&run, "air.png"));
-    let to_clear = |picture: &Picture| psnr(&clear.bytes(), &picture.bytes()).unwrap();
+    let to_clear = |image_file: &ImageFile| psnr(&clear.bytes(), &image_file.bytes()).unwrap();
     assert!(to_clear(&air) > to_clear(&seen) + 1.0, "{} against {}", to_clear(&air), to_clear(&seen));
 }
 
@@ -46,7 +46,7 @@ fn a_folder_is_restored_and_goes_on_where_it_was() {
     scenes_folder(&run.path("photos"));
     run.ok(&["restore", "photos", "-o", "air"]);
     let again = run.ok(&["restore", "photos", "-o", "air"]).stdout;
-    assert!(again.contains("3 pictures were there already"), "{again}");
+    assert!(again.contains("3 images were there already"), "{again}");
     let other = run.fails(2, &["restore", "photos", "-o", "air", "--max-gain", "3"]).stderr;
     assert!(other.contains("air") && other.contains("settings"), "{other}");
     run.fails(2, &["restore", "photos", "-o", "air", "--max-gain", "0.5"]);
@@ -81,7 +81,7 @@ fn crossover_makes_one_of_each() {
 }
 
 #[test]
-fn a_water_in_a_file_fuses_as_its_picture_does() {
+fn a_water_in_a_file_fuses_as_its_image_does() {
     let run = Run::new();
     scene(&run.path("a.png"), 1, "blue");
     scene(&run.path("b.png"), 2, "green");
@@ -100,7 +100,7 @@ fn a_water_in_a_file_fuses_as_its_picture_does() {
 }
 
 #[test]
-fn several_pictures_tell_one_water() {
+fn several_images_tell_one_water() {
     let run = Run::new();
     for (seed, name) in ["a.png", "b.png", "c.png"].iter().enumerate() {
         scene(&run.path(name), seed as u64, "green");

@@ -1,11 +1,11 @@
-//! Scenes in 3D, from a folder of pictures with cameras to views of them.
+//! Scenes in 3D, from a folder of images with cameras to views of them.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
 mod run;
 
 use aquafuse::metrics::psnr;
-use aquafuse_data::picture::Picture;
+use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::water_file::WaterFile;
 use run::{Run, reef, scene};
 use serde_json::Value;
@@ -21,7 +21,7 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
     };
     let said = train("reef", "reef.ply", &["--water", "learn"]);
     assert!(
-        said.contains("splats") && said.contains("B_inf") && said.contains("2 pictures held back: PSNR"),
+        said.contains("splats") && said.contains("B_inf") && said.contains("2 images held back: PSNR"),
         "{said}"
     );
     let water = WaterFile::<aquafuse::image::Encoded>::read(&run.path("reef.water.json")).unwrap();
@@ -60,14 +60,14 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
         "preset:jerlov-3C",
     ]);
     let score = |drawn: &str, truth: &str| {
-        let [drawn, truth] = [drawn, truth].map(|name| Picture::read(&run.path(name)).unwrap());
+        let [drawn, truth] = [drawn, truth].map(|name| ImageFile::read(&run.path(name)).unwrap());
         psnr(&*drawn.bytes(), &*truth.bytes()).unwrap()
     };
     assert!(score("wet/view_003.png", "reef/images/view_003.png") > 22.0);
     assert!(score("wet/view_003.png", "dry/view_003.png") < 20.0);
     assert!(run.path("dry/view_003.depth.tiff").is_file() && run.path("coast/view_008.png").is_file());
 
-    // Trained anew without a water, the old one goes: it would be taken for that of the new splats.
+    // Trained again without a water, the old one goes: it would be taken for that of the new splats.
     run.fails(2, &["scene", "train", "reef", "-o", "reef.ply"]);
     std::fs::copy(run.path("reef.ply"), run.path("old.ply")).unwrap();
     std::fs::copy(run.path("reef.water.json"), run.path("old.water.json")).unwrap();
@@ -77,7 +77,7 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
     // Fused, the cameras go along, and it can be trained as the original was.
     scene(&run.path("green.png"), 3, "green");
     let said = run.ok(&["scene", "fuse", "reef", "green.png", "-o", "fused", "--model", "physical"]).stdout;
-    assert!(said.contains("9 pictures") && said.contains("units of the scene"), "{said}");
+    assert!(said.contains("9 images") && said.contains("units of the scene"), "{said}");
     for name in ["sparse/0/cameras.txt", "sparse/0/images.txt", "sparse/0/points3D.txt"] {
         assert_eq!(run.bytes(&format!("fused/{name}")), run.bytes(&format!("reef/{name}")));
     }

@@ -106,14 +106,14 @@ fn a_scene_whose_fusing_is_killed_is_finished_by_the_next_run() {
     );
     run.ok(&fuse("killed"));
     checked(&mut ends);
-    println!("kills: {killed}, {begun} with pictures there, {ends} ends");
-    assert!(begun > 0, "no kill came between two pictures");
+    println!("kills: {killed}, {begun} with images there, {ends} ends");
+    assert!(begun > 0, "no kill came between two images");
 
     // A kill before the first file leaves folders only.
     std::fs::create_dir_all(run.path("killed/images")).unwrap();
     run.ok(&fuse("killed"));
 
-    // Another recipe does not go on with these pictures, and pictures that are not ours stay.
+    // Another recipe does not go on with these images, and images that are not ours stay.
     let other = ["scene", "fuse", "reef", "green.png", "-o", "killed", "--model", "aquafuse"];
     let said = run.fails(2, &other).stderr;
     assert!(said.contains("model"), "{said}");
@@ -123,7 +123,7 @@ fn a_scene_whose_fusing_is_killed_is_finished_by_the_next_run() {
 }
 
 #[test]
-fn a_scene_larger_than_memory_allows_is_refused_before_pictures_are_read() {
+fn a_scene_larger_than_memory_allows_is_refused_before_images_are_read() {
     let run = Run::new();
     reef(&run);
     std::fs::remove_file(run.path("reef/images/view_003.png")).unwrap();

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use aquafuse::truth::Size;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::files::{read_cameras, read_ply};
 use aquafuse_scene::truth::views;
@@ -59,7 +59,7 @@ fn a_scene_is_made_of_what_colmap_finds() {
     let colmap = program(&run, "colmap", COLMAP);
     let sfm = ["scene", "sfm", "reef/images", "-o", "reef3d", "--colmap", &colmap];
     let said = run.ok(&sfm).stdout;
-    assert!(said.starts_with("reef3d: 2 of 9 pictures have a camera, 0 points; by colmap\n"), "{said}");
+    assert!(said.starts_with("reef3d: 2 of 9 images have a camera, 0 points; by colmap\n"), "{said}");
     assert!(said.contains("no camera was found for view_001.png, view_002.png, view_004.png"), "{said}");
     let asked = std::fs::read_to_string(run.path("asked.txt")).unwrap();
     assert_eq!(asked, "feature_extractor\nexhaustive_matcher\nmapper\n");
@@ -80,10 +80,10 @@ fn a_tool_that_fails_is_quoted_and_one_that_is_missing_is_named() {
     let python = program(
         &run,
         "python",
-        "[ \"$2\" = 'import pycolmap' ] && exit 0\necho 'no two pictures see the same' >&2\nexit 3",
+        "[ \"$2\" = 'import pycolmap' ] && exit 0\necho 'no two images see the same' >&2\nexit 3",
     );
     let said = run.fails(1, &[&sfm[..], &["--python", &python]].concat()).stderr;
-    assert!(said.contains("finding features: ") && said.contains("no two pictures see the same"), "{said}");
+    assert!(said.contains("finding features: ") && said.contains("no two images see the same"), "{said}");
     assert!(said.contains("exit status: 3") && said.contains("log.txt"), "{said}");
     // What it left does not stand in the way.
     let quiet = program(&run, "quiet", "exit 0");
@@ -144,8 +144,8 @@ fn pycolmap_finds_the_cameras_of_a_place_that_is_known() {
     let known = views(1, Size { width: 200, height: 150 }, 8, 2);
     std::fs::create_dir(run.path("photos")).unwrap();
     for (i, view) in known.iter().enumerate() {
-        let picture = Picture::new(view.clear().to_samples::<u8>());
-        picture.write(&run.path(&format!("photos/{i:02}.png")), &WriteOptions::default()).unwrap();
+        let image_file = ImageFile::new(view.clear().to_samples::<u8>());
+        image_file.write(&run.path(&format!("photos/{i:02}.png")), &WriteOptions::default()).unwrap();
     }
     let said = run.ok(&["scene", "sfm", "photos", "-o", "place", "--python", &python]).stdout;
     println!("{said}");
@@ -179,7 +179,7 @@ while [ $# -gt 0 ]; do [ "$1" = --export-path ] && out="$2"; shift; done
 cp ready.ply "$out/splats.ply""#;
 
 #[test]
-fn brush_trains_on_the_pictures_that_we_would_train_on() {
+fn brush_trains_on_the_images_that_we_would_train_on() {
     let run = Run::new();
     reef(&run);
     let train = ["scene", "train", "reef", "--hold", "8", "--longest", "32", "--iterations", "30"];
@@ -187,7 +187,7 @@ fn brush_trains_on_the_pictures_that_we_would_train_on() {
     let brush = program(&run, "brush", BRUSH);
     let with = ["-o", "brush.ply", "--engine", "brush", "--brush", &brush, "--seed", "5"];
     let said = run.ok(&[&train[..], &with].concat()).stdout;
-    assert!(said.contains("2 pictures held back: PSNR"), "{said}");
+    assert!(said.contains("2 images held back: PSNR"), "{said}");
     let asked = std::fs::read_to_string(run.path("asked.txt")).unwrap();
     for words in
         ["--total-train-iters 30 --export-every 30", "--seed 5", "--sh-degree 0", "--max-splats 100000"]

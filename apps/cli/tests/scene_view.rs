@@ -7,10 +7,10 @@ mod run;
 use std::process::Command;
 
 use aquafuse::metrics::psnr;
-use aquafuse_data::picture::Picture;
+use aquafuse_data::image_file::ImageFile;
 use run::{Run, reef};
 
-/// Browsers that take pictures of pages, as they are called.
+/// Browsers that take images of pages, as they are called.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
 fn browser() -> Option<&'static str> {
@@ -63,7 +63,7 @@ fn a_browser_draws_what_we_draw() {
             .unwrap();
         assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
         let [seen, ours] =
-            [shot, run.path(&format!("{drawn}/view_003.png"))].map(|path| Picture::read(&path).unwrap());
+            [shot, run.path(&format!("{drawn}/view_003.png"))].map(|path| ImageFile::read(&path).unwrap());
         let near = psnr(&*seen.bytes(), &*ours.bytes()).unwrap();
         println!("{drawn}: {near:.1} dB");
         assert!(near > 32.0, "{drawn}: the page is {near:.1} dB from what we draw");

@@ -1,4 +1,4 @@
-//! Depth that comes with a picture, as a user runs the command.
+//! Depth that comes with an image, as a user runs the command.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
@@ -10,12 +10,12 @@ use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
 use aquafuse::image::Image;
 use aquafuse::truth::{Scene, Size};
 use aquafuse_data::depth_file;
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pairs::list;
-use aquafuse_data::picture::{Picture, WriteOptions};
 use run::{Run, scene};
 use serde_json::Value;
 
-/// Measured depth of the picture that `scene` makes of this seed, nothing beyond 30 m.
+/// Measured depth of the image that `scene` makes of this seed, nothing beyond 30 m.
 fn depth_of_scene(path: &Path, seed: u64) {
     let z = Scene::new(seed, Size { width: 96, height: 64 }).depth;
     let measured = z.distances().into_iter().map(|z| if z > 30.0 { 0.0 } else { z }).collect();
@@ -114,7 +114,7 @@ fn wrong_declarations_are_refused_with_what_to_do() {
         "{relative}"
     );
     let turned = inspect(1, &["--depth", "turned.npy", "--depth-kind", "relative"]);
-    assert!(turned.contains("64x96, the picture 96x64; turned by 90°"), "{turned}");
+    assert!(turned.contains("64x96, the image 96x64; turned by 90°"), "{turned}");
     assert!(inspect(1, &["--depth", "text.pfm", "--depth-kind", "metres"]).contains("is no depth map"));
     let over = ["fuse", "content.png", "content.png", "-o", "z.png", "--overwrite"];
     depth_of_scene(&run.path("z.png"), 1);
@@ -123,32 +123,32 @@ fn wrong_declarations_are_refused_with_what_to_do() {
 }
 
 #[test]
-fn a_picture_on_its_side_says_that_the_map_must_be_turned_back() {
+fn an_image_on_its_side_says_that_the_map_must_be_turned_back() {
     let run = Run::new();
-    let mut picture = Picture::new(Image::<u8>::from_raw(8, 4, vec![90; 96]).unwrap());
+    let mut image = ImageFile::new(Image::<u8>::from_raw(8, 4, vec![90; 96]).unwrap());
     // Little-endian EXIF of one entry: orientation 6.
-    picture.metadata.exif = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec());
-    picture.write(&run.path("side.jpg"), &WriteOptions::default()).unwrap();
+    image.metadata.exif = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec());
+    image.write(&run.path("side.jpg"), &WriteOptions::default()).unwrap();
     let map = DepthMap::from_levels(4, 8, vec![9; 32]).unwrap();
     depth_file::write(&run.path("z.npy"), &map, &WriteOptions::default()).unwrap();
     let said = run.fails(1, &["inspect", "side.jpg", "--depth", "z.npy", "--depth-kind", "relative"]).stderr;
     assert!(said.contains("turned by its EXIF orientation"), "{said}");
 }
 
-/// Real pairs as the command reads them: picture, map, what it is.
+/// Real pairs as the command reads them: image, map, what it is.
 fn pairs(run: &Run) -> Option<Vec<(PathBuf, PathBuf, bool)>> {
     let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA").map(PathBuf::from) else {
-        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real pictures");
+        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real images");
         return None;
     };
     let mut pairs = Vec::new();
     for (folder, measured) in [("depth_pairs", true), ("depth_pairs_estimated", false)] {
         for pair in list(&data.join(folder)).unwrap().pairs {
-            // Pictures in TIFF and maps in JPEG are not read: the same pixels in PNG.
+            // Images in TIFF and maps in JPEG are not read: the same pixels in PNG.
             let mut png = pair.clone();
             if pair.rgb.extension().unwrap() == "tiff" {
                 png.rgb = run.path(&format!("{}_rgb.png", pair.name));
-                Picture::read(&pair.rgb).unwrap().write(&png.rgb, &WriteOptions::default()).unwrap();
+                ImageFile::read(&pair.rgb).unwrap().write(&png.rgb, &WriteOptions::default()).unwrap();
             }
             if pair.depth.extension().unwrap() == "jpg" {
                 png.depth = run.path(&format!("{}_depth.png", pair.name));
@@ -165,11 +165,11 @@ fn real_maps_are_quiet_when_declared_rightly_and_most_are_told_when_not() {
     let run = Run::new();
     let Some(pairs) = pairs(&run) else { return };
     let (mut told, mut falsely, mut agreements) = (0, 0, Vec::new());
-    for (picture, map, measured) in &pairs {
+    for (image, map, measured) in &pairs {
         let (right, wrong) = if *measured { ("metres", "disparity") } else { ("inverse", "relative") };
         let report = |kind| {
-            let (picture, map) = (picture.to_str().unwrap(), map.to_str().unwrap());
-            let said = run.ok(&["inspect", picture, "--json", "--depth", map, "--depth-kind", kind]).stdout;
+            let (image, map) = (image.to_str().unwrap(), map.to_str().unwrap());
+            let said = run.ok(&["inspect", image, "--json", "--depth", map, "--depth-kind", kind]).stdout;
             json(&said)["depth"]["supplied"].clone()
         };
         let warned = |report: &Value| !report["warnings"].as_array().unwrap().is_empty();
@@ -178,7 +178,7 @@ fn real_maps_are_quiet_when_declared_rightly_and_most_are_told_when_not() {
         falsely += usize::from(warned(&right));
         let caught = warned(&report(wrong));
         told += usize::from(caught);
-        assert!(caught || !measured, "{} turned round", map.display());
+        assert!(caught || !measured, "{} inverted", map.display());
     }
     println!("{told} of {} turned maps told, {falsely} others; agreements {agreements:.2?}", pairs.len());
     assert_eq!((pairs.len(), falsely), (26, 0));
@@ -186,16 +186,16 @@ fn real_maps_are_quiet_when_declared_rightly_and_most_are_told_when_not() {
 }
 
 #[test]
-fn open_water_without_measured_depth_is_far_in_real_pictures() {
+fn open_water_without_measured_depth_is_far_in_real_images() {
     let run = Run::new();
     let Some(pairs) = pairs(&run) else { return };
-    for (picture, map, measured) in pairs {
-        // In the first picture the holes are dark rock, and no open water is seen.
+    for (image, map, measured) in pairs {
+        // In the first image the holes are dark rock, and no open water is seen.
         if !measured || map.ends_with("flsea_0000.tif") {
             continue;
         }
         let arguments = ["--depth", map.to_str().unwrap(), "--depth-kind", "metres"];
-        let inspect = [&["inspect", picture.to_str().unwrap(), "--json"][..], &arguments].concat();
+        let inspect = [&["inspect", image.to_str().unwrap(), "--json"][..], &arguments].concat();
         let report = json(&run.ok(&inspect).stdout);
         let invalid = report["depth"]["supplied"]["invalid_share"].as_f64().unwrap();
         let file = std::io::BufReader::new(std::fs::File::open(&map).unwrap());
@@ -207,13 +207,13 @@ fn open_water_without_measured_depth_is_far_in_real_pictures() {
         let holes = stored.iter().filter(|z| **z == 0.0).count();
         assert!((invalid - holes as f64 / stored.len() as f64).abs() < 1e-12, "{}", map.display());
 
-        let picture = Picture::read(&picture).unwrap();
+        let image = ImageFile::read(&image).unwrap();
         let found = depth_file::read(&map, SuppliedKind::Metres).unwrap();
-        let z = found.seen_with(&picture.bytes(), picture.top_edge()).unwrap().depth.distances();
+        let z = found.seen_with(&image.bytes(), image.top_edge()).unwrap().depth.distances();
         let mut measured: Vec<f32> = stored.iter().copied().filter(|z| *z > 0.0).collect();
         measured.sort_by(f32::total_cmp);
         let far_end = measured[measured.len() * 98 / 100];
-        // The top tenth of these pictures is open water, with pillars in some.
+        // The top tenth of these images is open water, with pillars in some.
         let top = &z[..z.len() / 10];
         let open: Vec<f32> = top.iter().zip(&stored).filter(|(_, z)| **z == 0.0).map(|(z, _)| *z).collect();
         let far = open.iter().filter(|z| **z >= far_end).count() as f64 / open.len() as f64;

@@ -31,7 +31,7 @@ fn heavy() -> String {
     format!("[{}]", vec!["{\"\":0}"; 1_300_000].join(","))
 }
 
-/// A picture in `data/images`, and a water.
+/// An image in `data/images`, and a water.
 fn data() -> Run {
     let run = Run::new();
     fs::create_dir_all(run.path("data/images")).unwrap();
@@ -82,7 +82,7 @@ fn annotations_are_written_entry_by_entry_and_have_a_quarter_of_memory() {
 }
 
 #[test]
-fn a_list_names_the_variants_as_often_as_the_picture() {
+fn a_list_names_the_variants_as_often_as_the_image() {
     let run = data();
     fs::create_dir(run.path("data/labels")).unwrap();
     fs::write(run.path("data/labels/a.txt"), "0 0.5 0.5 0.1 0.1\n").unwrap();
@@ -141,7 +141,7 @@ fn what_else_stands_among_cameras_is_passed_over() {
 }
 
 #[test]
-fn two_cameras_of_one_picture_are_refused() {
+fn two_cameras_of_one_image_are_refused() {
     let run = Run::new();
     reef(&run);
     fs::remove_dir_all(run.path("reef/sparse")).unwrap();

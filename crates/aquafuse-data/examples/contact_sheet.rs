@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::sheet::{Cell, lay_out};
 
 type Error = Box<dyn std::error::Error>;
@@ -16,15 +16,15 @@ type Error = Box<dyn std::error::Error>;
 fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let usage = "give MODEL OUT.jpg CONTENT... -- REFERENCE...";
-    let [model, output, pictures @ ..] = &arguments[..] else { return Err(usage.into()) };
+    let [model, output, image_files @ ..] = &arguments[..] else { return Err(usage.into()) };
     let model = Model::from_name(model).ok_or("no such model")?;
-    let dashes = pictures.iter().position(|word| word == "--").ok_or(usage)?;
-    let references = read_all(&pictures[dashes + 1..])?;
+    let dashes = image_files.iter().position(|word| word == "--").ok_or(usage)?;
+    let references = read_all(&image_files[dashes + 1..])?;
 
     let blank = Cell { caption: format!("model {}", model.name()), image: None };
-    let heading = references.iter().map(|(name, picture)| cell(name, picture));
+    let heading = references.iter().map(|(name, image_file)| cell(name, image_file));
     let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(blank).chain(heading).collect()];
-    for (name, content) in read_all(&pictures[..dashes])? {
+    for (name, content) in read_all(&image_files[..dashes])? {
         let found = analyse(&content, &DepthSource::default())?;
         let mut row = vec![cell(&name, &content)];
         for (reference_name, reference) in &references {
@@ -34,24 +34,24 @@ fn main() -> Result<(), Error> {
             let clipped = 100.0 * fused.clipping.share();
             let held = if bounded.bounds.any() { ", held" } else { "" };
             let caption = format!("{reference_name}, {clipped:.1} % clipped{held}");
-            row.push(cell(&caption, &Picture::new(fused.image)));
+            row.push(cell(&caption, &ImageFile::new(fused.image)));
         }
         rows.push(row);
     }
-    let sheet = Picture::new(lay_out(&rows, 300, 200));
+    let sheet = ImageFile::new(lay_out(&rows, 300, 200));
     sheet.write(Path::new(output), &WriteOptions { overwrite: true, quality: 92 })?;
     Ok(())
 }
 
-fn read_all(paths: &[String]) -> Result<Vec<(String, Picture)>, Error> {
+fn read_all(paths: &[String]) -> Result<Vec<(String, ImageFile)>, Error> {
     let read = |path: &String| {
         let path = PathBuf::from(path);
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Ok((name, Picture::read(&path)?))
+        Ok((name, ImageFile::read(&path)?))
     };
     paths.iter().map(read).collect()
 }
 
-fn cell(caption: &str, picture: &Picture) -> Cell {
-    Cell { caption: caption.into(), image: Some(picture.bytes().into_owned()) }
+fn cell(caption: &str, image_file: &ImageFile) -> Cell {
+    Cell { caption: caption.into(), image: Some(image_file.bytes().into_owned()) }
 }

@@ -1,8 +1,8 @@
 //! What fusing costs beside the fusion; `cargo xtask bench` runs it.
 //!
-//!     footprint make FILE WIDTH HEIGHT    a made-up place as a picture
+//!     footprint make FILE WIDTH HEIGHT    a synthetic place as an image
 //!     footprint copy FOLDER OUT           decoding and encoding alone: what a folder's run cannot do without
-//!     footprint memory FILE               MiB that a frame in place takes at most, above the picture itself (Linux)
+//!     footprint memory FILE               MiB that a frame in place takes at most, above the image itself (Linux)
 
 use std::error::Error;
 use std::path::Path;
@@ -10,7 +10,7 @@ use std::path::Path;
 use aquafuse::stream::{Options, Stream};
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::{depth, waterbody};
-use aquafuse_data::picture::{Picture, Pixels, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, Pixels, WriteOptions};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["make", file, width, height] => {
             let scene = Scene::new(1, Size { width: width.parse()?, height: height.parse()? });
             let seen = scene.seen_through(&waters()[0].water).to_samples::<u8>();
-            Ok(Picture::new(seen).write(Path::new(file), &WriteOptions::default())?)
+            Ok(ImageFile::new(seen).write(Path::new(file), &WriteOptions::default())?)
         }
         ["copy", folder, out] => copy(Path::new(folder), Path::new(out)),
         ["memory", file] => memory(Path::new(file)),
@@ -31,17 +31,17 @@ fn copy(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(out)?;
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
-        Picture::read(&entry.path())?.write(&out.join(entry.file_name()), &WriteOptions::default())?;
+        ImageFile::read(&entry.path())?.write(&out.join(entry.file_name()), &WriteOptions::default())?;
     }
     Ok(())
 }
 
 fn memory(file: &Path) -> Result<(), Box<dyn Error>> {
-    // A small picture's water: what is measured is the frame.
+    // A small image's water: what is measured is the frame.
     let small = Scene::new(2, Size { width: 96, height: 64 }).seen_through(&waters()[1].water).to_samples();
     let reference = waterbody::estimate(&small, &depth::estimate(&small), &Default::default())?;
-    let Pixels::Bytes(mut frame) = Picture::read(file)?.pixels else {
-        return Err("give a picture of bytes".into());
+    let Pixels::Bytes(mut frame) = ImageFile::read(file)?.pixels else {
+        return Err("give an image of bytes".into());
     };
     // The highest so far becomes what is held now.
     std::fs::write("/proc/self/clear_refs", "5")?;

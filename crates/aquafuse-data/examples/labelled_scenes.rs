@@ -1,4 +1,4 @@
-//! Truth scenes in each of the made-up waters, in the layout image + mask: each pixel of a mask says what is there.
+//! Truth scenes in each of the synthetic waters, in the layout image + mask: each pixel of a mask says what is there.
 //!
 //! cargo run --release -p aquafuse-data --example labelled_scenes -- FOLDER FIRST COUNT WIDTH HEIGHT
 //!
@@ -9,7 +9,7 @@ use std::path::Path;
 
 use aquafuse::image::Image;
 use aquafuse::truth::{Kind, Scene, Size, waters};
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mask = Image::from_raw(size.width, size.height, mask).map_err(|error| error.to_string())?;
         let write = |image: Image<u8>, path: &Path| {
             let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
-            Picture::new(image).write(path, &options).map_err(|error| error.to_string())
+            ImageFile::new(image).write(path, &options).map_err(|error| error.to_string())
         };
         waters().iter().try_for_each(|named| {
             let name = |kind: &str| folder.join(named.name).join(kind).join(format!("{seed:05}.png"));

@@ -2,7 +2,7 @@
 //!
 //! cargo run --release -p aquafuse-data --example naive_wrapper -- INPUT OUTPUT
 //!
-//! Reads a picture, shifts its colours by a constant as a veil of water would, saves it. Its errors name the file,
+//! Reads an image, shifts its colours by a constant as a veil of water would, saves it. Its errors name the file,
 //! which is more than many do.
 
 use std::path::Path;
@@ -27,11 +27,11 @@ fn main() -> ExitCode {
 }
 
 fn shift(input: &Path, output: &Path) -> image::ImageResult<()> {
-    let mut picture = image::open(input)?.into_rgb8();
-    for pixel in picture.pixels_mut() {
+    let mut image = image::open(input)?.into_rgb8();
+    for pixel in image.pixels_mut() {
         for (value, shift) in pixel.0.iter_mut().zip(SHIFT) {
             *value = value.saturating_add(shift);
         }
     }
-    picture.save(output)
+    image.save(output)
 }

@@ -1,4 +1,4 @@
-//! A data set of many small pictures with labels, and the plain work that multiplying it is compared with.
+//! A dataset of many small images with labels, and the plain work that multiplying it is compared with.
 //!
 //! cargo run --release -p aquafuse-data --example small_data_set -- make FOLDER COUNT
 //! cargo run --release -p aquafuse-data --example small_data_set -- recode FOLDER OUTPUT TIMES
@@ -9,12 +9,12 @@ use std::path::Path;
 use aquafuse::image::Image;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse_data::folder;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use rayon::prelude::*;
 
 const WIDTH: usize = 160;
 const HEIGHT: usize = 120;
-/// Ray-marched places; the pictures are windows of them, in water after water.
+/// Ray-marched places; the images are windows of them, in water after water.
 const PLACES: usize = 12;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Writes the data set: `images/`, `labels/` and two waters beside it.
+/// Writes the dataset: `images/`, `labels/` and two waters beside it.
 fn make(folder: &Path, count: usize) -> Result<(), Box<dyn Error>> {
     let (images, labels, water) =
         (folder.join("set/images"), folder.join("set/labels"), folder.join("waters"));
@@ -41,7 +41,7 @@ fn make(folder: &Path, count: usize) -> Result<(), Box<dyn Error>> {
         })
         .collect();
     for (image, name) in seen.iter().zip(["a.jpg", "b.jpg"]) {
-        Picture::new(image.clone())
+        ImageFile::new(image.clone())
             .write(&water.join(name), &WriteOptions { overwrite: true, quality: 95 })?;
     }
     (0..count).into_par_iter().try_for_each(|number| -> Result<(), String> {
@@ -49,9 +49,9 @@ fn make(folder: &Path, count: usize) -> Result<(), Box<dyn Error>> {
         let (left, top) = ((number * 37) % WIDTH, (number * 53) % HEIGHT);
         let rows = (top..top + HEIGHT).flat_map(|y| &from.pixels()[y * 2 * WIDTH + left..][..WIDTH]);
         let window = Image::from_raw(WIDTH, HEIGHT, rows.flatten().copied().collect());
-        let picture = Picture::new(window.map_err(|error| error.to_string())?);
+        let image_file = ImageFile::new(window.map_err(|error| error.to_string())?);
         let path = images.join(format!("{number:05}.jpg"));
-        picture
+        image_file
             .write(&path, &WriteOptions { overwrite: true, quality: 95 })
             .map_err(|error| error.to_string())?;
         let label = format!("0 0.5 0.5 0.{:03} 0.25\n", 1 + number % 900);
@@ -60,15 +60,15 @@ fn make(folder: &Path, count: usize) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Reads every picture once and writes it so many times, as surely as the command does; nothing is done to it.
+/// Reads every image once and writes it so many times, as surely as the command does; nothing is done to it.
 fn recode(folder: &Path, output: &Path, times: usize) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(output)?;
-    let pictures = folder::list(folder)?.pictures;
-    pictures.par_iter().try_for_each(|path| {
-        let picture = Picture::read(path)?;
+    let image_files = folder::list(folder)?.images;
+    image_files.par_iter().try_for_each(|path| {
+        let image_file = ImageFile::read(path)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         (0..times).try_for_each(|time| {
-            picture.write(&output.join(format!("{name}__{time}.jpg")), &WriteOptions::default())
+            image_file.write(&output.join(format!("{name}__{time}.jpg")), &WriteOptions::default())
         })
     })?;
     Ok(())

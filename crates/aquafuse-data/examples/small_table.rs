@@ -1,4 +1,4 @@
-//! Small tables of Parquet with a column of pictures: what fuzzing of their reader starts from.
+//! Small tables of Parquet with a column of images: what fuzzing of their reader starts from.
 //!
 //! cargo run --release -p aquafuse-data --features parquet --example small_table -- FOLDER
 
@@ -22,7 +22,7 @@ use parquet::schema::types::ColumnPath;
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).ok_or("give the folder to write to")?;
     let folder = Path::new(&folder);
-    let bytes: ArrayRef = Arc::new(BinaryArray::from_opt_vec(vec![Some(b"no picture"), None]));
+    let bytes: ArrayRef = Arc::new(BinaryArray::from_opt_vec(vec![Some(b"no image"), None]));
     let names: ArrayRef = Arc::new(StringArray::from(vec![Some("a.jpg"), None]));
     let image: ArrayRef = Arc::new(StructArray::from(vec![
         (Arc::new(Field::new("bytes", DataType::Binary, true)), bytes),

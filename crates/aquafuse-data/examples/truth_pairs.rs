@@ -1,4 +1,4 @@
-//! Pictures with known depth that anyone can make: made-up places in made-up waters, to fit a model to.
+//! Images with known depth that anyone can make: synthetic places in synthetic waters, to fit a model to.
 //!
 //! cargo run --release -p aquafuse-data --example truth_pairs -- FOLDER
 //! cargo run --release -- fit FOLDER -o MODEL.toml --depth-kind millimetres
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::truth::{OPEN_WATER, Scene, Size, waters};
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 
 /// Seeds of the places; the tables of `docs/results.md` use others.
 const SEEDS: std::ops::Range<u64> = 200..240;
@@ -24,8 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (seed, water) in SEEDS.zip(waters().iter().cycle()) {
         let scene = Scene::new(seed, SIZE);
         let name = format!("{seed}_{}.png", water.name);
-        let picture = Picture::new(scene.seen_through(&water.water).to_samples::<u8>());
-        picture.write(&rgb.join(&name), &WriteOptions::default())?;
+        let image = ImageFile::new(scene.seen_through(&water.water).to_samples::<u8>());
+        image.write(&rgb.join(&name), &WriteOptions::default())?;
         // 0 is unknown depth.
         let seen = |z: f32| if z < OPEN_WATER { z } else { 0.0 };
         let metres = scene.depth.distances().into_iter().map(seen).collect();

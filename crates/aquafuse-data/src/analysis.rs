@@ -1,4 +1,4 @@
-//! What a picture tells about its depth and its water.
+//! What an image tells about its depth and its water.
 
 use std::path::PathBuf;
 
@@ -7,16 +7,16 @@ use aquafuse::image::{Encoded, Encoding, SizeError};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use crate::depth_file;
-use crate::picture::{FileError, Picture};
+use crate::image_file::{FileError, ImageFile};
 
-/// How to come by a picture's depth.
+/// How to come by an image's depth.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DepthSource {
     /// From colour.
     Estimated(DepthModel),
     /// From a file.
     Supplied {
-        /// The file, of the picture's size in stored order.
+        /// The file, of the image's size in stored order.
         path: PathBuf,
         /// What its values are.
         kind: SuppliedKind,
@@ -40,7 +40,7 @@ impl DepthSource {
     }
 }
 
-/// A picture's depth and water, estimated.
+/// An image's depth and water, estimated.
 #[derive(Clone, Debug)]
 pub struct Analysis<E: Encoding = Encoded> {
     /// Depth from colour, or as supplied.
@@ -53,13 +53,13 @@ pub struct Analysis<E: Encoding = Encoded> {
     pub estimate: Estimate<E>,
 }
 
-/// Estimates depth and water of a picture. Every command that needs either calls this.
+/// Estimates depth and water of an image. Every command that needs either calls this.
 ///
 /// The water is that of encoding `E`: of the values as the file holds them, or of the light behind them.
 ///
 /// # Errors
 ///
-/// [`FileError`] when supplied depth cannot be read or does not suit the picture; depth from colour never fails.
+/// [`FileError`] when supplied depth cannot be read or does not suit the image; depth from colour never fails.
 ///
 /// # Examples
 ///
@@ -67,26 +67,26 @@ pub struct Analysis<E: Encoding = Encoded> {
 /// use aquafuse::depth::SuppliedKind;
 /// use aquafuse::image::{Encoded, Image};
 /// use aquafuse_data::analysis::{DepthSource, analyse};
-/// use aquafuse_data::picture::Picture;
+/// use aquafuse_data::image_file::ImageFile;
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("z.pfm");
 /// let distances = [2.0_f32, 3.0];
 /// std::fs::write(&path, [&b"Pf 2 1 -1\n"[..], &distances.map(f32::to_le_bytes).concat()].concat())?;
 ///
-/// let picture = Picture::new(Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
-/// let found = analyse::<Encoded>(&picture, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
+/// let image = ImageFile::new(Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
+/// let found = analyse::<Encoded>(&image, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
 /// assert_eq!(found.depth.distances(), distances);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn analyse<E: Encoding>(picture: &Picture, source: &DepthSource) -> Result<Analysis<E>, FileError> {
-    let top = picture.top_edge();
+pub fn analyse<E: Encoding>(image: &ImageFile, source: &DepthSource) -> Result<Analysis<E>, FileError> {
+    let top = image.top_edge();
     // Estimators count in 256 steps: what lies between is of no use to them.
-    let bytes = picture.bytes();
+    let bytes = image.bytes();
     let (depth, supplied) = match source {
-        DepthSource::Estimated(model) => (picture.pixels.depth(model, top), None),
+        DepthSource::Estimated(model) => (image.pixels.depth(model, top), None),
         DepthSource::Supplied { path, kind } => {
-            let turned = picture.metadata.orientation() > 4;
+            let turned = image.metadata.orientation() > 4;
             let unfit = |error| FileError::UnfitDepth { path: path.clone(), error, turned };
             let map = depth_file::read_for(path, *kind, bytes.size()).map_err(|refused| match refused {
                 FileError::UnfitDepth { error, .. } => unfit(error),
@@ -96,23 +96,23 @@ pub fn analyse<E: Encoding>(picture: &Picture, source: &DepthSource) -> Result<A
             (found.depth, Some(found.report))
         }
     };
-    let mut estimate = waterbody::estimate(&bytes, &depth, &options(picture))
-        .expect("the depth map was made for this picture");
+    let mut estimate =
+        waterbody::estimate(&bytes, &depth, &options(image)).expect("the depth map was made for this image");
     if supplied.is_some_and(|report| report.looks_turned_round()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
 }
 
-/// What the water of [`Analysis::estimate`] was fitted to, read again from the `picture` that was analysed.
+/// What the water of [`Analysis::estimate`] was fitted to, read again from the `image` that was analysed.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when it is another picture, of another size.
-pub fn evidence(picture: &Picture, found: &Analysis) -> Result<Evidence, SizeError> {
-    waterbody::evidence::<Encoded>(&picture.bytes(), &found.depth, &options(picture))
+/// [`SizeError`] when it is another image, of another size.
+pub fn evidence(image: &ImageFile, found: &Analysis) -> Result<Evidence, SizeError> {
+    waterbody::evidence::<Encoded>(&image.bytes(), &found.depth, &options(image))
 }
 
-fn options(picture: &Picture) -> EstimateOptions {
-    EstimateOptions { top: picture.top_edge(), ..EstimateOptions::default() }
+fn options(image: &ImageFile) -> EstimateOptions {
+    EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() }
 }

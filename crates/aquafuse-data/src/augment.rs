@@ -1,6 +1,6 @@
-//! Data sets multiplied: each picture seen in other waters, its annotations carried over.
+//! Datasets multiplied: each image seen in other waters, its annotations carried over.
 //!
-//! The objects stay where they are, so that boxes, outlines, key points, masks and captions of a picture are those of
+//! The objects stay where they are, so that boxes, outlines, key points, masks and captions of an image are those of
 //! its variants too.
 
 mod containers;
@@ -33,14 +33,14 @@ pub use verify::{Check, verify};
 pub use water::{OnDoubtful, Water};
 
 use crate::dataset::Dataset;
+use crate::image_file::{FileError, ReadOptions, remove_stale_parts, shown};
 use crate::job::{Crew, Outcome, Summary, Turn};
-use crate::picture::{FileError, ReadOptions, remove_stale_parts, shown};
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
 pub use depth::DepthPlan;
 pub use plan::{Plan, PlanError};
 
-/// A data set to multiply.
+/// A dataset to multiply.
 #[derive(Debug)]
 pub struct Augmentation<E: Space> {
     /// What is multiplied.
@@ -49,18 +49,18 @@ pub struct Augmentation<E: Space> {
     pub output: PathBuf,
     /// What to make.
     pub recipe: Recipe<E>,
-    /// Which part of the data set to make.
+    /// Which part of the dataset to make.
     pub shard: Shard,
     /// How to run.
     pub conduct: Conduct,
 }
 
-/// Everything but the pictures that decides what is made.
+/// Everything but the images that decides what is made.
 #[derive(Clone, Debug)]
 pub struct Recipe<E: Space> {
     /// The waters to draw from.
     pub waters: Vec<Water<E>>,
-    /// Variants of each picture.
+    /// Variants of each image.
     pub per_image: u32,
     /// How water, θ and α are drawn.
     pub draws: Draws,
@@ -74,7 +74,7 @@ pub struct Recipe<E: Space> {
     pub on_doubtful: OnDoubtful<E>,
     /// What was done about bad annotations, by its name; for the manifest.
     pub on_bad_annotation: &'static str,
-    /// Carry the pictures themselves over too.
+    /// Carry the images themselves over too.
     pub keep_originals: bool,
     /// How to read.
     pub reading: ReadOptions,
@@ -85,17 +85,17 @@ pub struct Recipe<E: Space> {
 /// How to run; nothing that is made depends on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Conduct {
-    /// Pictures in work at once; none: one a core.
+    /// Images in work at once; none: one a core.
     pub threads: Option<NonZeroUsize>,
-    /// Stop once more pictures than this have failed; none: never.
+    /// Stop once more images than this have failed; none: never.
     pub most_failures: Option<usize>,
-    /// Begin anew where the folder holds what other settings made.
+    /// Begin again where the folder holds what other settings made.
     pub overwrite: bool,
     /// Write the manifest as a table of Parquet too; with the feature `parquet`.
     pub manifest_table: bool,
 }
 
-/// A part of a data set: this one of so many, counted from 1.
+/// A part of a dataset: this one of so many, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     /// Which.
@@ -112,12 +112,12 @@ impl Default for Shard {
 }
 
 impl Shard {
-    /// Whether a picture belongs to it.
+    /// Whether an image belongs to it.
     pub fn holds(self, key: &str) -> bool {
         Draws::shard(key, self.of) == self.number.saturating_sub(1)
     }
 
-    /// What is put into the names of files about all pictures, so that shards do not write one file.
+    /// What is put into the names of files about all images, so that shards do not write one file.
     fn infix(self) -> String {
         if self.of == 1 { String::new() } else { format!(".shard-{}-of-{}", self.number, self.of) }
     }
@@ -136,17 +136,17 @@ impl Shard {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Message<'a> {
-    /// It begins, with this many pictures.
+    /// It begins, with this many images.
     Started {
-        /// Pictures of the data set that take part.
+        /// Images of the dataset that take part.
         total: usize,
     },
-    /// A picture was multiplied by a run before this one.
+    /// An image was multiplied by a run before this one.
     Kept {
         /// Its key.
         key: &'a str,
     },
-    /// A picture is multiplied, or skipped.
+    /// An image is multiplied, or skipped.
     Done {
         /// Its key.
         key: &'a str,
@@ -159,7 +159,7 @@ pub enum Message<'a> {
         /// Its lines of the manifest.
         lines: String,
     },
-    /// A picture failed; the others go on.
+    /// An image failed; the others go on.
     Failed {
         /// Its key.
         key: &'a str,
@@ -168,7 +168,7 @@ pub enum Message<'a> {
     },
 }
 
-/// A data set cannot be multiplied, or its manifest not be read.
+/// A dataset cannot be multiplied, or its manifest not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AugmentError {
@@ -196,7 +196,7 @@ pub enum AugmentError {
         folder: PathBuf,
     },
     /// There is no variant of this name.
-    #[error("{} lists no variant {key:?}, and none of a picture of that name", shown(path))]
+    #[error("{} lists no variant {key:?}, and none of an image of that name", shown(path))]
     NoSuchKey {
         /// The manifest.
         path: PathBuf,
@@ -215,7 +215,7 @@ impl<E: Space> Augmentation<E> {
     ///
     /// # Errors
     ///
-    /// [`AugmentError`] when the work cannot begin, or the files about all pictures cannot be written. A picture that
+    /// [`AugmentError`] when the work cannot begin, or the files about all images cannot be written. An image that
     /// fails is no error: it is counted, and listed in the manifest.
     pub fn run(&self, plan: &Plan, listener: &(dyn Fn(Message<'_>) + Sync)) -> Result<Summary, AugmentError> {
         let samples = &self.dataset.samples;

@@ -1,4 +1,4 @@
-//! A decoder that panics has a bug of its own, but it must not take a run of pictures with it.
+//! A decoder that panics has a bug of its own, but it must not take a run of images with it.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,7 +1,7 @@
-//! Data sets: pictures, and what other files say of them.
+//! Datasets: images, and what other files say of them.
 //!
-//! A data set is read into [`Sample`]s, each a picture with the files that are about it alone, and [`Index`] files,
-//! which are about all of them. Both are known by paths within the data set, with `/` between their parts.
+//! A dataset is read into [`Sample`]s, each an image with the files that are about it alone, and [`Index`] files,
+//! which are about all of them. Both are known by paths within the dataset, with `/` between their parts.
 
 mod coco;
 mod fault;
@@ -27,24 +27,24 @@ pub(crate) use {
     voc::try_parse as try_voc, yolo::try_parse as try_yolo,
 };
 
-use crate::picture::{FileError, ReadOptions, read_beside, shown};
+use crate::image_file::{FileError, ReadOptions, read_beside, shown};
 
-/// How a data set is laid out.
+/// How a dataset is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// Pictures in folders, and nothing about them.
+    /// Images in folders, and nothing about them.
     Folder,
     /// Files of JSON with `images` and `annotations`: instances, keypoints, captions.
     Coco,
-    /// A text file a picture, in `labels/` where the picture stands in `images/`: detection, segmentation, pose.
+    /// A text file an image, in `labels/` where the image stands in `images/`: detection, segmentation, pose.
     Yolo,
-    /// An XML file a picture, in `Annotations/` where the picture stands in `JPEGImages/`.
+    /// An XML file an image, in `Annotations/` where the image stands in `JPEGImages/`.
     Voc,
-    /// WebDataset: tar files, in which all about one picture has its name.
+    /// WebDataset: tar files, in which all about one image has its name.
     Shards,
-    /// A picture a picture, in `masks/` where the picture stands in `images/`.
+    /// An image an image, in `masks/` where the image stands in `images/`.
     Masks,
-    /// Parquet: tables with a column of pictures, as Hugging Face lays them out. Read with the feature `parquet`.
+    /// Parquet: tables with a column of images, as Hugging Face lays them out. Read with the feature `parquet`.
     Parquet,
 }
 
@@ -71,12 +71,12 @@ impl Layout {
         Self::ALL.into_iter().find(|layout| layout.name() == name)
     }
 
-    /// Whether a file of it holds many pictures, and is made as a whole.
+    /// Whether a file of it holds many images, and is made as a whole.
     pub fn holds_many(self) -> bool {
         matches!(self, Self::Shards | Self::Parquet)
     }
 
-    /// What in the data set speaks for this layout, in words; nothing speaks for [`Layout::Folder`] but pictures.
+    /// What in the dataset speaks for this layout, in words; nothing speaks for [`Layout::Folder`] but images.
     fn evidence(self, tree: &Tree) -> Result<Option<String>, FileError> {
         Ok(match self {
             Self::Folder => None,
@@ -90,39 +90,39 @@ impl Layout {
     }
 }
 
-/// A data set as it was found.
+/// A dataset as it was found.
 #[derive(Clone, Debug)]
 pub struct Dataset {
     /// Its folder.
     pub root: PathBuf,
     /// How it is laid out.
     pub layout: Layout,
-    /// Its pictures, sorted by key.
+    /// Its images, sorted by key.
     pub samples: Vec<Sample>,
-    /// The files about all of its pictures.
+    /// The files about all of its images.
     pub indices: Vec<Index>,
     /// What is wrong with its annotations.
     pub faults: Faults,
 }
 
-/// A picture of a data set, with the files that are about it alone; or a file that [holds many](Layout::holds_many).
+/// An image of a dataset, with the files that are about it alone; or a file that [holds many](Layout::holds_many).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sample {
-    /// The path of the picture, which names the sample.
+    /// The path of the image, which names the sample.
     pub key: String,
-    /// Its place in the data set.
+    /// Its place in the dataset.
     pub rank: u64,
     /// The files about it.
     pub companions: Vec<Companion>,
 }
 
-/// A file about one picture.
+/// A file about one image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Companion {
     /// Its path.
     pub path: String,
-    /// Whether it is XML that names the picture, and must name the variant.
-    pub names_picture: bool,
+    /// Whether it is XML that names the image, and must name the variant.
+    pub names_image: bool,
 }
 
 impl Sample {
@@ -134,7 +134,7 @@ impl Sample {
 impl Companion {
     /// A file that is the same for every variant.
     fn carried(path: String) -> Self {
-        Self { path, names_picture: false }
+        Self { path, names_image: false }
     }
 
     /// What stands in the file for a variant of this file name.
@@ -142,18 +142,13 @@ impl Companion {
     /// # Errors
     ///
     /// [`FileError`] when it cannot be read.
-    pub fn for_variant(
-        &self,
-        root: &Path,
-        picture: &str,
-        reading: &ReadOptions,
-    ) -> Result<Vec<u8>, FileError> {
+    pub fn for_variant(&self, root: &Path, image: &str, reading: &ReadOptions) -> Result<Vec<u8>, FileError> {
         let bytes = read_beside(&root.join(&self.path), reading)?;
-        Ok(if self.names_picture { voc::renamed(&bytes, picture) } else { bytes })
+        Ok(if self.names_image { voc::renamed(&bytes, image) } else { bytes })
     }
 }
 
-/// A data set cannot be used. The message names it, the cause and what to do.
+/// A dataset cannot be used. The message names it, the cause and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
@@ -163,7 +158,7 @@ pub enum DatasetError {
     /// Two layouts fit.
     #[error("{} may be {one} or {other}; say which by --format", shown(root))]
     Ambiguous {
-        /// The data set.
+        /// The dataset.
         root: PathBuf,
         /// A layout, and what speaks for it.
         one: String,
@@ -176,16 +171,16 @@ pub enum DatasetError {
         shown(root)
     )]
     NotBuilt {
-        /// The data set.
+        /// The dataset.
         root: PathBuf,
     },
-    /// There is no picture in it.
+    /// There is no image in it.
     #[error(
-        "{} holds no pictures of a data set of layout {layout}; name the folder above them, or the right --format",
+        "{} holds no images of a dataset of layout {layout}; name the folder above them, or the right --format",
         shown(root)
     )]
     Empty {
-        /// The data set.
+        /// The dataset.
         root: PathBuf,
         /// The layout it was read as.
         layout: &'static str,
@@ -193,14 +188,14 @@ pub enum DatasetError {
 }
 
 impl Dataset {
-    /// Reads a data set: which pictures it holds, and what is about them. No picture is opened.
+    /// Reads a dataset: which images it holds, and what is about them. No image is opened.
     ///
-    /// The layout is told by looking where none is given. No file about pictures may be larger than a quarter of the
+    /// The layout is told by looking where none is given. No file about images may be larger than a quarter of the
     /// memory that `reading` allows.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] when its folder cannot be read, more than one layout fits, or it holds no picture. What is
+    /// [`DatasetError`] when its folder cannot be read, more than one layout fits, or it holds no image. What is
     /// wrong with annotations is no error but among the [`Dataset::faults`].
     pub fn open(root: &Path, layout: Option<Layout>, reading: &ReadOptions) -> Result<Self, DatasetError> {
         let tree = Tree::of(root, reading)?;
@@ -238,7 +233,7 @@ impl Dataset {
     }
 }
 
-/// The layout of a data set, told by what stands in it.
+/// The layout of a dataset, told by what stands in it.
 fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
     let mut fits = Vec::new();
     for layout in Layout::ALL {
@@ -261,7 +256,7 @@ fn or_say_which(error: FileError) -> FileError {
         FileError::TooLarge { path, cause } => FileError::TooLarge {
             path,
             cause: format!(
-                "{cause}; if it is about something else, say by --format how the data set is laid out"
+                "{cause}; if it is about something else, say by --format how the dataset is laid out"
             ),
         },
         other => other,

@@ -25,7 +25,7 @@ pub use folder::DepthFolder;
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
 use crate::barrier;
-use crate::picture::{FileError, WriteOptions, one_line, open_file, whole, write_atomically};
+use crate::image_file::{FileError, WriteOptions, one_line, open_file, whole, write_atomically};
 
 /// Values of a file, row by row from the top, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +61,7 @@ impl From<std::io::Error> for Fault {
     }
 }
 
-/// What a decoded file may take, as for pictures.
+/// What a decoded file may take, as for images.
 const MOST_BYTES: u64 = 512 << 20;
 
 /// Columns and rows a map must have, where that is known.
@@ -75,8 +75,8 @@ fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Re
     }
     match (usize::try_from(width), usize::try_from(height)) {
         (Ok(width @ 1..), Ok(height @ 1..)) => match wanted {
-            Some(picture) if picture != (width, height) => {
-                Err(Fault::Unfit(SuppliedError::Size { map: (width, height), picture }))
+            Some(image) if image != (width, height) => {
+                Err(Fault::Unfit(SuppliedError::Size { map: (width, height), image }))
             }
             _ => Ok((width, height)),
         },
@@ -122,11 +122,11 @@ pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
     read_wanted(path, kind, None)
 }
 
-/// Reads the depth map of a picture of `size` columns and rows; another size is refused from the header.
+/// Reads the depth map of an image of `size` columns and rows; another size is refused from the header.
 ///
 /// # Errors
 ///
-/// [`FileError`] as for [`read`], and when the map has another size than the picture.
+/// [`FileError`] as for [`read`], and when the map has another size than the image.
 pub fn read_for(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result<Supplied, FileError> {
     read_wanted(path, kind, Some(size))
 }
@@ -178,7 +178,7 @@ fn named(path: &Path, fault: Fault) -> FileError {
         Fault::Unsupported(found, remedy) => {
             FileError::UnsupportedDepth { path, found: one_line(&found), remedy }
         }
-        // Whoever knows how the picture is turned says more of it.
+        // Whoever knows how the image is turned says more of it.
         Fault::Unfit(error) => FileError::UnfitDepth { path, error, turned: false },
         Fault::UnknownFormat => FileError::UnknownDepthFormat { path },
     }
@@ -226,7 +226,7 @@ pub fn write(path: &Path, depth: &DepthMap, options: &WriteOptions) -> Result<()
     };
     let (width, height) = depth.size();
     write_atomically(path, options.overwrite, |out| match format {
-        Format::Png => crate::picture::encode_grey16(out, width, height, &steps(depth))
+        Format::Png => crate::image_file::encode_grey16(out, width, height, &steps(depth))
             .map_err(|error| error.to_string()),
         Format::Tiff => out.write_all(&tiff::encode(depth)?).map_err(|error| error.to_string()),
         Format::Exr => out.write_all(&exr::encode(depth)?).map_err(|error| error.to_string()),

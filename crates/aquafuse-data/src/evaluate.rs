@@ -2,14 +2,14 @@
 //!
 //! | evaluation | asks |
 //! |---|---|
-//! | [`Fusion`] | how much fused pictures look like their contents, by the scores of the paper's tables |
+//! | [`Fusion`] | how much fused images look like their contents, by the scores of the paper's tables |
 //! | [`Truth`] | how much of the true change is made, on scenes of known truth |
-//! | [`Enhancement`] | how good pictures look before and after |
+//! | [`Enhancement`] | how good images look before and after |
 //! | [`Depth`] | how right depth from colour is, or from elsewhere |
 //!
 //! Each runs on threads of its own within one budget of memory and gives a [`Report`], which [`report`] writes as
 //! Markdown, CSV, JSON or a page of HTML. Means have their variance and a bootstrap interval ([`Summary`]). No figure
-//! depends on the number of threads. A picture that fails is listed in the report, and the others go on.
+//! depends on the number of threads. An image that fails is listed in the report, and the others go on.
 
 mod chance;
 mod crew;
@@ -26,7 +26,7 @@ pub mod report;
     clippy::cast_possible_truncation,
     clippy::disallowed_methods,
     clippy::indexing_slicing,
-    reason = "it reckons with colours of pictures that are read already, in places of fixed number"
+    reason = "it computes with colours of images that are read already, in places of fixed number"
 )]
 mod rivals;
 mod statistics;
@@ -34,7 +34,7 @@ mod statistics;
     clippy::arithmetic_side_effects,
     clippy::disallowed_methods,
     clippy::indexing_slicing,
-    reason = "it reckons with pictures that it has made itself"
+    reason = "it computes with images that it has made itself"
 )]
 mod truth;
 

@@ -1,19 +1,19 @@
-//! Which pictures a folder holds.
+//! Which images a folder holds.
 
 use std::path::{Path, PathBuf};
 
-use crate::picture::{FileError, Format};
+use crate::image_file::{FileError, Format};
 
 /// What stands in a folder, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listing {
-    /// Files whose extension names a picture format (not GIF), sorted by name.
-    pub pictures: Vec<PathBuf>,
+    /// Files whose extension names an image format (not GIF), sorted by name.
+    pub images: Vec<PathBuf>,
     /// Files that were passed over because it does not; hidden ones not counted.
     pub others: usize,
 }
 
-/// Lists the pictures that stand directly in `folder`; folders inside it are not entered.
+/// Lists the images that stand directly in `folder`; folders inside it are not entered.
 ///
 /// # Errors
 ///
@@ -34,12 +34,12 @@ pub fn list(folder: &Path) -> Result<Listing, FileError> {
             continue;
         }
         if Format::listed(&path) {
-            listing.pictures.push(path);
+            listing.images.push(path);
         } else {
             listing.others = listing.others.saturating_add(1);
         }
     }
-    listing.pictures.sort();
+    listing.images.sort();
     Ok(listing)
 }
 
@@ -48,14 +48,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_are_listed_by_name_and_the_rest_is_counted() {
+    fn images_are_listed_by_name_and_the_rest_is_counted() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["b.JPG", "a.png", "notes.txt", ".hidden.png", "c.jpeg"] {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         std::fs::create_dir(folder.path().join("inner.png")).unwrap();
         let found = list(folder.path()).unwrap();
-        let names: Vec<_> = found.pictures.iter().map(|path| path.file_name().unwrap()).collect();
+        let names: Vec<_> = found.images.iter().map(|path| path.file_name().unwrap()).collect();
         assert_eq!((names, found.others), (vec!["a.png".as_ref(), "b.JPG".as_ref(), "c.jpeg".as_ref()], 1));
     }
 }

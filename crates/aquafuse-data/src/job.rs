@@ -13,9 +13,9 @@ use aquafuse::waterbody::Quality;
 use serde_json::{Value, json};
 
 use crate::analysis::{DepthSource, analyse};
+use crate::image_file::{FileError, Format, ImageFile, Opened, ReadOptions, WriteOptions};
 use crate::maps;
 use crate::memory::Budget;
-use crate::picture::{FileError, Format, Opened, Picture, ReadOptions, WriteOptions};
 use crate::scores::Scores;
 use crate::treatment::{Space, Treated, Treatment};
 use crate::water_file::Numbers;
@@ -25,7 +25,7 @@ pub(crate) use crew::{Crew, Outcome, Turn};
 pub(crate) use record::try_parse;
 pub use record::{Plan, RECORD, Record};
 
-/// Treats pictures alike: fuses them with one water, or restores them.
+/// Treats images alike: fuses them with one water, or restores them.
 #[derive(Debug)]
 pub struct Job<E: Encoding = Encoded> {
     /// What to read, and where to write it.
@@ -34,14 +34,14 @@ pub struct Job<E: Encoding = Encoded> {
     pub recipe: Recipe<E>,
     /// How to run.
     pub conduct: Conduct,
-    /// Which items are done already, and where to say so; none for single pictures.
+    /// Which items are done already, and where to say so; none for single images.
     pub record: Option<Record>,
 }
 
-/// Everything but the pictures that decides what is written.
+/// Everything but the images that decides what is written.
 #[derive(Clone, Debug)]
 pub struct Recipe<E: Encoding = Encoded> {
-    /// What is done to each picture.
+    /// What is done to each image.
     pub treatment: Treatment<E>,
     /// How to smooth what comes out.
     pub smoothing: Smoothing,
@@ -56,17 +56,17 @@ pub struct Recipe<E: Encoding = Encoded> {
 /// How a job runs; nothing that is written depends on it.
 #[derive(Clone, Debug, Default)]
 pub struct Conduct {
-    /// Pictures in work at once, beside those that wait for the disk; none: one a core.
+    /// Images in work at once, beside those that wait for the disk; none: one a core.
     pub threads: Option<NonZeroUsize>,
-    /// Stop once more pictures than this have failed; none: never.
+    /// Stop once more images than this have failed; none: never.
     pub most_failures: Option<usize>,
-    /// Score each picture before and after.
+    /// Score each image before and after.
     pub scores: bool,
-    /// Write the maps of each picture into this folder.
+    /// Write the maps of each image into this folder.
     pub maps: Option<PathBuf>,
 }
 
-/// One picture of a job.
+/// One image of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
     /// The content.
@@ -81,24 +81,24 @@ pub struct Item {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Message<'a> {
-    /// It begins, with this many pictures.
+    /// It begins, with this many images.
     Started {
-        /// Pictures.
+        /// Images.
         total: usize,
     },
-    /// A picture was written by a run before this one.
+    /// An image was written by a run before this one.
     Kept {
         /// Which.
         item: &'a Item,
     },
-    /// A picture is written.
+    /// An image is written.
     Done {
         /// Which.
         item: &'a Item,
         /// What is worth knowing about it.
         report: Box<Report>,
     },
-    /// A picture failed; the others go on.
+    /// An image failed; the others go on.
     Failed {
         /// Which.
         item: &'a Item,
@@ -107,7 +107,7 @@ pub enum Message<'a> {
     },
 }
 
-/// What is worth knowing about a treated picture.
+/// What is worth knowing about a treated image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// What was done to it.
@@ -129,13 +129,13 @@ pub struct Report {
 /// How a job ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
-    /// Pictures written.
+    /// Images written.
     pub done: usize,
-    /// Pictures that a run before had written.
+    /// Images that a run before had written.
     pub kept: usize,
-    /// Pictures that failed.
+    /// Images that failed.
     pub failed: usize,
-    /// Pictures that were not tried, because too many had failed.
+    /// Images that were not tried, because too many had failed.
     pub left: usize,
 }
 
@@ -167,7 +167,7 @@ impl<E: Space> Recipe<E> {
 }
 
 impl<E: Space> Job<E> {
-    /// Runs the job, telling `listener` in the order in which pictures get done. The files do not depend on that
+    /// Runs the job, telling `listener` in the order in which images get done. The files do not depend on that
     /// order.
     pub fn run(&self, listener: &(dyn Fn(Message<'_>) + Sync)) -> Summary {
         listener(Message::Started { total: self.items.len() });
@@ -192,7 +192,7 @@ impl<E: Space> Job<E> {
         )
     }
 
-    /// Makes one picture; none if it is there already.
+    /// Makes one image; none if it is there already.
     fn make(&self, item: &Item, budget: &Budget, turn: &mut Turn<'_>) -> Result<Option<Report>, FileError> {
         let mut writing = self.recipe.writing;
         if let Some(record) = &self.record {
@@ -217,30 +217,27 @@ impl<E: Space> Job<E> {
         writing: &WriteOptions,
     ) -> Result<Report, FileError> {
         let sources = self.record.as_ref().map(|record| record.sources(item)).transpose()?;
-        let opened = Picture::open(&item.input, &self.recipe.reading)?;
+        let opened = ImageFile::open(&item.input, &self.recipe.reading)?;
         let format = Format::written(&item.output).unwrap_or(Format::Png);
         let room = budget.reserve(opened.memory_until_written(format, self.beside(item, &opened))?);
-        let mut picture = opened.decode()?;
-        let found = analyse::<E>(&picture, &item.depth)?;
-        let scored = |picture: &Picture| self.conduct.scores.then(|| Scores::of(&picture.bytes()));
-        let before = scored(&picture);
+        let mut image = opened.decode()?;
+        let found = analyse::<E>(&image, &item.depth)?;
+        let scored = |image: &ImageFile| self.conduct.scores.then(|| Scores::of(&image.bytes()));
+        let before = scored(&image);
         if let Some(folder) = &self.conduct.maps {
-            maps::write(folder, &item.input, &picture, &found, &self.recipe.treatment)?;
+            maps::write(folder, &item.input, &image, &found, &self.recipe.treatment)?;
         }
-        let treated = self
-            .recipe
-            .treatment
-            .apply(&mut picture.pixels, &found)
-            .expect("the depth map is this picture's");
+        let treated =
+            self.recipe.treatment.apply(&mut image.pixels, &found).expect("the depth map is this image's");
         let (estimate, supplied) = (found.estimate, found.supplied);
         drop(found.depth);
-        picture.pixels = picture.pixels.smoothed(self.recipe.smoothing);
-        let scores = before.zip(scored(&picture)).map(|(before, after)| [before, after]);
+        image.pixels = image.pixels.smoothed(self.recipe.smoothing);
+        let scores = before.zip(scored(&image)).map(|(before, after)| [before, after]);
         if self.recipe.upright {
-            picture = picture.upright();
+            image = image.upright();
         }
-        let staged = picture.stage(&item.output, writing)?;
-        let Picture { metadata, damage, pixels } = picture;
+        let staged = image.stage(&item.output, writing)?;
+        let ImageFile { metadata, damage, pixels } = image;
         drop((pixels, room));
         turn.end();
         if let (Some(record), Some(sources)) = (&self.record, &sources) {
@@ -261,7 +258,7 @@ impl<E: Space> Job<E> {
         })
     }
 
-    /// Memory that an item takes beside its picture.
+    /// Memory that an item takes beside its image.
     fn beside(&self, item: &Item, opened: &Opened) -> u64 {
         let supplied = match &item.depth {
             DepthSource::Supplied { .. } => SUPPLIED,

@@ -1,4 +1,4 @@
-//! What a fusion or restoration is made from, as pictures to look at.
+//! What a fusion or restoration is made from, as images to look at.
 
 use std::path::{Path, PathBuf};
 
@@ -8,16 +8,16 @@ use aquafuse::waterbody::{VeilingLight, Waterbody};
 
 use crate::analysis::Analysis;
 use crate::depth_file;
-use crate::picture::{FileError, Picture, Pixels, WriteOptions};
+use crate::image_file::{FileError, ImageFile, Pixels, WriteOptions};
 use crate::treatment::{Space, Treatment};
 
-/// What making them takes in bytes a pixel: a map in floats, and the picture treated and not.
+/// What making them takes in bytes a pixel: a map in floats, and the image treated and not.
 pub(crate) const BYTES_A_PIXEL: u64 = 40;
 
-/// The maps, by what is put between a picture's stem and `.png`.
+/// The maps, by what is put between an image's stem and `.png`.
 const NAMES: [&str; 4] = ["depth", "backscatter", "illumination", "change"];
 
-/// The files that hold the maps of a picture: depth z (16 bits: 65535 is relative depth 1, or the unit is a
+/// The files that hold the maps of an image: depth z (16 bits: 65535 is relative depth 1, or the unit is a
 /// millimetre), backscatter B, illumination E, and what the treatment changes (mid grey: nothing).
 pub fn paths(folder: &Path, input: &Path) -> [PathBuf; 4] {
     NAMES.map(|name| {
@@ -27,23 +27,23 @@ pub fn paths(folder: &Path, input: &Path) -> [PathBuf; 4] {
     })
 }
 
-/// Writes the maps of a picture, replacing those of an earlier run.
+/// Writes the maps of an image, replacing those of an earlier run.
 pub(crate) fn write<E: Space>(
     folder: &Path,
     input: &Path,
-    picture: &Picture,
+    image_file: &ImageFile,
     found: &Analysis<E>,
     treatment: &Treatment<E>,
 ) -> Result<(), FileError> {
     let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
     let [depth, backscatter, illumination, change] = paths(folder, input);
     depth_file::write(&depth, &found.depth, &options)?;
-    let write = |image: Image<u8>, path: &Path| Picture::new(image).write(path, &options);
+    let write = |image: Image<u8>, path: &Path| ImageFile::new(image).write(path, &options);
     let water = &found.estimate.water;
     write(seen(0.0, found, water), &backscatter)?;
     let without_veil = Waterbody { veiling_light: VeilingLight::new([0.0; 3]), ..*water };
     write(seen(1.0, found, &without_veil), &illumination)?;
-    write(changed(picture, found, treatment), &change)
+    write(changed(image_file, found, treatment), &change)
 }
 
 /// A clear image of one value everywhere, put into a water.
@@ -55,10 +55,10 @@ fn seen<E: Encoding>(value: f32, found: &Analysis<E>, water: &Waterbody<E>) -> I
 }
 
 /// The difference that a treatment makes, about mid grey.
-fn changed<E: Space>(picture: &Picture, found: &Analysis<E>, treatment: &Treatment<E>) -> Image<u8> {
-    let before = picture.bytes().into_owned();
+fn changed<E: Space>(image_file: &ImageFile, found: &Analysis<E>, treatment: &Treatment<E>) -> Image<u8> {
+    let before = image_file.bytes().into_owned();
     let mut after = Pixels::from(before.clone());
-    treatment.apply(&mut after, found).expect("the depth map is this picture's");
+    treatment.apply(&mut after, found).expect("the depth map is this image's");
     let (width, height) = before.size();
     let difference = |(after, before): (&u8, &u8)| {
         128_u8.saturating_add(after.saturating_sub(*before)).saturating_sub(before.saturating_sub(*after))

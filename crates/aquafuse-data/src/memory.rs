@@ -1,10 +1,10 @@
-//! One budget of memory for all pictures that are in work at once.
+//! One budget of memory for all images that are in work at once.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// Memory that a run may take for its pictures, shared by its threads.
+/// Memory that a run may take for its images, shared by its threads.
 ///
-/// Each picture reserves what it needs, as far as its header tells, before it is decoded; where too little is
+/// Each image reserves what it needs, as far as its header tells, before it is decoded; where too little is
 /// free it waits for others to be done.
 ///
 /// # Examples
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_larger_than_the_budget_gets_all_of_it_and_does_not_wait_for_ever() {
+    fn an_image_larger_than_the_budget_gets_all_of_it_and_does_not_wait_for_ever() {
         let budget = Budget::new(10);
         let room = budget.reserve(u64::MAX);
         assert_eq!(budget.free(), 0);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use aquafuse::depth::{Eq3, Eq3Error};
 use serde::{Deserialize, Serialize};
 
-use crate::picture::{FileError, one_line, open_file, shown, write_atomically};
+use crate::image_file::{FileError, one_line, open_file, shown, write_atomically};
 
 /// The version of the file; it changes when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
@@ -29,7 +29,7 @@ pub struct FitRecord {
     pub pairs: usize,
     /// Kind of the labels, as `--depth-kind` names it.
     pub depth_kind: String,
-    /// What the labels of different pictures have in common, as `--scale` names it.
+    /// What the labels of different images have in common, as `--scale` names it.
     pub scale: String,
     /// What of the labels was fitted to, as `--target` names it.
     pub target: String,

@@ -1,4 +1,4 @@
-//! Pictures with known depth: a folder with `rgb/` and `depth/`, whose files share their stems.
+//! Images with known depth: a folder with `rgb/` and `depth/`, whose files share their stems.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -10,8 +10,8 @@ use aquafuse::image::Image;
 
 use crate::depth_file;
 use crate::evaluate::Conduct;
+use crate::image_file::{FileError, ImageFile, ReadOptions, shown};
 use crate::memory::{Budget, Reservation};
-use crate::picture::{FileError, Picture, ReadOptions, shown};
 
 /// Bytes a pixel of the map as it is read, of its labels and of their order.
 const BYTES_OF_DEPTH: u64 = 16;
@@ -21,7 +21,7 @@ const BYTES_OF_DEPTH: u64 = 16;
 pub struct Pair {
     /// The stem that they share.
     pub name: String,
-    /// The picture.
+    /// The image.
     pub rgb: PathBuf,
     /// Its depth.
     pub depth: PathBuf,
@@ -99,12 +99,12 @@ fn by_stem(folder: &Path) -> Result<BTreeMap<String, PathBuf>, PairError> {
 }
 
 impl Pair {
-    /// Reads picture and depth: one distance a pixel, NaN where it is not known
+    /// Reads image and depth: one distance a pixel, NaN where it is not known
     /// ([`Supplied::labels`](aquafuse::depth::Supplied::labels)).
     ///
     /// # Errors
     ///
-    /// [`PairError`] when a file cannot be read, or the depth does not suit the picture or its kind.
+    /// [`PairError`] when a file cannot be read, or the depth does not suit the image or its kind.
     pub fn read(
         &self,
         kind: SuppliedKind,
@@ -120,24 +120,24 @@ impl Pair {
         options: &ReadOptions,
         budget: &'a Budget,
     ) -> Result<(Image<u8>, Vec<f32>, Reservation<'a>), PairError> {
-        let opened = Picture::open(&self.rgb, options)?;
+        let opened = ImageFile::open(&self.rgb, options)?;
         let maps = opened.pixels().saturating_mul(BYTES_OF_DEPTH);
         let room = budget.reserve(opened.memory().saturating_add(maps));
-        let picture = opened.decode()?;
+        let image_file = opened.decode()?;
         let path = || self.depth.clone();
-        let labels = depth_file::read_for(&self.depth, kind, picture.pixels.size())?
-            .labels(&picture.bytes())
+        let labels = depth_file::read_for(&self.depth, kind, image_file.pixels.size())?
+            .labels(&image_file.bytes())
             .map_err(|error| match error {
                 // Said as of labels that are flat in metres.
                 SuppliedError::Flat { value } => {
                     PairError::Labels { path: path(), error: LabelError::Flat { value } }
                 }
                 error => {
-                    let turned = picture.metadata.orientation() > 4;
+                    let turned = image_file.metadata.orientation() > 4;
                     FileError::UnfitDepth { path: path(), error, turned }.into()
                 }
             })?;
-        Ok((picture.pixels.into_bytes(), labels, room))
+        Ok((image_file.pixels.into_bytes(), labels, room))
     }
 }
 

@@ -1,10 +1,10 @@
-//! How good a picture looks, by scores that need no other picture.
+//! How good an image looks, by scores that need no other image.
 
 use aquafuse::image::Image;
 use aquafuse::metrics::{uciqe, uiqm};
 use serde::Serialize;
 
-/// Scores of one picture; for each but lightness, more is held to be better. All are fooled by oversaturation and noise.
+/// Scores of one image; for each but lightness, more is held to be better. All are fooled by oversaturation and noise.
 ///
 /// # Examples
 ///
@@ -21,7 +21,7 @@ use serde::Serialize;
 pub struct Scores {
     /// UCIQE.
     pub uciqe: f64,
-    /// UIQM; none for pictures smaller than its blocks of 10 x 10.
+    /// UIQM; none for images smaller than its blocks of 10 x 10.
     pub uiqm: Option<f64>,
     /// Deviation of chroma, the first part of UCIQE.
     pub colour: f64,
@@ -34,7 +34,7 @@ pub struct Scores {
 }
 
 impl Scores {
-    /// Scores a picture.
+    /// Scores an image.
     pub fn of(image: &Image<u8>) -> Self {
         let (colour, sharp) = (uciqe(image), uiqm(image));
         Self {

@@ -1,4 +1,4 @@
-//! Pictures side by side with captions, to look at.
+//! Images side by side with captions, to look at.
 
 use ::image::imageops::{FilterType, replace, resize};
 use ::image::{Rgb, RgbImage};
@@ -10,12 +10,12 @@ use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_9X15, ascii::FONT_
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::text::{Baseline, Text};
 
-/// A picture with a caption, or an empty place with a word on it.
+/// An image with a caption, or an empty place with a word on it.
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Captions are ASCII, about one character a 9 pixels of width.
     pub caption: String,
-    /// The picture; none leaves the place empty.
+    /// The image; none leaves the place empty.
     pub image: Option<Image<u8>>,
 }
 
@@ -23,7 +23,7 @@ const PAPER: Rgb<u8> = Rgb([250, 250, 248]);
 const GAP: u32 = 8;
 const CAPTION: u32 = 22;
 
-/// Lays rows of cells out, every picture scaled to fit `width` x `height`.
+/// Lays rows of cells out, every image scaled to fit `width` x `height`.
 pub fn lay_out(rows: &[Vec<Cell>], width: u32, height: u32) -> Image<u8> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0) as u32;
     let (step_x, step_y) = (width + GAP, height + CAPTION + GAP);
@@ -50,18 +50,18 @@ pub fn lay_out(rows: &[Vec<Cell>], width: u32, height: u32) -> Image<u8> {
 /// Draws `image` at `corner`, as large as fits into `room`, centred.
 fn place_scaled(sheet: &mut RgbImage, image: &Image<u8>, corner: [u32; 2], room: [u32; 2]) {
     let (width, height) = (image.width() as u32, image.height() as u32);
-    let Some(picture) = RgbImage::from_raw(width, height, image.as_raw().to_vec()) else { return };
+    let Some(image_file) = RgbImage::from_raw(width, height, image.as_raw().to_vec()) else { return };
     let scale = (f64::from(room[0]) / f64::from(width)).min(f64::from(room[1]) / f64::from(height));
     let fitted = [width, height].map(|side| ((f64::from(side) * scale).round() as u32).max(1));
     let scaled = match fitted == [width, height] {
-        true => picture,
-        false => resize(&picture, fitted[0], fitted[1], FilterType::CatmullRom),
+        true => image_file,
+        false => resize(&image_file, fitted[0], fitted[1], FilterType::CatmullRom),
     };
     let at = |i: usize| i64::from(corner[i] + (room[i].saturating_sub(fitted[i])) / 2);
     replace(sheet, &scaled, at(0), at(1));
 }
 
-/// A picture that text can be drawn on.
+/// An image that text can be drawn on.
 struct Canvas(RgbImage);
 
 impl OriginDimensions for Canvas {

@@ -15,9 +15,9 @@ use crate::analysis::{DepthSource, analyse};
 use crate::augment::try_manifest;
 use crate::dataset::{try_coco, try_shards, try_tables, try_voc, try_yolo};
 use crate::depth_file;
+use crate::image_file::{FileError, Format, ImageFile, Pixels, ReadOptions, try_exif};
 use crate::job;
 use crate::model_file::ModelFile;
-use crate::picture::{FileError, Format, Picture, Pixels, ReadOptions, try_exif};
 use crate::treatment::Treatment;
 use crate::water_file::WaterFile;
 
@@ -32,20 +32,20 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-/// Pictures as BMP.
-pub const BMP: Target = Target { name: "bmp", run: |bytes| picture(Format::Bmp, bytes) };
+/// Images as BMP.
+pub const BMP: Target = Target { name: "bmp", run: |bytes| image(Format::Bmp, bytes) };
 /// EXIF blocks.
 pub const EXIF: Target = Target { name: "exif", run: try_exif };
-/// Pictures as GIF.
-pub const GIF: Target = Target { name: "gif", run: |bytes| picture(Format::Gif, bytes) };
-/// Pictures as JPEG.
-pub const JPEG: Target = Target { name: "jpeg", run: |bytes| picture(Format::Jpeg, bytes) };
-/// Pictures as PNG.
-pub const PNG: Target = Target { name: "png", run: |bytes| picture(Format::Png, bytes) };
-/// Pictures as TIFF.
-pub const TIFF: Target = Target { name: "tiff", run: |bytes| picture(Format::Tiff, bytes) };
-/// Pictures as WebP.
-pub const WEBP: Target = Target { name: "webp", run: |bytes| picture(Format::WebP, bytes) };
+/// Images as GIF.
+pub const GIF: Target = Target { name: "gif", run: |bytes| image(Format::Gif, bytes) };
+/// Images as JPEG.
+pub const JPEG: Target = Target { name: "jpeg", run: |bytes| image(Format::Jpeg, bytes) };
+/// Images as PNG.
+pub const PNG: Target = Target { name: "png", run: |bytes| image(Format::Png, bytes) };
+/// Images as TIFF.
+pub const TIFF: Target = Target { name: "tiff", run: |bytes| image(Format::Tiff, bytes) };
+/// Images as WebP.
+pub const WEBP: Target = Target { name: "webp", run: |bytes| image(Format::WebP, bytes) };
 /// Depth maps as OpenEXR.
 pub const DEPTH_EXR: Target = Target { name: "depth-exr", run: |bytes| depth(b"\x76\x2f\x31\x01", bytes) };
 /// Depth maps as NPY.
@@ -58,7 +58,7 @@ pub const DEPTH_PNG: Target = Target { name: "depth-png", run: |bytes| depth(b"\
 pub const DEPTH_TIFF: Target = Target { name: "depth-tiff", run: |bytes| depth(b"", bytes) };
 /// Annotations of COCO.
 pub const DATASET_COCO: Target = Target { name: "dataset-coco", run: |bytes| text(bytes, try_coco) };
-/// Tables of pictures.
+/// Tables of images.
 pub const DATASET_PARQUET: Target =
     Target { name: "dataset-parquet", run: |bytes| files_of_many(bytes, try_tables) };
 /// Tar shards of WebDataset.
@@ -70,7 +70,7 @@ pub const DATASET_VOC: Target = Target { name: "dataset-voc", run: |bytes| text(
 pub const DATASET_YOLO: Target = Target { name: "dataset-yolo", run: |bytes| text(bytes, try_yolo) };
 /// Records of a folder's job.
 pub const JOB_RECORD: Target = Target { name: "job-record", run: job::try_parse };
-/// Manifests of augmented data sets.
+/// Manifests of augmented datasets.
 pub const MANIFEST: Target = Target { name: "manifest", run: try_manifest };
 /// Models of depth from colour.
 pub const MODEL_FILE: Target = Target { name: "model-file", run: model };
@@ -105,14 +105,14 @@ pub const ALL: [Target; 21] = [
 /// Small enough that no execution takes long.
 const LIMITS: ReadOptions = ReadOptions { most_pixels: 1 << 12, most_memory: 64 << 20, lenient: false };
 
-fn picture(format: Format, bytes: &[u8]) {
+fn image(format: Format, bytes: &[u8]) {
     if Format::of_content(bytes) != Some(format) {
         return;
     }
     // Drawn from what is in the file, for fuzzers like some lengths better than others.
     let drawn = bytes.iter().copied().fold(0, u8::wrapping_add);
     let lenient = drawn % 2 == 1;
-    match Picture::from_bytes(Path::new(NAME), bytes, &ReadOptions { lenient, ..LIMITS }) {
+    match ImageFile::from_bytes(Path::new(NAME), bytes, &ReadOptions { lenient, ..LIMITS }) {
         // Fusing takes a hundred times as long as reading: one in so many tells as much.
         Ok(read) if drawn < 4 => check(&read, lenient),
         Ok(_) => {}
@@ -137,19 +137,19 @@ pub fn check_error(error: &impl std::fmt::Display) {
 }
 
 /// What must hold of whatever was read: it is fused to finite values within the range, upright and not.
-fn check(picture: &Picture, lenient: bool) {
-    assert!(lenient || picture.damage.is_none(), "damage passed for whole");
-    let (width, height) = picture.pixels.size();
+fn check(image: &ImageFile, lenient: bool) {
+    assert!(lenient || image.damage.is_none(), "damage passed for whole");
+    let (width, height) = image.pixels.size();
     assert!(width.saturating_mul(height) as u64 <= LIMITS.most_pixels);
-    let found = analyse::<Encoded>(picture, &DepthSource::default()).expect("depth from colour never fails");
+    let found = analyse::<Encoded>(image, &DepthSource::default()).expect("depth from colour never fails");
     let treatment = Treatment::Fuse { reference: found.estimate, options: Options::default() };
-    let mut fused = picture.clone();
+    let mut fused = image.clone();
     treatment.apply(&mut fused.pixels, &found).expect("of one size");
     if let Pixels::Floats(layers) = &fused.pixels {
         assert!(layers.image.as_raw().iter().all(|value| (0.0..=1.0).contains(&value.to_unit())));
     }
     let turned = fused.upright();
-    let expected = if picture.metadata.orientation() > 4 { (height, width) } else { (width, height) };
+    let expected = if image.metadata.orientation() > 4 { (height, width) } else { (width, height) };
     assert_eq!((turned.pixels.size(), turned.metadata.orientation()), (expected, 1));
 }
 

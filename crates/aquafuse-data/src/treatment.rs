@@ -1,4 +1,4 @@
-//! What is done to a picture: its water exchanged, or taken out.
+//! What is done to an image: its water exchanged, or taken out.
 
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
 use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
@@ -6,9 +6,9 @@ use aquafuse::image::{Encoded, Encoding, Image, Linear, Sample, SizeError};
 use aquafuse::waterbody::Estimate;
 
 use crate::analysis::Analysis;
-use crate::picture::Pixels;
+use crate::image_file::Pixels;
 
-/// What is done to each picture, in encoding `E`.
+/// What is done to each image, in encoding `E`.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one a run, and it is seldom moved")]
 pub enum Treatment<E: Encoding = Encoded> {
@@ -30,7 +30,7 @@ pub struct Treated {
     pub clipping: Clipping,
     /// Which safety bounds acted.
     pub bounds: Held,
-    /// The share of the picture's contrast (deviation of green) that is left, of [`Model::Exchange`] alone: thick water
+    /// The share of the image's contrast (deviation of green) that is left, of [`Model::Exchange`] alone: thick water
     /// hides a scene.
     pub contrast_left: Option<f64>,
 }
@@ -75,7 +75,7 @@ impl<E: Space> Treatment<E> {
         }
     }
 
-    /// Treats a picture in the encoding of the water.
+    /// Treats an image in the encoding of the water.
     fn on<T: Sample>(&self, image: &mut Image<T, E>, found: &Analysis<E>) -> Result<Treated, SizeError> {
         match self {
             Self::Fuse { reference, options } => {
@@ -84,7 +84,7 @@ impl<E: Space> Treatment<E> {
                 let before = hides.then(|| deviation(image));
                 let clipping = fuse_mut(image, &found.depth, bounded.waters(), &bounded.options)?;
                 let bounds = Held { fusion: bounded.bounds, ..Held::default() };
-                // A picture that had no contrast has lost none.
+                // An image that had no contrast has lost none.
                 let left = before.map(|before| if before > 0.0 { deviation(image) / before } else { 1.0 });
                 Ok(Treated { clipping, bounds, contrast_left: left })
             }
@@ -97,7 +97,7 @@ impl<E: Space> Treatment<E> {
         }
     }
 
-    /// Bytes a pixel that it takes beside the picture.
+    /// Bytes a pixel that it takes beside the image.
     pub(crate) fn bytes_a_pixel(&self) -> u64 {
         E::BYTES_A_PIXEL
     }
@@ -114,19 +114,19 @@ fn deviation<T: Sample, E: Encoding>(image: &Image<T, E>) -> f64 {
     (squares / count - mean * mean).max(0.0).sqrt()
 }
 
-/// An encoding that pictures of files can be worked on in.
+/// An encoding that images of files can be worked on in.
 pub trait Space: Encoding {
-    /// Treats a picture as its file holds it.
+    /// Treats an image as its file holds it.
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when picture and depth map differ in size; the picture is then unchanged.
+    /// [`SizeError`] when image and depth map differ in size; the image is then unchanged.
     fn apply<T: Sample>(
         image: &mut Image<T>,
         found: &Analysis<Self>,
         treatment: &Treatment<Self>,
     ) -> Result<Treated, SizeError>;
-    /// Bytes a pixel that this takes beside the picture.
+    /// Bytes a pixel that this takes beside the image.
     const BYTES_A_PIXEL: u64;
     /// The name in reports.
     const NAME: &'static str;
@@ -166,20 +166,20 @@ impl Space for Linear {
 mod tests {
     use super::*;
     use crate::analysis::{DepthSource, analyse};
-    use crate::picture::Picture;
+    use crate::image_file::ImageFile;
     use aquafuse::fusion::{Gain, Incidence};
     use aquafuse::truth::{Scene, Size, waters};
     use aquafuse::waterbody::Attenuation;
 
-    fn pictures() -> [Picture; 2] {
+    fn image_files() -> [ImageFile; 2] {
         [0, 1].map(|i| {
             let scene = Scene::new(i as u64, Size { width: 64, height: 48 });
-            Picture::new(scene.seen_through(&waters()[i].water).to_samples::<u8>())
+            ImageFile::new(scene.seen_through(&waters()[i].water).to_samples::<u8>())
         })
     }
 
     fn treated<E: Space>(theta: f32) -> [Image<u8>; 2] {
-        let [content, reference] = pictures();
+        let [content, reference] = image_files();
         let found = analyse::<E>(&content, &DepthSource::default()).unwrap();
         let reference = analyse::<E>(&reference, &DepthSource::default()).unwrap().estimate;
         let options = Options {
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn thick_water_hides_the_scene_and_says_so() {
-        let [content, reference] = pictures();
+        let [content, reference] = image_files();
         let found = analyse::<Encoded>(&content, &DepthSource::default()).unwrap();
         let thick = |times: f32| {
             let mut reference = analyse(&reference, &DepthSource::default()).unwrap().estimate;

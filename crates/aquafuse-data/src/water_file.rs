@@ -1,4 +1,4 @@
-//! Waters as files, `*.water.json`: what one picture, or several, told about its water.
+//! Waters as files, `*.water.json`: what one image, or several, told about its water.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use aquafuse::waterbody::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::picture::{FileError, one_line, open_file, shown, write_atomically};
+use crate::image_file::{FileError, one_line, open_file, shown, write_atomically};
 use crate::treatment::Space;
 
 /// The end of the name of every such file.
@@ -70,7 +70,7 @@ impl Numbers {
 /// A water with what it was told from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaterFile<E: Encoding> {
-    /// What it was told from: pictures by their names, or a preset.
+    /// What it was told from: images by their names, or a preset.
     pub from: Vec<String>,
     /// What one unit of z is.
     pub depth_kind: DepthKind,
@@ -246,7 +246,7 @@ impl<E: Space> WaterFile<E> {
             veiling_light_source,
             veiling_light_share,
             depth_model,
-            // They belong to the depth of one picture; of a reference nothing asks for them.
+            // They belong to the depth of one image; of a reference nothing asks for them.
             depth_factors: _,
         } = &self.estimate;
         let stored = Stored {

@@ -9,7 +9,7 @@ use std::process::Command;
 use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
 use aquafuse::image::Image;
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::WriteOptions;
+use aquafuse_data::image_file::WriteOptions;
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent_depth.py");
 const SIZE: (usize, usize) = (7, 5);
@@ -51,7 +51,7 @@ fn we_read_what_others_write() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();
     run(&python, "write", folder.path());
-    let picture = Image::from_raw(SIZE.0, SIZE.1, vec![90; 105]).unwrap();
+    let image = Image::from_raw(SIZE.0, SIZE.1, vec![90; 105]).unwrap();
     let mut count = 0;
     for entry in std::fs::read_dir(folder.path()).unwrap() {
         let path = entry.unwrap().path();
@@ -64,7 +64,7 @@ fn we_read_what_others_write() {
             "millimetres" => (SuppliedKind::Millimetres, 0.000_501),
             _ => (SuppliedKind::Metres, 0.5),
         };
-        let found = depth_file::read(&path, kind).unwrap().seen_with(&picture, Default::default()).unwrap();
+        let found = depth_file::read(&path, kind).unwrap().seen_with(&image, Default::default()).unwrap();
         for (theirs, truth) in found.depth.distances().iter().zip(truth()) {
             assert!((theirs - truth).abs() <= tolerance, "{name}: {theirs} {truth}");
         }

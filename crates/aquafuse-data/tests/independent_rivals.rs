@@ -6,7 +6,7 @@ use std::process::Command;
 
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse_data::evaluate::{Palette, Rival};
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent_rivals.py");
 
@@ -22,7 +22,7 @@ fn transfer_of_colours_is_that_of_others() {
     let [content, reference] = [(1, 0, "content"), (2, 1, "reference")].map(|(seed, water, name)| {
         let scene = Scene::new(seed, Size { width: 96, height: 64 });
         let image = scene.seen_through(&waters()[water].water).to_samples::<u8>();
-        Picture::new(image.clone())
+        ImageFile::new(image.clone())
             .write(&folder.path().join(format!("{name}.png")), &WriteOptions::default())
             .unwrap();
         image

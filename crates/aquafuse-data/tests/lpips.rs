@@ -1,4 +1,4 @@
-//! LPIPS by a network that the test makes itself: one layer, small enough to be reckoned by hand.
+//! LPIPS by a network that the test makes itself: one layer, small enough to be computed by hand.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
@@ -60,7 +60,7 @@ fn axes(name: &str, values: &[i64]) -> Vec<u8> {
     field(5, &[shape, number(2, 7), field(8, name.as_bytes()), field(9, &raw)].concat())
 }
 
-fn picture_value(field_number: u8, name: &str) -> Vec<u8> {
+fn image_value(field_number: u8, name: &str) -> Vec<u8> {
     let free = |name: &str| field(1, &field(2, name.as_bytes()));
     let fixed = |side: u64| field(1, &number(1, side));
     let shape = [fixed(1), fixed(3), free("height"), free("width")].concat();
@@ -104,8 +104,8 @@ fn network() -> Vec<u8> {
     graph.push(floats("weighed", &[1, FEATURES as u64, 1, 1], &weighed));
     graph.push(floats("little", &[1], &[1e-10]));
     graph.push(axes("channel", &[1]));
-    graph.push(picture_value(11, "a"));
-    graph.push(picture_value(11, "b"));
+    graph.push(image_value(11, "a"));
+    graph.push(image_value(11, "b"));
     graph.push(field(12, &field(1, b"distance")));
     let version = field(8, &number(2, 17));
     [number(1, 8), field(7, &graph.concat()), version].concat()
@@ -138,7 +138,7 @@ fn expected(a: &Image<u8>, b: &Image<u8>) -> f64 {
     sum / (width * height) as f64
 }
 
-fn picture(width: usize, height: usize, step: usize) -> Image<u8> {
+fn image_file(width: usize, height: usize, step: usize) -> Image<u8> {
     let bytes = (0..3 * width * height).map(|i| (i * step % 251) as u8).collect();
     Image::from_raw(width, height, bytes).unwrap()
 }
@@ -155,7 +155,7 @@ fn the_distance_is_that_of_the_publications_formula() {
     let lpips = read(&network()).unwrap();
     // Any size; not square, so that rows and columns cannot be taken for each other.
     for (width, height) in [(17, 9), (24, 31)] {
-        let (a, b) = (picture(width, height, 37), picture(width, height, 101));
+        let (a, b) = (image_file(width, height, 37), image_file(width, height, 101));
         let (found, expected) = (lpips.distance(&a, &b).unwrap(), expected(&a, &b));
         assert!(expected > 0.01 && (found - expected).abs() < 1e-5 * expected, "{found} for {expected}");
         assert_eq!(lpips.distance(&a, &a).unwrap(), 0.0);
@@ -205,8 +205,8 @@ impl Twister {
         number ^ (number >> 18)
     }
 
-    /// The next pictures of a batch: plane after plane, from 0 to 1.
-    fn pictures(&mut self, count: usize, side: usize) -> Vec<Image<u8>> {
+    /// The next images of a batch: plane after plane, from 0 to 1.
+    fn image_files(&mut self, count: usize, side: usize) -> Vec<Image<u8>> {
         let mut one = || {
             let mut bytes = vec![0; 3 * side * side];
             for channel in 0..3 {
@@ -236,10 +236,10 @@ fn with_weights_that_were_published_the_distance_is_the_one_that_was_published()
         return;
     };
     let lpips = Lpips::read(path.as_ref()).unwrap();
-    // TorchMetrics' documentation of LearnedPerceptualImagePatchSimilarity: seed 42, ten pictures of 100 x 100 and ten
+    // TorchMetrics' documentation of LearnedPerceptualImagePatchSimilarity: seed 42, ten images of 100 x 100 and ten
     // more, net_type='squeeze'. Ours are rounded to bytes.
     let mut twister = Twister::new(42);
-    let (these, those) = (twister.pictures(10, 100), twister.pictures(10, 100));
+    let (these, those) = (twister.image_files(10, 100), twister.image_files(10, 100));
     let distances = these.iter().zip(&those).map(|(a, b)| lpips.distance(a, b).unwrap());
     let mean = distances.sum::<f64>() / 10.0;
     assert!((mean - 0.1024).abs() < 5e-4, "{mean}");

@@ -12,7 +12,7 @@ use pairs::{Pair, by_place, read_all};
 
 fn measured() -> Option<Vec<Pair>> {
     let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA") else {
-        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real pictures");
+        eprintln!("skipped: AQUAFUSE_TEST_DATA does not name the folder of real images");
         return None;
     };
     let pairs = read_all(data.as_ref()).unwrap();

@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A checkpoint without its mark, its options and what the pictures come to.
+/// A checkpoint without its mark, its options and what the images come to.
 fn state(splats: Splats<f32>) -> Vec<u8> {
     let view = views(1, Size { width: 8, height: 6 }, 1, 1).remove(0);
     let shot = Shot { target: Target::new(8, 6, view.clear().pixels()), camera: view.camera };

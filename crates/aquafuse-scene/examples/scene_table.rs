@@ -3,15 +3,15 @@
 //!
 //!     cargo run --release -p aquafuse-scene --example scene_table -- [FOLDER]
 //!
-//! FOLDER is for pictures to look at. Uses one thread, so that seconds are those of one core.
+//! FOLDER is for images to look at. Uses one thread, so that seconds are those of one core.
 
 use std::path::{Path, PathBuf};
 
 use aquafuse::image::Image;
 use aquafuse::metrics::{psnr, ssim};
 use aquafuse::truth::{Size, waters};
-use aquafuse_data::picture::{FileError, Picture, WriteOptions};
-use aquafuse_scene::compare::picture;
+use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions};
+use aquafuse_scene::compare::image;
 use aquafuse_scene::medium::{Medium, Water};
 use aquafuse_scene::render::render;
 use aquafuse_scene::splats::Splats;
@@ -23,7 +23,7 @@ use aquafuse_scene::{points, truth};
 /// Views, and which of them are held back: every eighth, as is usual.
 const VIEWS: usize = 28;
 const HELD: usize = 8;
-/// The size of the pictures, and how much finer they are made.
+/// The size of the images, and how much finer they are made.
 const SIZE: Size = Size { width: 200, height: 152 };
 const FINER: usize = 2;
 
@@ -79,12 +79,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("| {name} | {near:.2} | {alike:.3} |");
         save(folder.as_deref(), if medium == &known { "green" } else { "dewatered" }, &drawn)?;
     }
-    for (name, pictures) in [
-        ("the blue pictures themselves, against air", &air),
-        ("the blue pictures themselves, against green", &in_green),
+    for (name, images) in [
+        ("the blue images themselves, against air", &air),
+        ("the blue images themselves, against green", &in_green),
     ] {
         let blue: Vec<_> = place.held(&wet).cloned().collect();
-        let (near, alike) = place.scores(&blue, pictures)?;
+        let (near, alike) = place.scores(&blue, images)?;
         println!("| {name} | {near:.2} | {alike:.3} |");
     }
     println!("<!-- /scene-water -->");
@@ -128,18 +128,12 @@ impl Place {
         of.iter().enumerate().filter(|(i, _)| i % HELD == 0).map(|(_, one)| one)
     }
 
-    fn run(
-        &self,
-        pictures: &[Image<f32>],
-        options: &Options,
-        every: usize,
-        water: Option<Water<f32>>,
-    ) -> Run {
-        let begin = points::splats(&truth::points(&self.views, pictures, every), 0);
-        let kept = self.views.iter().zip(pictures).enumerate().filter(|(i, _)| i % HELD != 0);
-        let shots = kept.map(|(_, (view, picture))| Shot {
+    fn run(&self, images: &[Image<f32>], options: &Options, every: usize, water: Option<Water<f32>>) -> Run {
+        let begin = points::splats(&truth::points(&self.views, images, every), 0);
+        let kept = self.views.iter().zip(images).enumerate().filter(|(i, _)| i % HELD != 0);
+        let shots = kept.map(|(_, (view, image))| Shot {
             camera: view.camera.clone(),
-            target: Target::new(view.camera.width, view.camera.height, picture.pixels()),
+            target: Target::new(view.camera.width, view.camera.height, image.pixels()),
         });
         let (begun_with, began) = (begin.len(), processor_seconds());
         let mut trainer = Trainer::new(options.clone(), shots.collect(), begin, water);
@@ -156,10 +150,10 @@ impl Place {
     }
 
     fn drawn(&self, splats: &Splats<f32>, medium: &Medium<f32>) -> Vec<Image<f32>> {
-        self.held(&self.views).map(|view| picture(&render(splats, 0, &view.camera, medium).drawing)).collect()
+        self.held(&self.views).map(|view| image(&render(splats, 0, &view.camera, medium).drawing)).collect()
     }
 
-    /// PSNR and SSIM of what was drawn for the views held back, against all pictures.
+    /// PSNR and SSIM of what was drawn for the views held back, against all images.
     fn scores(
         &self,
         drawn: &[Image<f32>],
@@ -197,14 +191,14 @@ const TIMED: u32 = 40;
 /// What a step costs, and its parts, a few steps into training.
 fn cost(size: Size, splats: usize) -> String {
     let place = Place { views: truth::views(1, size, 2, 1) };
-    let pictures = place.seen(TruthView::clear);
-    let mut points = truth::points(&place.views, &pictures, 2);
+    let images = place.seen(TruthView::clear);
+    let mut points = truth::points(&place.views, &images, 2);
     // As many as asked for, evenly from all.
     let share = points.len() as f64 / splats as f64;
     points = (0..splats).map(|i| points[(i as f64 * share) as usize]).collect();
     let begin = points::splats(&points, 0);
     let camera = &place.views[1].camera;
-    let target = Target::new(size.width, size.height, pictures[1].pixels());
+    let target = Target::new(size.width, size.height, images[1].pixels());
     let shot = Shot { camera: camera.clone(), target: target.clone() };
     let mut trainer =
         Trainer::new(Options { iterations: 100_000, ..Options::default() }, vec![shot], begin, None);
@@ -234,11 +228,11 @@ fn cost(size: Size, splats: usize) -> String {
     )
 }
 
-fn save(folder: Option<&Path>, name: &str, pictures: &[Image<f32>]) -> Result<(), FileError> {
+fn save(folder: Option<&Path>, name: &str, images: &[Image<f32>]) -> Result<(), FileError> {
     let writing = WriteOptions { overwrite: true, ..WriteOptions::default() };
-    for (i, picture) in folder.into_iter().flat_map(|_| pictures.iter().enumerate()) {
+    for (i, image) in folder.into_iter().flat_map(|_| images.iter().enumerate()) {
         let path = folder.unwrap_or(Path::new(".")).join(format!("{i}_{name}.png"));
-        Picture::new(picture.to_samples::<u8>()).write(&path, &writing)?;
+        ImageFile::new(image.to_samples::<u8>()).write(&path, &writing)?;
     }
     Ok(())
 }

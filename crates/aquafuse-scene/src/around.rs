@@ -1,6 +1,6 @@
 //! Where to look from that no camera did: round about a scene, and from above.
 //!
-//! A scene of pictures has no ground and no middle. What its cameras look at is the middle, and up is across what is right
+//! A scene of images has no ground and no middle. What its cameras look at is the middle, and up is across what is right
 //! of them. An orbit keeps to where cameras stood: what none of them saw was never learned.
 
 use std::f64::consts::{PI, TAU};
@@ -13,7 +13,7 @@ const GAP: f64 = 2.0;
 /// How far an orbit sways to either side at the least, radians: cameras that stood in line would show nothing of depth.
 const LEAST_SWAY: f64 = 0.08;
 /// Steps in which up is made to lie across what is right of all cameras: they look down, or up, but seldom aslant. Where all
-/// look the same way, it stays as it is in their pictures.
+/// look the same way, it stays as it is in their images.
 const LEVELLED: usize = 64;
 /// Splats fainter than this do not tell where things are.
 const FAINT: f32 = 0.5;
@@ -41,7 +41,7 @@ pub struct Around {
 }
 
 impl Around {
-    /// Finds its way about from cameras and what was trained on their pictures; none without a camera.
+    /// Finds its way about from cameras and what was trained on their images; none without a camera.
     pub fn new(cameras: &[&Camera], splats: &Splats<f32>) -> Option<Self> {
         let first = *cameras.first()?;
         let mean = |of: &dyn Fn(&Camera) -> [f64; 3]| {

@@ -1,4 +1,4 @@
-//! Where a picture was taken from, and how the camera draws.
+//! Where an image was taken from, and how the camera draws.
 
 use crate::scalar::Scalar;
 
@@ -6,12 +6,12 @@ use crate::scalar::Scalar;
 ///
 /// Axes are those of COLMAP and OpenCV: x to the right, y down, z ahead. A point p of the scene is `R p + t` for the
 /// camera, and is drawn at `(fx x/z + cx, fy y/z + cy)`, where the middle of the first pixel is (0.5, 0.5).
-/// Lens distortion is taken out of pictures when they are loaded, so that there is none here.
+/// Lens distortion is taken out of images when they are loaded, so that there is none here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// Columns of its pictures, > 0.
+    /// Columns of its images, > 0.
     pub width: usize,
-    /// Rows of its pictures, > 0.
+    /// Rows of its images, > 0.
     pub height: usize,
     /// fx and fy, in pixels, > 0.
     pub focal: [f64; 2],
@@ -34,7 +34,7 @@ impl Camera {
         std::array::from_fn(|row| dot(self.rotation[row], point) + self.translation[row])
     }
 
-    /// The point of the scene that lies `distance` along the line of sight of a place on the picture.
+    /// The point of the scene that lies `distance` along the line of sight of a place on the image.
     pub fn point_at(&self, place: [f64; 2], distance: f64) -> [f64; 3] {
         let ray =
             [(place[0] - self.centre[0]) / self.focal[0], (place[1] - self.centre[1]) / self.focal[1], 1.0];
@@ -88,7 +88,7 @@ impl Camera {
         }
     }
 
-    /// The same camera in the numbers a scene is reckoned in.
+    /// The same camera in the numbers a scene is computed in.
     pub(crate) fn view<T: Scalar>(&self) -> View<T> {
         let of = |values: [f64; 3]| values.map(T::of);
         let half = [0.5 * self.width as f64 / self.focal[0], 0.5 * self.height as f64 / self.focal[1]];
@@ -112,7 +112,7 @@ impl Camera {
     }
 }
 
-/// How far beyond the edge of the picture, in half pictures, a splat's own place is used to flatten it. Farther out
+/// How far beyond the edge of the image, in half images, a splat's own place is used to flatten it. Farther out
 /// the flattening, which is right at a point only, would blow splats up that just reach in; published: .3.
 const MARGIN: f64 = 0.3;
 

@@ -1,30 +1,30 @@
-//! A scene's folder: pictures with their cameras, straightened and ready to train on.
+//! A scene's folder: images with their cameras, straightened and ready to train on.
 
 use std::path::{Path, PathBuf};
 
 use aquafuse::image::Image;
-use aquafuse_data::picture::{FileError, Picture, ReadOptions, shown};
+use aquafuse_data::image_file::{FileError, ImageFile, ReadOptions, shown};
 
 use crate::camera::Camera;
 use crate::files::{Cameras, SceneFileError, read_cameras};
 use crate::lens::{Lens, shrunk};
 use crate::points::Point;
 
-/// One picture of a scene.
+/// One image of a scene.
 #[derive(Clone, Debug)]
 pub struct Shown {
-    /// Its name in the folder of pictures.
+    /// Its name in the folder of images.
     pub name: PathBuf,
-    /// The pinhole that would have taken `picture`.
+    /// The pinhole that would have taken `image`.
     pub camera: Camera,
-    /// The picture without the distortion of its lens, perhaps smaller than the file's.
-    pub picture: Image<f32>,
+    /// The image without the distortion of its lens, perhaps smaller than the file's.
+    pub image: Image<f32>,
 }
 
 /// A scene as it was taken.
 #[derive(Clone, Debug)]
 pub struct Capture {
-    /// Pictures with a pose, sorted by name.
+    /// Images with a pose, sorted by name.
     pub shown: Vec<Shown>,
     /// Points on things; none where the model has none.
     pub points: Vec<Point>,
@@ -37,12 +37,12 @@ pub enum CaptureError {
     /// The cameras.
     #[error(transparent)]
     Cameras(#[from] SceneFileError),
-    /// A picture.
+    /// An image.
     #[error(transparent)]
-    Picture(#[from] FileError),
-    /// A picture has another shape than its camera says.
+    Image(#[from] FileError),
+    /// An image has another shape than its camera says.
     #[error(
-        "{} is {}x{} pixels, but its camera has {}x{}: use the pictures that the model was made of, or ones scaled evenly",
+        "{} is {}x{} pixels, but its camera has {}x{}: use the images that the model was made of, or ones scaled evenly",
         shown(path),
         found.0,
         found.1,
@@ -50,7 +50,7 @@ pub enum CaptureError {
         expected.1
     )]
     Shape {
-        /// The picture.
+        /// The image.
         path: PathBuf,
         /// Its size.
         found: (usize, usize),
@@ -59,41 +59,41 @@ pub enum CaptureError {
     },
 }
 
-/// The folder of a scene's pictures.
-pub fn pictures_of(scene: &Path) -> PathBuf {
+/// The folder of a scene's images.
+pub fn images_of(scene: &Path) -> PathBuf {
     let images = scene.join("images");
     if images.is_dir() { images } else { scene.to_owned() }
 }
 
-/// Reads the pictures of a scene, each no longer than `longest` pixels on its longer side.
+/// Reads the images of a scene, each no longer than `longest` pixels on its longer side.
 ///
 /// # Errors
 ///
-/// [`CaptureError`] when cameras or a picture cannot be read, or do not fit each other.
+/// [`CaptureError`] when cameras or an image cannot be read, or do not fit each other.
 pub fn read(
     scene: &Path,
-    pictures: &Path,
+    images: &Path,
     longest: usize,
     reading: &ReadOptions,
 ) -> Result<Capture, CaptureError> {
     let Cameras { taken, points, .. } = read_cameras(scene)?;
     let mut shown = Vec::with_capacity(taken.len());
     for one in taken {
-        let path = pictures.join(&one.name);
-        let picture = Picture::open(&path, reading)?.decode()?;
-        let image = picture.bytes().to_unit();
-        let (camera, picture) =
+        let path = images.join(&one.name);
+        let image = ImageFile::open(&path, reading)?.decode()?;
+        let image = image.bytes().to_unit();
+        let (camera, image) =
             straightened(&one.lens, &image, longest).ok_or_else(|| CaptureError::Shape {
                 path,
                 found: image.size(),
                 expected: (one.lens.camera.width, one.lens.camera.height),
             })?;
-        shown.push(Shown { name: one.name, camera, picture });
+        shown.push(Shown { name: one.name, camera, image });
     }
     Ok(Capture { shown, points })
 }
 
-/// A picture without its lens, as large as asked for; none if it has another shape than the lens draws.
+/// An image without its lens, as large as asked for; none if it has another shape than the lens draws.
 fn straightened(lens: &Lens, image: &Image<f32>, longest: usize) -> Option<(Camera, Image<f32>)> {
     let (width, height) = image.size();
     let Camera { width: known_width, height: known_height, .. } = lens.camera;

@@ -1,4 +1,4 @@
-//! How alike two scenes are: pictures by PSNR and SSIM, surfaces by the deviation of their normals.
+//! How alike two scenes are: images by PSNR and SSIM, surfaces by the deviation of their normals.
 //!
 //! `report.rs` puts a scene beside the same one fused and makes a [`Report`](aquafuse_data::evaluate::Report) of it.
 
@@ -25,8 +25,8 @@ pub struct NormalDeviation {
     pub pixels: usize,
 }
 
-/// The drawing as a picture, cut off at 0 and 1.
-pub fn picture(drawing: &Drawing<f32>) -> Image<f32> {
+/// The drawing as an image, cut off at 0 and 1.
+pub fn image(drawing: &Drawing<f32>) -> Image<f32> {
     let samples = drawing.pixels().flatten().map(|value| value.clamp(0.0, 1.0)).collect();
     Image::from_raw(drawing.width, drawing.height, samples).expect("one colour a pixel")
 }
@@ -38,7 +38,7 @@ pub fn distances(drawing: &Drawing<f32>) -> Vec<Option<f32>> {
 }
 
 /// Unit normals of the surface that a view's distances draw, towards the camera: across the neighbours of each pixel;
-/// none at the edge of the picture or of what is opaque.
+/// none at the edge of the image or of what is opaque.
 fn normals(camera: &Camera, drawing: &Drawing<f32>) -> Vec<Option<[f64; 3]>> {
     let distances = distances(drawing);
     let (width, height) = (drawing.width, drawing.height);
@@ -58,7 +58,7 @@ fn normals(camera: &Camera, drawing: &Drawing<f32>) -> Vec<Option<[f64; 3]>> {
     (0..width * height).map(normal).collect()
 }
 
-/// Normals as a picture: right, up and towards the camera are more red, green and blue; black where there is none.
+/// Normals as an image: right, up and towards the camera are more red, green and blue; black where there is none.
 fn normals_shown(camera: &Camera, drawing: &Drawing<f32>) -> Image<f32> {
     let colour = |normal: Option<[f64; 3]>| {
         let seen = normal.map(|normal| camera.rotation.map(|row| dot(row, normal)));

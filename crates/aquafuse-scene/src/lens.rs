@@ -1,4 +1,4 @@
-//! Lenses: how a camera really draws, and its pictures drawn anew as a pinhole would.
+//! Lenses: how a camera really draws, and its images drawn again as a pinhole would.
 
 use aquafuse::image::Image;
 
@@ -33,8 +33,8 @@ impl Lens {
         [bent[0] * focal[0] + centre[0], bent[1] * focal[1] + centre[1]]
     }
 
-    /// The picture that a pinhole of the same focal length would have taken, between pixels by straight lines; beyond
-    /// the picture its edge goes on.
+    /// The image that a pinhole of the same focal length would have taken, between pixels by straight lines; beyond
+    /// the image its edge goes on.
     pub fn undistorted(&self, image: &Image<f32>) -> Image<f32> {
         if !self.is_distorted() {
             return image.clone();
@@ -64,7 +64,7 @@ fn sample(image: &Image<f32>, x: f64, y: f64) -> [f32; 3] {
     })
 }
 
-/// A picture drawn on fewer pixels, each the mean of what it covers.
+/// An image drawn on fewer pixels, each the mean of what it covers.
 ///
 /// # Panics
 ///
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn what_a_lens_bent_comes_out_straight() {
-        // A picture whose red and green say where its pinhole would have drawn each pixel.
+        // An image whose red and green say where its pinhole would have drawn each pixel.
         let lens = lens([-0.2, 0.03, 0.002, -0.001]);
         let straight = |place: [f64; 2]| {
             // The other way round, by trying nearer and nearer.
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shrunk_picture_keeps_its_mean() {
+    fn a_shrunk_image_keeps_its_mean() {
         let samples: Vec<f32> = (0..7 * 5 * 3).map(|i| (i * 37 % 101) as f32 / 100.0).collect();
         let image = Image::from_raw(7, 5, samples).unwrap();
         let mean = |image: &Image<f32>| image.as_raw().iter().sum::<f32>() / image.as_raw().len() as f32;

@@ -1,8 +1,8 @@
-//! Scenes in 3D from underwater pictures, on a CPU: Gaussian splatting with the water inside.
+//! Scenes in 3D from underwater images, on a CPU: Gaussian splatting with the water inside.
 //!
 //! # Where do I start?
 //!
-//! [`train::Trainer`] has a whole run in its example: pictures with [cameras](camera), [points] to begin with, steps.
+//! [`train::Trainer`] has a whole run in its example: images with [cameras](camera), [points] to begin with, steps.
 //! [`render::render`] draws what came of it, through the water that was learned, through none, or through any other
 //! ([`medium::Medium`]).
 //!
@@ -10,13 +10,13 @@
 //!
 //! | module | from → to |
 //! |---|---|
-//! | [`files`], [`capture`] | a folder of COLMAP or NeRF → cameras, points, pictures without their [lens] |
+//! | [`files`], [`capture`] | a folder of COLMAP or NeRF → cameras, points, images without their [lens] |
 //! | [`points`] | points → the [splats] training begins with |
-//! | [`render`] | splats, camera, [medium] → picture, distances, what comes through; and the way back, exact |
-//! | [`train`] | pictures → splats, and the water between |
+//! | [`render`] | splats, camera, [medium] → image, distances, what comes through; and the way back, exact |
+//! | [`train`] | images → splats, and the water between |
 //! | [`around`] | cameras and splats → views that no camera took: an orbit, from above |
-//! | [`compare`] | two scenes → how alike their pictures and surfaces are |
-//! | [`shared_water`] | pictures and points → one water in the scene's unit |
+//! | [`compare`] | two scenes → how alike their images and surfaces are |
+//! | [`shared_water`] | images and points → one water in the scene's unit |
 //! | [`truth`] | a place of which everything is known, seen by many cameras |
 //!
 //! The method is that of B. Kerbl et al., "3D Gaussian Splatting for Real-Time Radiance Field Rendering" (2023); where

@@ -2,7 +2,7 @@
 //!
 //! A splat's own colour c at distance d along the line of sight is seen as `c e^(-β_D d) + B∞ (1 - e^(-β_B d))`, and
 //! what no splat hides is seen as B∞. This is done **splat by splat, before composing**, as WaterSplatting does, and
-//! not on the composed picture by its composed depth, as SeaSplat does: at the edge of a near thing before a far one
+//! not on the composed image by its composed depth, as SeaSplat does: at the edge of a near thing before a far one
 //! the composed depth is a distance at which nothing stands. For the veil both are one integral: composing
 //! `B∞ (1 - e^(-β_B d))` front to back with the open water behind is what the light scattered in before each splat adds up
 //! to. And the rasteriser need not know of water at all.

@@ -9,7 +9,7 @@ use crate::splats::Splats;
 pub struct Point {
     /// Where it is.
     pub position: [f64; 3],
-    /// Its colour in the pictures, encoded, in [0, 1].
+    /// Its colour in the images, encoded, in [0, 1].
     pub colour: [f64; 3],
 }
 

@@ -1,4 +1,4 @@
-//! From splats to a picture, and from the picture's gradient back to that of the splats.
+//! From splats to an image, and from the image's gradient back to that of the splats.
 //!
 //! The steps are those of Kerbl et al.: each splat is projected to an ellipse (`project.rs`), ellipses are sorted by
 //! distance and listed for the tiles they touch (`tiles.rs`), and each tile is drawn front to back (`raster.rs`).
@@ -25,7 +25,7 @@ const SHARE: usize = 256;
 /// Stands for a splat that is not seen.
 const UNSEEN: u32 = u32::MAX;
 
-/// Five planes of a picture, rows from the top: what was drawn, or a gradient with respect to it.
+/// Five planes of an image, rows from the top: what was drawn, or a gradient with respect to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing<T> {
     /// Columns.
@@ -70,10 +70,10 @@ impl<T: Scalar> Drawing<T> {
     }
 }
 
-/// A picture that was drawn, with what the way back needs.
+/// An image that was drawn, with what the way back needs.
 #[derive(Clone, Debug)]
 pub struct Rendered<T> {
-    /// The picture.
+    /// The image.
     pub drawing: Drawing<T>,
     width: usize,
     sight: Sight<T>,
@@ -92,7 +92,7 @@ pub struct Gradient<T> {
     pub splats: Splats<T>,
     /// Of the parameters of a learned water.
     pub water: [T; PARAMETERS],
-    /// Of each splat's place on the picture, per pixel, what density control asks for; none where it was not seen.
+    /// Of each splat's place on the image, per pixel, what density control asks for; none where it was not seen.
     pub drift: Vec<Option<[T; 2]>>,
 }
 
@@ -114,7 +114,7 @@ pub fn memory<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium
     of_pixels.saturating_add(of_splats).saturating_add(8 * entries)
 }
 
-/// The footprints of the splats that the picture shows.
+/// The footprints of the splats that the image shows.
 fn in_view<T: Scalar>(splats: &Splats<T>, sight: &Sight<T>, camera: &Camera) -> Vec<Footprint<T>> {
     let (width, height) = (camera.width, camera.height);
     let shown = |footprint: &Footprint<T>| {

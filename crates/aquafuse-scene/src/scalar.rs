@@ -1,4 +1,4 @@
-//! The two kinds of numbers a scene is reckoned in: `f32` to work, `f64` to prove gradients.
+//! The two kinds of numbers a scene is computed in: `f32` to work, `f64` to prove gradients.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};

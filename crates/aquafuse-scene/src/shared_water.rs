@@ -1,12 +1,12 @@
-//! One water for all pictures of a scene, in its unit of length.
+//! One water for all images of a scene, in its unit of length.
 //!
-//! Depth from colour is relative within a picture. Points of the scene that a camera sees tell how long its 1 is: with that,
-//! distances of all pictures are of one unit, and so are the waters estimated from them, which are then pooled.
+//! Depth from colour is relative within an image. Points of the scene that a camera sees tell how long its 1 is: with that,
+//! distances of all images are of one unit, and so are the waters estimated from them, which are then pooled.
 
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::image::{Encoded, SizeError};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions};
-use aquafuse_data::picture::Picture;
+use aquafuse_data::image_file::ImageFile;
 
 use crate::lens::Lens;
 use crate::medium::Water;
@@ -15,7 +15,7 @@ use crate::points::Point;
 /// Points in view of a camera, at the least, for its depth to have a unit.
 const LEAST_POINTS: usize = 12;
 
-/// How many units of the scene relative depth 1 is in a picture; none if too few points are in its view.
+/// How many units of the scene relative depth 1 is in an image; none if too few points are in its view.
 ///
 /// The median of distance over relative depth at the points: half of them may lie on something that hides them, or where
 /// colour errs.
@@ -44,7 +44,7 @@ pub fn median(values: &mut [f32]) -> Option<f32> {
     values.get(values.len() / 2).copied()
 }
 
-/// A picture's depth in units of the scene; as it is if it has another kind than relative, or the unit is no length.
+/// An image's depth in units of the scene; as it is if it has another kind than relative, or the unit is no length.
 #[must_use]
 pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
     let (width, height) = relative.size();
@@ -53,14 +53,14 @@ pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
     scaled.unwrap_or_else(|_| relative.clone())
 }
 
-/// The water of one picture, whose depth is in units of the scene.
+/// The water of one image, whose depth is in units of the scene.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when picture and depth differ in size.
-pub fn water_of(picture: &Picture, depth: &DepthMap) -> Result<Estimate<Encoded>, SizeError> {
-    let options = EstimateOptions { top: picture.top_edge(), ..EstimateOptions::default() };
-    waterbody::estimate(&picture.bytes(), depth, &options)
+/// [`SizeError`] when image and depth differ in size.
+pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, SizeError> {
+    let options = EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() };
+    waterbody::estimate(&image.bytes(), depth, &options)
 }
 
 /// A water as training may begin with it: β_D as it is at `distance`, which is about as far as things are.
@@ -82,8 +82,8 @@ mod tests {
     #[test]
     fn points_tell_the_unit_of_relative_depth() {
         let views = truth::views(2, Size { width: 80, height: 60 }, 2, 1);
-        let pictures: Vec<_> = views.iter().map(truth::TruthView::clear).collect();
-        let points = truth::points(&views[1..], &pictures[1..], 20);
+        let images: Vec<_> = views.iter().map(truth::TruthView::clear).collect();
+        let points = truth::points(&views[1..], &images[1..], 20);
         // The true depth, said to be relative to 40 units.
         let distances = views[1].scene.depth.distances();
         let relative = distances.iter().map(|z| z.min(40.0) / 40.0).collect();

@@ -1,4 +1,4 @@
-//! Training: splats that look like the pictures, one view a step.
+//! Training: splats that look like the images, one view a step.
 //!
 //! As published by Kerbl et al.: draw a view, compare (`loss.rs`), go back to the splats, step by Adam (`adam.rs`), now
 //! and then add and take away splats (`density.rs`). What is done when stands in `options.rs`. A run is its [`Options`],
@@ -25,12 +25,12 @@ use adam::Moments;
 use loss::{Loss, Target, loss};
 use state::State;
 
-/// A picture to train on and the camera that took it.
+/// An image to train on and the camera that took it.
 #[derive(Clone, Debug)]
 pub struct Shot {
-    /// The camera; of the picture's size.
+    /// The camera; of the image's size.
     pub camera: Camera,
-    /// The picture.
+    /// The image.
     pub target: Target<f32>,
 }
 
@@ -44,10 +44,10 @@ pub struct Shot {
 /// use aquafuse_scene::{points, truth};
 ///
 /// let views = truth::views(1, Size { width: 40, height: 30 }, 4, 1);
-/// let pictures: Vec<_> = views.iter().map(|view| view.clear()).collect();
-/// let splats = points::splats(&truth::points(&views, &pictures, 16), 0);
-/// let shots = views.into_iter().zip(&pictures).map(|(view, picture)| Shot {
-///     target: Target::new(40, 30, picture.pixels()),
+/// let images: Vec<_> = views.iter().map(|view| view.clear()).collect();
+/// let splats = points::splats(&truth::points(&views, &images, 16), 0);
+/// let shots = views.into_iter().zip(&images).map(|(view, image)| Shot {
+///     target: Target::new(40, 30, image.pixels()),
 ///     camera: view.camera,
 /// });
 /// let mut trainer = Trainer::new(Options { iterations: 20, ..Options::default() }, shots.collect(), splats, None);
@@ -63,22 +63,22 @@ pub struct Trainer {
     shots: Vec<Shot>,
     /// How far the cameras stand from their middle, units of the scene.
     extent: f32,
-    /// What the pictures and cameras come to, as one number.
+    /// What the images and cameras come to, as one number.
     subject: u64,
     state: State,
 }
 
 impl Trainer {
-    /// Begins with these splats, whose colours are those of the pictures; `water` is where a water that is to be learned
-    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them. Once distances are known it is told anew (`water.rs`).
+    /// Begins with these splats, whose colours are those of the images; `water` is where a water that is to be learned
+    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them. Once distances are known it is told again (`water.rs`).
     ///
     /// # Panics
     ///
-    /// When there is no shot, or one whose camera has another size than its picture.
+    /// When there is no shot, or one whose camera has another size than its image.
     pub fn new(options: Options, shots: Vec<Shot>, splats: Splats<f32>, water: Option<Water<f32>>) -> Self {
         let mut splats = splats;
         if let Some(water) = &water {
-            // They are seen as through air, for they have the colours of the pictures.
+            // They are seen as through air, for they have the colours of the images.
             water::repaint(&mut splats, &shots, &Medium::Air, water);
         }
         let state = State::new(splats, water, options.seed);
@@ -91,7 +91,7 @@ impl Trainer {
             assert_eq!(
                 (shot.camera.width, shot.camera.height),
                 shot.target.size(),
-                "a camera of its picture's size"
+                "a camera of its image's size"
             );
         }
         let cameras: Vec<&Camera> = shots.iter().map(|shot| &shot.camera).collect();
@@ -176,7 +176,7 @@ impl Trainer {
     }
 }
 
-/// All pictures and cameras as one number (FNV-1a, a value at a time): a run is not gone on with on others.
+/// All images and cameras as one number (FNV-1a, a value at a time): a run is not gone on with on others.
 fn subject(shots: &[Shot]) -> u64 {
     let add = |sum: u64, value: u64| (sum ^ value).wrapping_mul(0x0000_0100_0000_01b3);
     shots.iter().fold(0xcbf2_9ce4_8422_2325, |sum, Shot { camera, target }| {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use aquafuse::image::Image;
 use aquafuse::truth::{HALF_VIEW, OPEN_WATER, Pose, Scene, Size, View};
 use aquafuse::waterbody::Waterbody;
-use aquafuse_data::picture::{FileError, Picture, WriteOptions};
+use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions};
 
 use crate::camera::Camera;
 use crate::files::{Cameras, SceneFileError, Taken, write_cameras};
@@ -20,19 +20,19 @@ use crate::points::Point;
 pub struct TruthView {
     /// The camera.
     pub camera: Camera,
-    /// The same camera on finer pixels, whose means are the picture's.
+    /// The same camera on finer pixels, whose means are the image's.
     pub fine: Camera,
     /// What it sees on those, through air, with distances.
     pub scene: Scene,
 }
 
 impl TruthView {
-    /// The picture taken through air.
+    /// The image taken through air.
     pub fn clear(&self) -> Image<f32> {
         shrunk(&self.scene.clear, self.camera.width, self.camera.height)
     }
 
-    /// The picture taken through a water, its coefficients per metre.
+    /// The image taken through a water, its coefficients per metre.
     pub fn seen_through(&self, water: &Waterbody) -> Image<f32> {
         shrunk(&self.scene.seen_through(water), self.camera.width, self.camera.height)
     }
@@ -96,15 +96,15 @@ fn camera(pose: &Pose, size: Size) -> Camera {
 }
 
 /// Points on things as structure from motion would find them: one in so many pixels of the views, with the colours that
-/// `pictures`, one a view, have there; none in open water.
+/// `image_files`, one a view, have there; none in open water.
 ///
 /// # Panics
 ///
-/// When there is not one picture of its size for each view.
-pub fn points(views: &[TruthView], pictures: &[Image<f32>], every: usize) -> Vec<Point> {
-    assert_eq!(views.len(), pictures.len(), "one picture a view");
-    let of_view = |(number, (view, picture)): (usize, (&TruthView, &Image<f32>))| {
-        assert_eq!(picture.size(), (view.camera.width, view.camera.height), "the picture of the view");
+/// When there is not one image of its size for each view.
+pub fn points(views: &[TruthView], image_files: &[Image<f32>], every: usize) -> Vec<Point> {
+    assert_eq!(views.len(), image_files.len(), "one image a view");
+    let of_view = |(number, (view, image_file)): (usize, (&TruthView, &Image<f32>))| {
+        assert_eq!(image_file.size(), (view.camera.width, view.camera.height), "the image of the view");
         let width = view.fine.width;
         let finer = width / view.camera.width;
         let every = every * finer * finer;
@@ -115,7 +115,7 @@ pub fn points(views: &[TruthView], pictures: &[Image<f32>], every: usize) -> Vec
             let place = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
             let position = view.fine.point_at(place, f64::from(distances[i]));
             let pixel = i / width / finer * view.camera.width + i % width / finer;
-            Point { position, colour: picture.pixels()[pixel].map(f64::from) }
+            Point { position, colour: image_file.pixels()[pixel].map(f64::from) }
         };
         let hit: Vec<Point> = (first..distances.len())
             .step_by(every)
@@ -124,10 +124,10 @@ pub fn points(views: &[TruthView], pictures: &[Image<f32>], every: usize) -> Vec
             .collect();
         hit
     };
-    views.iter().zip(pictures).enumerate().flat_map(of_view).collect()
+    views.iter().zip(image_files).enumerate().flat_map(of_view).collect()
 }
 
-/// Writes views as a scene's folder: pictures, `images/view_NNN.png`, one a view; their cameras, and `points`.
+/// Writes views as a scene's folder: images, `images/view_NNN.png`, one a view; their cameras, and `points`.
 ///
 /// # Errors
 ///
@@ -135,23 +135,23 @@ pub fn points(views: &[TruthView], pictures: &[Image<f32>], every: usize) -> Vec
 ///
 /// # Panics
 ///
-/// When there is not one picture for each view.
+/// When there is not one image for each view.
 pub fn write(
     folder: &Path,
     views: &[TruthView],
-    pictures: &[Image<f32>],
+    image_files: &[Image<f32>],
     points: Vec<Point>,
 ) -> Result<(), SceneFileError> {
-    assert_eq!(views.len(), pictures.len(), "one picture a view");
+    assert_eq!(views.len(), image_files.len(), "one image a view");
     let [images, model] = ["images", "sparse/0"].map(|name| folder.join(name));
     for folder in [&images, &model] {
         let made = std::fs::create_dir_all(folder);
         made.map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
     }
     let mut taken = Vec::with_capacity(views.len());
-    for (number, (view, picture)) in views.iter().zip(pictures).enumerate() {
+    for (number, (view, image_file)) in views.iter().zip(image_files).enumerate() {
         let name = PathBuf::from(format!("view_{number:03}.png"));
-        Picture::new(picture.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
+        ImageFile::new(image_file.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
         taken.push(Taken { name, lens: Lens { camera: view.camera.clone(), distortion: [0.0; 4] } });
     }
     write_cameras(&model, &Cameras { taken, points, model: PathBuf::new() }, false)

@@ -1,4 +1,4 @@
-//! Real cameras: what COLMAP found in pictures of a pool.
+//! Real cameras: what COLMAP found in images of a pool.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use aquafuse_scene::files::read_cameras;
 #[test]
 fn points_of_a_real_model_lie_in_view_of_its_cameras() {
     let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA").map(PathBuf::from) else {
-        println!("skipped: AQUAFUSE_TEST_DATA names no folder of real pictures");
+        println!("skipped: AQUAFUSE_TEST_DATA names no folder of real images");
         return;
     };
     let scene = data.join("sequence_subvo_pool");

@@ -5,7 +5,7 @@
 use aquafuse::image::Image;
 use aquafuse::metrics::psnr;
 use aquafuse::truth::{Size, waters};
-use aquafuse_scene::compare::picture;
+use aquafuse_scene::compare::image;
 use aquafuse_scene::files::ply_bytes;
 use aquafuse_scene::medium::{Medium, Water};
 use aquafuse_scene::render::render;
@@ -32,23 +32,23 @@ impl Place {
         self.views.iter().map(through).collect()
     }
 
-    fn shots(&self, pictures: &[Image<f32>]) -> Vec<Shot> {
-        let kept = self.views.iter().zip(pictures).enumerate().filter(|(i, _)| *i != HELD);
-        let shot = |(_, (view, picture)): (usize, (&TruthView, &Image<f32>))| Shot {
+    fn shots(&self, images: &[Image<f32>]) -> Vec<Shot> {
+        let kept = self.views.iter().zip(images).enumerate().filter(|(i, _)| *i != HELD);
+        let shot = |(_, (view, image)): (usize, (&TruthView, &Image<f32>))| Shot {
             camera: view.camera.clone(),
-            target: Target::new(SIZE.width, SIZE.height, picture.pixels()),
+            target: Target::new(SIZE.width, SIZE.height, image.pixels()),
         };
         kept.map(shot).collect()
     }
 
-    fn splats(&self, pictures: &[Image<f32>]) -> Splats<f32> {
-        points::splats(&truth::points(&self.views, pictures, 12), 1)
+    fn splats(&self, images: &[Image<f32>]) -> Splats<f32> {
+        points::splats(&truth::points(&self.views, images, 12), 1)
     }
 
     /// How near the view that was held back comes, in dB.
-    fn score(&self, trained: (&Splats<f32>, &Medium<f32>), picture_there: &Image<f32>) -> f64 {
+    fn score(&self, trained: (&Splats<f32>, &Medium<f32>), image_there: &Image<f32>) -> f64 {
         let drawn = render(trained.0, 1, &self.views[HELD].camera, trained.1);
-        psnr(&picture(&drawn.drawing), picture_there).unwrap()
+        psnr(&image(&drawn.drawing), image_there).unwrap()
     }
 }
 
@@ -59,14 +59,14 @@ fn options(iterations: u32) -> Options {
 #[test]
 fn views_that_were_not_shown_come_nearer() {
     let place = Place::new();
-    let pictures = place.seen(TruthView::clear);
-    let begin = place.splats(&pictures);
-    let mut trainer = Trainer::new(options(300), place.shots(&pictures), begin.clone(), None);
+    let images = place.seen(TruthView::clear);
+    let begin = place.splats(&images);
+    let mut trainer = Trainer::new(options(300), place.shots(&images), begin.clone(), None);
     while !trainer.is_done() {
         trainer.step();
     }
-    let before = place.score((&begin, &Medium::Air), &pictures[HELD]);
-    let after = place.score((trainer.splats(), &trainer.medium()), &pictures[HELD]);
+    let before = place.score((&begin, &Medium::Air), &images[HELD]);
+    let after = place.score((trainer.splats(), &trainer.medium()), &images[HELD]);
     println!("{before:.2} dB before, {after:.2} dB after");
     assert!(after > 20.0 && after > before + 6.0, "{before} {after}");
     assert!(trainer.splats().len() > begin.len(), "splats were added");
@@ -75,9 +75,9 @@ fn views_that_were_not_shown_come_nearer() {
 #[test]
 fn neither_threads_nor_a_stop_change_a_bit() {
     let place = Place::new();
-    let pictures = place.seen(TruthView::clear);
+    let images = place.seen(TruthView::clear);
     let water = Some(Water::new([0.1, 0.3, 0.4], [0.2; 3], [0.2; 3]));
-    let new = || Trainer::new(options(240), place.shots(&pictures), place.splats(&pictures), water.clone());
+    let new = || Trainer::new(options(240), place.shots(&images), place.splats(&images), water.clone());
     let run = |trainer: &mut Trainer, steps: u32| (0..steps).for_each(|_| _ = trainer.step());
 
     let mut whole = new();
@@ -88,16 +88,15 @@ fn neither_threads_nor_a_stop_change_a_bit() {
     let kept = stopped.checkpoint();
     drop(stopped);
     // Over a change of density, at step 100.
-    let mut resumed = Trainer::resume(options(240), place.shots(&pictures), &kept).unwrap();
+    let mut resumed = Trainer::resume(options(240), place.shots(&images), &kept).unwrap();
     alone.install(|| run(&mut resumed, 40));
     assert_eq!(ply_bytes(resumed.splats()), ply_bytes(whole.splats()));
     assert_eq!(resumed.checkpoint(), whole.checkpoint());
 
-    let refused =
-        |options, bytes: &[u8]| Trainer::resume(options, place.shots(&pictures), bytes).unwrap_err();
+    let refused = |options, bytes: &[u8]| Trainer::resume(options, place.shots(&images), bytes).unwrap_err();
     assert_eq!(refused(options(241), &kept), CheckpointError::OtherOptions);
     assert_eq!(refused(options(240), b"splats"), CheckpointError::Unknown);
-    // The step stands behind mark, options and pictures; the first splat behind it, chance, the views to come, the degree.
+    // The step stands behind mark, options and images; the first splat behind it, chance, the views to come, the degree.
     let length = |at: usize| u64::from_le_bytes(kept[at..at + 8].try_into().unwrap()) as usize;
     let step = 16 + 8 + length(16) + 8;
     let splat = step + 4 + 8 + 8 + 4 * length(step + 12) + 1 + 8;
@@ -115,11 +114,11 @@ fn neither_threads_nor_a_stop_change_a_bit() {
 fn a_water_is_learned_and_taken_out() {
     let place = Place::new();
     let truth = waters()[0].water;
-    let pictures = place.seen(|view| view.seen_through(&truth));
+    let images = place.seen(|view| view.seen_through(&truth));
     // A first guess as far off as estimates are: B∞ by a tenth, the betas by a third.
     let guess = Water::new([0.08, 0.30, 0.58], [0.14, 0.12, 0.10], [0.24, 0.09, 0.07]);
     let mut trainer =
-        Trainer::new(options(500), place.shots(&pictures), place.splats(&pictures), Some(guess.clone()));
+        Trainer::new(options(500), place.shots(&images), place.splats(&images), Some(guess.clone()));
     while !trainer.is_done() {
         trainer.step();
     }
@@ -147,10 +146,10 @@ fn a_water_is_learned_and_taken_out() {
     println!("β astray by e^{:.2} before, e^{:.2} after", astray(&guess), astray(&water));
     assert!(astray(&water) < 0.6 * astray(&guess), "{} {}", astray(&guess), astray(&water));
 
-    // Where things are, the place without its water is nearer to what it is than its picture.
+    // Where things are, the place without its water is nearer to what it is than its image.
     let view = &place.views[HELD];
     let drawn = render(trainer.splats(), 1, &view.camera, &Medium::Air);
-    let (dry, clear) = (picture(&drawn.drawing), view.clear());
+    let (dry, clear) = (image(&drawn.drawing), view.clear());
     let error = |image: &Image<f32>| -> f64 {
         let near = view.scene.depth.distances();
         let pixels = image.pixels().iter().zip(clear.pixels()).zip(near).filter(|(_, z)| *z < 8.0);
@@ -159,6 +158,6 @@ fn a_water_is_learned_and_taken_out() {
         });
         (sum / count).sqrt()
     };
-    println!("RMSE to the clear place: {:.3} dewatered, {:.3} as seen", error(&dry), error(&pictures[HELD]));
-    assert!(error(&dry) < 0.7 * error(&pictures[HELD]));
+    println!("RMSE to the clear place: {:.3} dewatered, {:.3} as seen", error(&dry), error(&images[HELD]));
+    assert!(error(&dry) < 0.7 * error(&images[HELD]));
 }

@@ -37,7 +37,7 @@ fn prepared((width, height): (usize, usize)) -> (Image<u8>, DepthMap, Waterbody)
 }
 
 fn water_of(image: &Image<u8>, z: &DepthMap) -> Waterbody {
-    estimate::<Encoded>(image, z, &EstimateOptions::default()).expect("the depth map is the picture's").water
+    estimate::<Encoded>(image, z, &EstimateOptions::default()).expect("the depth map is the image's").water
 }
 
 #[divan::bench(args = SIZES)]

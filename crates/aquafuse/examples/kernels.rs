@@ -2,7 +2,7 @@
 //!
 //! cargo run --release -p aquafuse --example kernels -- KERNEL PICTURE.ppm TIMES
 //!
-//! What loading the picture takes is told apart by counting twice, for different numbers of TIMES. Built with
+//! What loading the image takes is told apart by counting twice, for different numbers of TIMES. Built with
 //! `--no-default-features` it has no vectors and no threads, with `--features simd` vectors alone.
 
 use std::hint::black_box;
@@ -15,38 +15,38 @@ use aquafuse::{depth, waterbody};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [kernel, picture, times] = &arguments[..] else {
+    let [kernel, image, times] = &arguments[..] else {
         return Err("give KERNEL PICTURE.ppm TIMES".into());
     };
-    let picture = read_ppm(picture)?;
+    let image = read_ppm(image)?;
     let times = 0..times.parse::<usize>()?;
     // Done once by each kernel, so that all start alike.
-    let z = depth::estimate(&picture);
-    let estimate = waterbody::estimate(&picture, &z, &Default::default())?;
+    let z = depth::estimate(&image);
+    let estimate = waterbody::estimate(&image, &z, &Default::default())?;
     match kernel.as_str() {
-        "depth" => times.for_each(|_| drop(black_box(depth::estimate(&picture)))),
+        "depth" => times.for_each(|_| drop(black_box(depth::estimate(&image)))),
         "waterbody" => {
             for _ in times {
-                black_box(waterbody::estimate::<Encoded>(&picture, &z, &Default::default())?);
+                black_box(waterbody::estimate::<Encoded>(&image, &z, &Default::default())?);
             }
         }
         "fusion" => {
             let waters = Waters::new(&estimate.water, &estimate.water);
             // Twice one's own veil: something to add.
             let options = Options { gain: Gain::new(2.0)?, ..Options::default() };
-            let mut fused = picture.clone();
+            let mut fused = image.clone();
             for _ in times {
-                fuse_into(&picture, &z, waters, &options, &mut fused)?;
+                fuse_into(&image, &z, waters, &options, &mut fused)?;
             }
             black_box(fused);
         }
-        "bilateral" => times.for_each(|_| drop(black_box(bilateral(&picture)))),
+        "bilateral" => times.for_each(|_| drop(black_box(bilateral(&image)))),
         "frame" => {
             let mut stream = Stream::new(estimate, stream::Options::default());
-            let mut fused = picture.clone();
-            stream.fuse_into(&picture, &mut fused)?;
+            let mut fused = image.clone();
+            stream.fuse_into(&image, &mut fused)?;
             for _ in times {
-                stream.fuse_into(&picture, &mut fused)?;
+                stream.fuse_into(&image, &mut fused)?;
             }
             black_box(fused);
         }

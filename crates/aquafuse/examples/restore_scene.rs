@@ -1,4 +1,4 @@
-//! Forms a truth scene in one of the made-up waters, takes the water out again and says how near that comes.
+//! Forms a truth scene in one of the synthetic waters, takes the water out again and says how near that comes.
 //!
 //! cargo run --release -p aquafuse --example restore_scene -- [SEED]
 

@@ -1,4 +1,4 @@
-//! Writes a truth scene as PPM pictures: clear, and through each of the made-up waters.
+//! Writes a truth scene as PPM images: clear, and through each of the synthetic waters.
 //!
 //! cargo run --release -p aquafuse --example scene -- SEED WIDTH HEIGHT DIR
 

@@ -32,20 +32,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// What a sensor would measure: millimetres, 0 where nothing comes back.
-fn sensed(place: &Scene, picture: &Image<u8>) -> Result<DepthMap, Box<dyn std::error::Error>> {
+fn sensed(place: &Scene, image: &Image<u8>) -> Result<DepthMap, Box<dyn std::error::Error>> {
     let measured = |z: f32| if z < OPEN_WATER { (1000.0 * z).round() } else { 0.0 };
     let values = place.depth.distances().into_iter().map(measured).collect();
-    let (width, height) = picture.size();
+    let (width, height) = image.size();
     let map = Supplied::new(width, height, values, SuppliedKind::Millimetres)?;
-    let found = map.seen_with(picture, Default::default())?;
+    let found = map.seen_with(image, Default::default())?;
     println!("{:.0} % of a map were holes", 100.0 * found.report.invalid_share());
     Ok(found.depth)
 }
 
 /// The content in the reference's water by the model `physical`, bounded by what the estimates are worth.
-fn fused(pictures: [&Image<u8>; 2], depths: [&DepthMap; 2]) -> Result<Image<u8>, SizeError> {
-    let own = waterbody::estimate(pictures[0], depths[0], &Default::default())?;
-    let other = waterbody::estimate(pictures[1], depths[1], &Default::default())?;
+fn fused(images: [&Image<u8>; 2], depths: [&DepthMap; 2]) -> Result<Image<u8>, SizeError> {
+    let own = waterbody::estimate(images[0], depths[0], &Default::default())?;
+    let other = waterbody::estimate(images[1], depths[1], &Default::default())?;
     let bounded = Bounded::new(&own, &other, Options::for_model(Model::Physical));
-    Ok(fuse(pictures[0], depths[0], bounded.waters(), &bounded.options)?.image)
+    Ok(fuse(images[0], depths[0], bounded.waters(), &bounded.options)?.image)
 }

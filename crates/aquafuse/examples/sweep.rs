@@ -1,4 +1,4 @@
-//! Fuses one picture at several angles θ and says how much it changes: the paper's figure of incidence, in numbers.
+//! Fuses one image at several angles θ and says how much it changes: the paper's figure of incidence, in numbers.
 //!
 //! cargo run --release -p aquafuse --example sweep -- [SEED]
 

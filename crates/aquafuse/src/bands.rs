@@ -1,10 +1,10 @@
-//! Work on a picture in bands of rows: they stay in the cache, and threads share them out.
+//! Work on an image in bands of rows: they stay in the cache, and threads share them out.
 //!
-//! What a band holds depends on the picture alone, never on the number of threads.
+//! What a band holds depends on the image alone, never on the number of threads.
 
 /// Rows of a band. Even, since the median takes rows in pairs; each band computes six rows of depth twice.
 pub(crate) const ROWS: usize = 64;
-/// Pictures smaller than this are done before another thread has woken up.
+/// Images smaller than this are done before another thread has woken up.
 #[cfg(feature = "threads")]
 const FEW_VALUES: usize = 1 << 17;
 

@@ -11,13 +11,13 @@ use crate::waterbody::Waterbody;
 
 /// Puts a scene into water: what a camera sees of a clear image through `water`.
 ///
-/// Evaluates Eq. 1, `U = I e^(-τ(z)) + B∞ (1 - e^(-β_B z))`, at every pixel. Picture and depth map share
+/// Evaluates Eq. 1, `U = I e^(-τ(z)) + B∞ (1 - e^(-β_B z))`, at every pixel. Image and depth map share
 /// one size; the coefficients are per unit of the map's z. At z = 0 nothing changes; far away only the
 /// veiling light is left. The result is not clipped.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when picture and depth map differ in size.
+/// [`SizeError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -71,14 +71,14 @@ impl Default for RestoreOptions {
     }
 }
 
-/// Removes the water from a picture, giving the scene as if seen through air.
+/// Removes the water from an image, giving the scene as if seen through air.
 ///
 /// Evaluates Eq. 2, `I = (U - B) e^(τ(z))`, at every pixel, with the gain e^τ bounded. It undoes
 /// [`form`] wherever the bound does not act. The result is not clipped.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when picture and depth map differ in size.
+/// [`SizeError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -114,11 +114,11 @@ pub fn restore<T: Sample, E: Encoding>(
     Ok(clear)
 }
 
-/// [`restore`] in place: the picture becomes the restored one, rounded once and clipped, and nothing is allocated.
+/// [`restore`] in place: the image becomes the restored one, rounded once and clipped, and nothing is allocated.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when picture and depth map differ in size; the picture is then unchanged.
+/// [`SizeError`] when image and depth map differ in size; the image is then unchanged.
 pub fn restore_mut<T: Sample, E: Encoding>(
     image: &mut Image<T, E>,
     depth: &DepthMap,

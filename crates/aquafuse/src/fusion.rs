@@ -1,4 +1,4 @@
-//! A scene in another picture's water (Eq. 9-11).
+//! A scene in another image's water (Eq. 9-11).
 //!
 //! What happens to a pixel depends on its depth and channel alone. Two models add a **shift**, a weight of
 //! the depth factor F times the difference of the veiling lights; the third changes the direct signal too:
@@ -28,7 +28,7 @@ use crate::depth::{DepthMap, level_to_z};
 use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
 use crate::waterbody::{DepthFactors, Waterbody};
 
-/// A fused picture.
+/// A fused image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fused<T, E: Encoding> {
     /// The content in the reference's water.
@@ -43,7 +43,7 @@ pub struct Fused<T, E: Encoding> {
 pub struct Clipping {
     /// Clipped values of red, green and blue.
     pub values: [u64; 3],
-    /// Pixels in the picture.
+    /// Pixels in the image.
     pub pixels: u64,
 }
 
@@ -76,10 +76,10 @@ impl<'a, E: Encoding> Waters<'a, E> {
     }
 }
 
-/// Moves the water of one picture into another.
+/// Moves the water of one image into another.
 ///
 /// Evaluates the [`Law`] of the model at every pixel (Eq. 9-11 of the paper with the direct signal
-/// I1 e^(-τ) taken as U1*, so that β_D cancels; [`Model::Exchange`]: Eq. 2, then Eq. 1). The picture keeps its size, sample type and
+/// I1 e^(-τ) taken as U1*, so that β_D cancels; [`Model::Exchange`]: Eq. 2, then Eq. 1). The image keeps its size, sample type and
 /// encoding; values are rounded once and clipped, and clipping is counted.
 ///
 /// # Errors
@@ -113,7 +113,7 @@ pub fn fuse<T: Sample, E: Encoding>(
     Ok(Fused { image, clipping })
 }
 
-/// [`fuse`] in place: the content becomes the fused picture, and nothing is allocated.
+/// [`fuse`] in place: the content becomes the fused image, and nothing is allocated.
 ///
 /// # Errors
 ///
@@ -127,7 +127,7 @@ pub fn fuse_mut<T: Sample, E: Encoding>(
     fuse_from(None, content, depth, waters, options)
 }
 
-/// [`fuse`] into a picture that is there already, which keeps nothing of what it was: nothing is allocated.
+/// [`fuse`] into an image that is there already, which keeps nothing of what it was: nothing is allocated.
 ///
 /// # Errors
 ///

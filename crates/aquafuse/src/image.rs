@@ -1,8 +1,8 @@
-//! Pictures in memory: rows of RGB samples whose encoding is part of their type.
+//! Images in memory: rows of RGB samples whose encoding is part of their type.
 //!
 //! The paper works on the encoded (sRGB) values a camera writes, so [`Encoded`] is the default
 //! everywhere. Linear light is a named choice and another type: [`Image::to_linear`] is the only way
-//! there, and a picture of one encoding cannot meet the water of the other.
+//! there, and an image of one encoding cannot meet the water of the other.
 
 mod encoding;
 mod sample;
@@ -14,7 +14,7 @@ pub use encoding::{Encoded, Encoding, Linear};
 pub use sample::Sample;
 pub use top_edge::TopEdge;
 
-/// An RGB picture, rows from the top, three interleaved samples a pixel.
+/// An RGB image, rows from the top, three interleaved samples a pixel.
 ///
 /// `T` is the stored sample ([`u8`], [`u16`] or [`f32`]) and `E` its encoding. Whatever `T` is, the
 /// physics reads colours in `[0, 1]`; see [`Sample`].
@@ -52,8 +52,8 @@ pub enum SizeError {
         /// Values found.
         found: usize,
     },
-    /// A picture has no pixels at all.
-    #[error("a picture of {width}x{height} has no pixels")]
+    /// An image has no pixels at all.
+    #[error("an image of {width}x{height} has no pixels")]
     Empty {
         /// Columns found.
         width: usize,
@@ -90,7 +90,7 @@ pub(crate) fn check_same_size(left: (usize, usize), right: (usize, usize)) -> Re
 }
 
 impl<T: Sample, E: Encoding> Image<T, E> {
-    /// Takes a buffer of `width * height * 3` samples as a picture.
+    /// Takes a buffer of `width * height * 3` samples as an image.
     ///
     /// # Errors
     ///
@@ -150,12 +150,12 @@ impl<T: Sample, E: Encoding> Image<T, E> {
         self.samples
     }
 
-    /// The same picture in floats, as they are: values outside `[0, 1]` stay outside.
+    /// The same image in floats, as they are: values outside `[0, 1]` stay outside.
     pub fn to_unit(&self) -> Image<f32, E> {
         self.map(T::to_unit)
     }
 
-    /// The same picture with another sample type, each value clipped to `[0, 1]` and rounded to the
+    /// The same image with another sample type, each value clipped to `[0, 1]` and rounded to the
     /// nearest that type can hold.
     pub fn to_samples<U: Sample>(&self) -> Image<U, E> {
         self.map(|sample| U::from_unit(sample.to_unit()))
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_without_pixels_is_refused() {
+    fn an_image_without_pixels_is_refused() {
         assert!(matches!(Image::<u8>::from_raw(0, 5, vec![]), Err(SizeError::Empty { .. })));
     }
 

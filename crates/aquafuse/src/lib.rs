@@ -1,4 +1,4 @@
-//! AquaFuse moves the *waterbody* of one underwater picture into another and leaves the objects where
+//! AquaFuse moves the *waterbody* of one underwater image into another and leaves the objects where
 //! they are: physics in closed form, on a CPU, after the paper
 //! [AquaFuse](https://arxiv.org/abs/2411.01119) (IEEE RA-L, 2025).
 //!
@@ -7,7 +7,7 @@
 //! ```
 //! use aquafuse::{depth, fusion, fusion::Waters, truth, waterbody};
 //!
-//! // Two pictures of made-up places in made-up waters; yours come from a camera.
+//! // Two images of synthetic places in synthetic waters; yours come from a camera.
 //! let size = truth::Size { width: 96, height: 64 };
 //! let content = truth::Scene::new(1, size).seen_through(&truth::waters()[0].water).to_samples::<u8>();
 //! let reference = truth::Scene::new(2, size).seen_through(&truth::waters()[1].water).to_samples::<u8>();
@@ -22,7 +22,7 @@
 //! # Ok::<(), aquafuse::image::SizeError>(())
 //! ```
 //!
-//! The fused picture keeps the content's size, sample type and objects; what did not fit into the range was clipped
+//! The fused image keeps the content's size, sample type and objects; what did not fit into the range was clipped
 //! and counted. From here:
 //!
 //! - another look: [`fusion::Model`] has three, from a safe veil to the whole water, and [`fusion::Options`] how much;
@@ -35,7 +35,7 @@
 //!
 //! # Concepts
 //!
-//! The **content** is the picture that keeps its objects, the **reference** the one that gives its water. A
+//! The **content** is the image that keeps its objects, the **reference** the one that gives its water. A
 //! **waterbody** is a dozen numbers: the veiling light B∞ (the colour of water at infinity), β_B (how fast
 //! backscatter grows with the distance z) and β_D(z) (how fast the scene's own light fades). A camera sees
 //! `U = I e^(-β_D z) + B∞ (1 - e^(-β_B z))`, where I is the **clear image**, as seen through air.
@@ -45,13 +45,13 @@
 //! | module | does | equations |
 //! |---|---|---|
 //! | [`image`] | pixels and what their values mean | |
-//! | [`depth`] | picture → [`DepthMap`](depth::DepthMap), 0 near, larger farther | Eq. 3 |
+//! | [`depth`] | image → [`DepthMap`](depth::DepthMap), 0 near, larger farther | Eq. 3 |
 //! | [`depth::Supplied`] | depth from elsewhere, of a declared kind → the same | |
-//! | [`depth::fit`] | pictures with known depth → coefficients of Eq. 3 | Eq. 4 |
-//! | [`waterbody`] | picture + depth → [`Waterbody`](waterbody::Waterbody) {B∞, β_B, β_D} | Eq. 5-8 |
+//! | [`depth::fit`] | images with known depth → coefficients of Eq. 3 | Eq. 4 |
+//! | [`waterbody`] | image + depth → [`Waterbody`](waterbody::Waterbody) {B∞, β_B, β_D} | Eq. 5-8 |
 //! | [`waterbody::presets`] | waters from published tables, per metre | |
 //! | [`formation`] | the image formation model, forwards and back | Eq. 1-2 |
-//! | [`fusion`] | scene + reference water → fused picture | Eq. 9-11 |
+//! | [`fusion`] | scene + reference water → fused image | Eq. 9-11 |
 //! | [`stream`] | the same, frame after frame, in the memory of the last | |
 //! | [`smooth`] | the bilateral filter the paper ends with; off by default | |
 //! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth, rank correlation, UCIQE, UIQM | |
@@ -64,16 +64,16 @@
 //! # Features
 //!
 //! - `simd` (default): AVX2 where the processor has it, NEON on 64-bit Arm. Off, the crate has no unsafe code; no bit changes.
-//! - `threads` (default): several cores for large pictures, by bands of rows. Off, no thread is started; no bit changes.
+//! - `threads` (default): several cores for large images, by bands of rows. Off, no thread is started; no bit changes.
 //! - `serde`: `Serialize` for the types that describe water and depth.
 //!
 //! # Simplifications
 //!
-//! - One water fills the picture, in three channels; ambient light is the same everywhere.
+//! - One water fills the image, in three channels; ambient light is the same everywhere.
 //! - β_B does not depend on the distance, and β_D on nothing else. Light is not blurred on its way.
 //! - Encoded values are treated as if light added up in them, as in the paper; where that is too wrong, fuse
 //!   [`Linear`](image::Linear) ones.
-//! - Depth from colour is relative, has no unit that two pictures share, and fails where red is dead.
+//! - Depth from colour is relative, has no unit that two images share, and fails where red is dead.
 //!
 //! Where the paper leaves something open, `docs/method.md` of the repository says what we chose and what the
 //! other choices do to the scores.

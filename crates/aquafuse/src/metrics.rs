@@ -1,15 +1,15 @@
-//! Scores: how alike two pictures are, and whether depth survived.
+//! Scores: how alike two images are, and whether depth survived.
 //!
 //! | score | compares | best | use it for |
 //! |---|---|---|---|
-//! | [`psnr`] | values, pixel by pixel | ∞ dB | how far a picture is from its truth |
+//! | [`psnr`] | values, pixel by pixel | ∞ dB | how far an image is from its truth |
 //! | [`ssim`] | local structure of luma | 1 | whether objects keep their look |
 //! | [`depth_rmse`] | depth estimated again from each | 0 | whether geometry survived fusion |
-//! | [`uciqe`] | nothing: colour and contrast of one picture | higher | how far an enhanced picture has come |
+//! | [`uciqe`] | nothing: colour and contrast of one image | higher | how far an enhanced image has come |
 //! | [`uiqm`] | nothing: colour, sharpness and contrast | higher | the same, by another recipe |
 //! | [`spearman`] | the order of two series | 1 | whether relative depth is right |
 //!
-//! As in the paper, a fused picture is compared with its content: a high score says that little was lost,
+//! As in the paper, a fused image is compared with its content: a high score says that little was lost,
 //! not that the water is right. The two scores without a reference are fooled by oversaturation and noise.
 
 mod depth_rmse;

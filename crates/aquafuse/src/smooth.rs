@@ -1,4 +1,4 @@
-//! Smoothing of the fused picture, the paper's last step.
+//! Smoothing of the fused image, the paper's last step.
 //!
 //! The paper ends with a bilateral filter and gives no parameters. Here nothing is smoothed unless asked for:
 //! what the filter takes for noise is as often texture.
@@ -10,7 +10,7 @@ use crate::bands;
 use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
 use weights::{AHEAD, ONE, mirrored, weight};
 
-/// How a fused picture is smoothed.
+/// How a fused image is smoothed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Smoothing {
@@ -38,7 +38,7 @@ impl Smoothing {
         Self::ALL.into_iter().find(|way| way.name() == name)
     }
 
-    /// The picture, smoothed.
+    /// The image, smoothed.
     pub fn apply<T: Sample, E: Encoding>(self, image: Image<T, E>) -> Image<T, E> {
         match self {
             Self::None => image,
@@ -47,11 +47,11 @@ impl Smoothing {
     }
 }
 
-/// Smooths a picture but not its edges: each pixel becomes the mean of those within two pixels of it, weighted by
+/// Smooths an image but not its edges: each pixel becomes the mean of those within two pixels of it, weighted by
 /// `e^(-Δ² / 2σ²)` of how their colours differ.
 ///
 /// d = 5, σ = 75, Δ the sum of the channels' differences in steps of a byte, whatever the samples are. Distance in
-/// pixels weighs nothing: with a σ of 75 pixels it would be 4 parts in 10,000. Beyond the border the picture is mirrored
+/// pixels weighs nothing: with a σ of 75 pixels it would be 4 parts in 10,000. Beyond the border the image is mirrored
 /// about its outermost pixels. The filter of C. Tomasi and R. Manduchi, "Bilateral filtering for gray and color images"
 /// (1998), as OpenCV's `bilateralFilter` computes it for bytes, to a step of 255.
 ///
@@ -74,7 +74,7 @@ pub fn bilateral<T: Sample, E: Encoding>(image: &Image<T, E>) -> Image<T, E> {
     smoothed
 }
 
-/// [`bilateral`] into a picture that is there already, which keeps nothing of what it was.
+/// [`bilateral`] into an image that is there already, which keeps nothing of what it was.
 ///
 /// # Errors
 ///
@@ -134,13 +134,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_flat_picture_is_left_as_it_is(rgb: [u8; 3], width in 1..7_usize, height in 1..7_usize) {
+        fn a_flat_image_is_left_as_it_is(rgb: [u8; 3], width in 1..7_usize, height in 1..7_usize) {
             let flat = Image::<u8>::from_raw(width, height, rgb.repeat(width * height)).unwrap();
             prop_assert_eq!(bilateral(&flat), flat);
         }
 
         #[test]
-        fn no_value_leaves_the_range_of_the_picture(image in picture(6, 5)) {
+        fn no_value_leaves_the_range_of_the_image(image in picture(6, 5)) {
             let of = |image: &Image<u8>, c: usize| {
                 let values: Vec<u8> = image.pixels().iter().map(|pixel| pixel[c]).collect();
                 (values.iter().min().copied(), values.iter().max().copied())

@@ -9,7 +9,7 @@ use crate::waterbody::{self, Estimate, EstimateOptions, Scratch};
 /// Fuses the frames of a sequence with one reference.
 ///
 /// Depth is estimated of every frame, the content's water of every [`Options::every`]-th. Frames may differ in size.
-/// Once the memory for a frame is there, the next of that size takes nothing more that grows with the picture. The
+/// Once the memory for a frame is there, the next of that size takes nothing more that grows with the image. The
 /// result is that of [`depth`](crate::depth), [`waterbody`] and [`fusion`] called
 /// one by one, to the bit, whatever the number of threads.
 ///
@@ -41,7 +41,7 @@ pub struct Stream {
     age: usize,
     levels: Vec<u8>,
     scratch: Scratch,
-    /// What a picture consists of before it is smoothed.
+    /// What an image consists of before it is smoothed.
     samples: Vec<u8>,
 }
 
@@ -90,10 +90,10 @@ impl Stream {
         self.content.as_ref()
     }
 
-    /// The water of a picture in the memory of this stream, estimated as the contents' is: a new reference, say.
-    pub fn estimate(&mut self, picture: &Image<u8>) -> Estimate {
-        let depth = self.depth_of(picture);
-        let found = self.water_of(picture, &depth);
+    /// The water of an image in the memory of this stream, estimated as the contents' is: a new reference, say.
+    pub fn estimate(&mut self, image: &Image<u8>) -> Estimate {
+        let depth = self.depth_of(image);
+        let found = self.water_of(image, &depth);
         self.levels = depth.into_levels();
         found
     }
@@ -176,7 +176,7 @@ mod tests {
     use crate::fusion::Model;
     use crate::truth::{Scene, Size, waters};
 
-    fn picture(seed: u64, water: usize, width: usize, height: usize) -> Image<u8> {
+    fn image(seed: u64, water: usize, width: usize, height: usize) -> Image<u8> {
         Scene::new(seed, Size { width, height }).seen_through(&waters()[water].water).to_samples()
     }
 
@@ -195,15 +195,15 @@ mod tests {
                 let (fusion, smoothing) = (fusion::Options::for_model(model), Smoothing::ALL[i % 2]);
                 let options = Options { depth, fusion, smoothing, ..Options::default() };
                 let mut stream = Stream::new(
-                    Stream::new(picture_estimate(), options).estimate(&picture(2, 1, 96, 64)),
+                    Stream::new(image_estimate(), options).estimate(&image(2, 1, 96, 64)),
                     options,
                 );
                 for (seed, (width, height)) in
                     [(33, 65), (1, 1), (1, 40), (40, 1), (7, 7), (96, 64)].into_iter().enumerate()
                 {
-                    let frame = picture(seed as u64, seed % 3, width, height);
+                    let frame = image(seed as u64, seed % 3, width, height);
                     let expected = one_by_one(&frame, &stream.reference, &options);
-                    let (mut fused, mut in_place) = (picture(9, 2, width, height), frame.clone());
+                    let (mut fused, mut in_place) = (image(9, 2, width, height), frame.clone());
                     let clipping = stream.fuse_into(&frame, &mut fused).unwrap();
                     assert_eq!((fused, clipping), expected);
                     let clipping = stream.fuse_mut(&mut in_place);
@@ -213,15 +213,15 @@ mod tests {
         }
     }
 
-    fn picture_estimate() -> Estimate {
-        let image = picture(1, 1, 48, 32);
+    fn image_estimate() -> Estimate {
+        let image = image(1, 1, 48, 32);
         waterbody::estimate(&image, &crate::depth::estimate(&image), &EstimateOptions::default()).unwrap()
     }
 
     #[test]
     fn the_contents_water_is_that_of_every_third_frame() {
-        let mut stream = Stream::new(picture_estimate(), Options { every: 3, ..Options::default() });
-        let frames: Vec<_> = (0..5).map(|seed| picture(seed, 0, 64, 48)).collect();
+        let mut stream = Stream::new(image_estimate(), Options { every: 3, ..Options::default() });
+        let frames: Vec<_> = (0..5).map(|seed| image(seed, 0, 64, 48)).collect();
         let found: Vec<_> = frames
             .iter()
             .map(|frame| {
@@ -236,22 +236,22 @@ mod tests {
 
     #[test]
     fn sizes_that_differ_are_an_error() {
-        let mut stream = Stream::new(picture_estimate(), Options::default());
-        let error = stream.fuse_into(&picture(1, 0, 8, 8), &mut picture(1, 0, 8, 9)).unwrap_err();
+        let mut stream = Stream::new(image_estimate(), Options::default());
+        let error = stream.fuse_into(&image(1, 0, 8, 8), &mut image(1, 0, 8, 9)).unwrap_err();
         assert_eq!(error, SizeError::Mismatch { left: (8, 8), right: (8, 9) });
     }
 
     #[cfg(feature = "threads")]
     #[test]
     fn threads_change_no_bit() {
-        // Tiles of a scene, so many that threads are woken and the picture is thinned out.
-        let (tile, width, height) = (picture(4, 0, 301, 203), 1801, 1203);
+        // Tiles of a scene, so many that threads are woken and the image is thinned out.
+        let (tile, width, height) = (image(4, 0, 301, 203), 1801, 1203);
         let row = |y: usize| tile.row(y % 203).iter().cycle().take(width).flatten().copied();
         let frame = Image::from_raw(width, height, (0..height).flat_map(row).collect()).unwrap();
         let fused_on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let mut stream = Stream::new(picture_estimate(), Options::default());
+                let mut stream = Stream::new(image_estimate(), Options::default());
                 let mut fused = frame.clone();
                 let clipping = stream.fuse_into(&frame, &mut fused).unwrap();
                 (fused, clipping, stream.content)

@@ -1,4 +1,4 @@
-//! A made-up place on the sea floor of which everything is known: the ground truth of every estimator.
+//! A synthetic place on the sea floor of which everything is known: the ground truth of every estimator.
 //!
 //! From a seed, [`Scene::new`] lays out sand, rocks, corals, plants and fish, and ray-marches them as seen
 //! through air. That gives the clear image I and the depth z exactly; [`Scene::seen_through`] puts any
@@ -21,7 +21,7 @@ use crate::formation::form;
 use crate::image::Image;
 use crate::waterbody::Waterbody;
 
-/// Width and height of a picture to make, in pixels.
+/// Width and height of an image to make, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// Columns, > 0.
@@ -31,13 +31,13 @@ pub struct Size {
 }
 
 /// The distance in metres at which open water is placed. Its clear image is black: it sends no light but
-/// its backscatter, and the picture there is the veiling light.
+/// its backscatter, and the image there is the veiling light.
 pub const OPEN_WATER: f32 = render::FAR;
 
-/// The tangent of half the angle that a picture is wide: its focal length is `width / (2 HALF_VIEW)` pixels.
+/// The tangent of half the angle that an image is wide: its focal length is `width / (2 HALF_VIEW)` pixels.
 pub const HALF_VIEW: f32 = render::HALF_VIEW;
 
-/// Where a camera stands in a place and looks, for more than one picture of it.
+/// Where a camera stands in a place and looks, for more than one image of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Metres to the right of, above and ahead of where the place's own camera stands.
@@ -73,7 +73,7 @@ pub enum Gaze {
     /// A little below the horizon: open water is in view.
     #[default]
     Ahead,
-    /// So far down that the floor fills the picture, but for what a thing's top may show.
+    /// So far down that the floor fills the image, but for what a thing's top may show.
     Down,
 }
 
@@ -172,7 +172,7 @@ impl Scene {
         Self { clear, depth, kinds }
     }
 
-    /// The picture a camera takes of this place through `water` (coefficients per metre).
+    /// The image a camera takes of this place through `water` (coefficients per metre).
     pub fn seen_through(&self, water: &Waterbody) -> Image<f32> {
         form(&self.clear, &self.depth, water).expect("clear image and depth were made in one size")
     }
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn what_two_cameras_see_of_a_place_is_at_one_distance_from_it() {
-        // One camera hangs half a metre above the other, both look straight down: in the middle of the picture the floor is
+        // One camera hangs half a metre above the other, both look straight down: in the middle of the image the floor is
         // half a metre farther.
         let size = Size { width: 61, height: 41 };
         let depth = |above: f32| {

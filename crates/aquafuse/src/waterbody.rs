@@ -1,4 +1,4 @@
-//! What one picture tells about its water: a dozen numbers, and how they are estimated.
+//! What one image tells about its water: a dozen numbers, and how they are estimated.
 //!
 //! The steps are the paper's, in its order: veiling light from open water or the farthest pixels, backscatter
 //! from the darkest (Eq. 5), attenuation from what is left (Eq. 6-8). Each step is a module; [`estimate`] runs all.
@@ -34,7 +34,7 @@ pub(crate) use thumbnail::Scratch;
 use thumbnail::Thumbnail;
 use veiling_light::Reading;
 
-/// The water of one picture, per channel red, green, blue.
+/// The water of one image, per channel red, green, blue.
 ///
 /// It belongs to one encoding: water estimated from encoded values cannot meet linear light.
 ///
@@ -90,7 +90,7 @@ pub struct Estimate<E: Encoding = Encoded> {
     pub water: Waterbody<E>,
     /// Where the veiling light was read; corners and unfiltered pixels are the last resorts.
     pub veiling_light_source: VeilingLightSource,
-    /// Share of the picture the veiling light is the median of.
+    /// Share of the image the veiling light is the median of.
     ///
     /// Of the farthest pixels whole depth levels are taken, so a saturated level may bring far more than the
     /// 5 % asked for.
@@ -128,7 +128,7 @@ pub struct EstimateOptions {
     pub backscatter: BackscatterMethod,
 }
 
-/// Estimates the water of a picture from its 8-bit colours and its depth.
+/// Estimates the water of an image from its 8-bit colours and its depth.
 ///
 /// The result is per unit of the depth map's z; change the unit and the betas change against it.
 /// Medians and quantiles are read from the encoded bytes and then taken to encoding `E`, in which the
@@ -136,7 +136,7 @@ pub struct EstimateOptions {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when picture and depth map differ in size.
+/// [`SizeError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -158,7 +158,7 @@ pub fn estimate<E: Encoding>(
     estimate_in(image, depth, options, &mut Scratch::default())
 }
 
-/// [`estimate`] in the memory of the last picture.
+/// [`estimate`] in the memory of the last image.
 pub(crate) fn estimate_in<E: Encoding>(
     image: &Image<u8>,
     depth: &DepthMap,
@@ -176,15 +176,15 @@ pub(crate) fn estimate_in<E: Encoding>(
     Ok(found)
 }
 
-/// A picture and its level of depth pixel by pixel.
+/// An image and its level of depth pixel by pixel.
 #[derive(Clone, Copy)]
 struct Seen<'a> {
     image: &'a Image<u8>,
     levels: &'a [u8],
 }
 
-/// The water of a picture: open water is looked for in all of it, for whether a place is smooth is a close decision
-/// on many pictures; what is counted is counted in `image` at the levels `quantised`, which may be a thumbnail.
+/// The water of an image: open water is looked for in all of it, for whether a place is smooth is a close decision
+/// on many images; what is counted is counted in `image` at the levels `quantised`, which may be a thumbnail.
 fn estimate_from<E: Encoding>(
     whole: Seen<'_>,
     image: &Image<u8>,

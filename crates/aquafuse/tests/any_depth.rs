@@ -23,9 +23,9 @@ fn distance() -> impl Strategy<Value = f32> {
     ]
 }
 
-fn pictures() -> impl Strategy<Value = [Image<u8>; 2]> {
-    let picture = || prop::collection::vec(any::<u8>(), 3 * PIXELS);
-    (picture(), picture())
+fn images() -> impl Strategy<Value = [Image<u8>; 2]> {
+    let image = || prop::collection::vec(any::<u8>(), 3 * PIXELS);
+    (image(), image())
         .prop_map(|(a, b)| [a, b].map(|samples| Image::from_raw(SIZE.0, SIZE.1, samples).unwrap()))
 }
 
@@ -51,7 +51,7 @@ proptest! {
 
     #[test]
     fn any_supplied_depth_gives_finite_pixels_or_a_named_error(
-        [content, reference] in pictures(),
+        [content, reference] in images(),
         values in prop::collection::vec(distance(), PIXELS),
         kind in prop::sample::select(&SuppliedKind::ALL[..]),
     ) {
@@ -64,7 +64,7 @@ proptest! {
 
     #[test]
     fn any_depth_from_colour_gives_finite_pixels(
-        [content, reference] in pictures(),
+        [content, reference] in images(),
         model in prop::sample::select(&DepthModel::ALL[..]),
     ) {
         check(&content, &reference, &model.estimate(&content));

@@ -1,4 +1,4 @@
-//! The laws of the method: what must hold for every picture, water and setting, before clipping.
+//! The laws of the method: what must hold for every image, water and setting, before clipping.
 //!
 //! Each test is one sentence of the design. Changes are compared in floating point, because a law about
 //! sums would otherwise be blurred by the rounding of pixels.

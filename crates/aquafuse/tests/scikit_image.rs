@@ -1,4 +1,4 @@
-//! Scores against scikit-image and against the publications' formulas in NumPy, on pictures of truth scenes.
+//! Scores against scikit-image and against the publications' formulas in NumPy, on images of truth scenes.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
@@ -68,7 +68,7 @@ fn python() -> Option<OsString> {
     python
 }
 
-/// The numbers that `script` prints about these pictures of 61 rows.
+/// The numbers that `script` prints about these images of 61 rows.
 fn scores(python: &OsString, script: &str, images: &[&Image<u8>]) -> Vec<f64> {
     let folder = new_folder();
     let write = |(i, image): (usize, &&Image<u8>)| {

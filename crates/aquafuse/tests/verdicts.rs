@@ -135,7 +135,7 @@ fn where_nothing_is_dark_beta_is_not_known() {
 }
 
 #[test]
-fn a_picture_without_red_has_dead_red() {
+fn an_image_without_red_has_dead_red() {
     let made = Made::new(SEED, Gaze::Ahead).changed(|pixel, _| pixel[0] = 0.0);
     let [_, green, blue] = water().veiling_light.rgb();
     let redless = Waterbody { veiling_light: VeilingLight::new([0.0, green, blue]), ..water() };
@@ -173,7 +173,7 @@ fn a_dead_red_channel_gets_no_red_cast() {
                 assert!(fused.iter().all(|value| (-0.5..=1.5).contains(value)), "{fused:?}");
                 (0..3).for_each(|c| sums[c] += f64::from(fused[c]));
             }
-            assert!(sums[0] <= sums[1].max(sums[2]), "{model:?} turned the picture red: {sums:?}");
+            assert!(sums[0] <= sums[1].max(sums[2]), "{model:?} turned the image red: {sums:?}");
         }
     }
 }

@@ -12,7 +12,7 @@ use super::{FULL_HD, Size};
 use crate::results::write_section;
 use crate::shell::{cargo, command, output, run as call, say, target};
 
-/// Pictures in the folder; enough for a rate.
+/// Images in the folder; enough for a rate.
 const PICTURES: usize = 24;
 
 pub(super) fn write(page: &str) -> Result<()> {
@@ -28,7 +28,7 @@ pub(super) fn write(page: &str) -> Result<()> {
     let memory = memory(&folder)?;
     writeln!(
         table,
-        "| peak memory of a 1920 x 1080 frame in place, above the picture itself | {memory} MiB |"
+        "| peak memory of a 1920 x 1080 frame in place, above the image itself | {memory} MiB |"
     )?;
     writeln!(
         table,
@@ -39,15 +39,15 @@ pub(super) fn write(page: &str) -> Result<()> {
     writeln!(
         table,
         "| `fuse` of a folder of 1920 x 1080 JPEGs, one thread, against decoding and encoding them alone | {share:.2} of the \
-         speed, {rate:.1} pictures/s |"
+         speed, {rate:.1} images/s |"
     )?;
     println!("{table}");
     write_section(page, "footprint", &table)
 }
 
 fn memory(folder: &Path) -> Result<String> {
-    let picture = made(folder, "frame.png", FULL_HD)?;
-    Ok(example(&["memory", &picture])?.trim().to_owned())
+    let image = made(folder, "frame.png", FULL_HD)?;
+    Ok(example(&["memory", &image])?.trim().to_owned())
 }
 
 /// The median of some runs, each into a file that is not there yet.
@@ -64,13 +64,13 @@ fn start(folder: &Path) -> Result<f64> {
     Ok(turns.median("start"))
 }
 
-/// The share of the speed of decoding and encoding alone, and pictures a second.
+/// The share of the speed of decoding and encoding alone, and images a second.
 fn photos(folder: &Path) -> Result<(f64, f64)> {
     let photos = folder.join("photos");
     fs::create_dir_all(&photos).with_context(|| format!("cannot make {}", photos.display()))?;
     let photo = made(folder, "photo.jpg", FULL_HD)?;
     for i in 0..PICTURES {
-        fs::hard_link(&photo, photos.join(format!("{i:02}.jpg"))).context("cannot link a picture")?;
+        fs::hard_link(&photo, photos.join(format!("{i:02}.jpg"))).context("cannot link an image")?;
     }
     let (mut ours, mut alone) = (Turns::default(), Turns::default());
     for _ in 0..TURNS {
@@ -98,7 +98,7 @@ fn photos(folder: &Path) -> Result<(f64, f64)> {
     Ok((alone.times("folder", (&ours, "folder")), PICTURES as f64 * 1e3 / ours.median("folder")))
 }
 
-/// A picture of a made-up place.
+/// An image of a synthetic place.
 fn made(folder: &Path, name: &str, (width, height): Size) -> Result<String> {
     let path = text(&folder.join(name));
     example(&["make", &path, &width.to_string(), &height.to_string()])?;

@@ -23,8 +23,8 @@ pub(super) const OTHERS: [(&str, &str, &str); 8] = [
 const MEDIANS: &str = "benches/medians/Cargo.toml";
 
 /// One turn of the pipeline in OpenCV: `cached`, `estimated`, `smoothed`.
-pub(super) fn pipeline(tools: &Tools, turns: &mut Turns, pictures: &Path, frames: &str) -> Result<()> {
-    let [content, reference] = names(pictures);
+pub(super) fn pipeline(tools: &Tools, turns: &mut Turns, images: &Path, frames: &str) -> Result<()> {
+    let [content, reference] = names(images);
     let script = ["benches/opencv_pipeline.py", "time", &content, &reference, "--frames", frames];
     turns.read(&output(command(&tools.python, &script))?);
     Ok(())
@@ -41,8 +41,8 @@ impl Others {
         Ok(Self { python: rivals_python()? })
     }
 
-    pub(super) fn turn(&self, turns: &mut Turns, pictures: &Path) -> Result<()> {
-        let [content, reference] = names(pictures);
+    pub(super) fn turn(&self, turns: &mut Turns, images: &Path) -> Result<()> {
+        let [content, reference] = names(images);
         let script = ["benches/rivals.py", &content, &reference, "--frames", "3"];
         turns.read(&output(command(&self.python, &script))?);
         let own = root().join("benches/medians/target");
@@ -52,8 +52,8 @@ impl Others {
     }
 }
 
-/// The truth scene of seed 1 through its waters; made anew, for the scene's code may have changed.
-pub(super) fn pictures((width, height): Size) -> Result<PathBuf> {
+/// The truth scene of seed 1 through its waters; made again, for the scene's code may have changed.
+pub(super) fn images((width, height): Size) -> Result<PathBuf> {
     let folder = target().join(format!("bench/{width}x{height}"));
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let size = [width.to_string(), height.to_string()];
@@ -62,6 +62,6 @@ pub(super) fn pictures((width, height): Size) -> Result<PathBuf> {
     Ok(folder)
 }
 
-fn names(pictures: &Path) -> [String; 2] {
-    ["blue.ppm", "green.ppm"].map(|name| pictures.join(name).to_string_lossy().into_owned())
+fn names(images: &Path) -> [String; 2] {
+    ["blue.ppm", "green.ppm"].map(|name| images.join(name).to_string_lossy().into_owned())
 }

@@ -22,7 +22,7 @@ impl Trial {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    Picture,
+    Image,
     Depth,
 }
 
@@ -41,7 +41,7 @@ pub(super) fn listed(folder: &Path) -> Result<Vec<Trial>> {
         let fields: Vec<&str> = line.split('\t').collect();
         let &[name, kind, role, right] = &fields[..] else { return None };
         let role = match role {
-            "picture" => Role::Picture,
+            "image" => Role::Image,
             "depth" => Role::Depth,
             _ => return None,
         };
@@ -69,7 +69,7 @@ pub(super) fn odd(folder: &Path, good: &Path) -> Result<Vec<Trial>> {
     let at = |name: &str| odd.join(name);
     let mut trials = Vec::new();
     let mut add = |right, name: &str| {
-        trials.push((at(name), Role::Picture, right));
+        trials.push((at(name), Role::Image, right));
         if right == Right::Refuse {
             trials.push((at(name), Role::Depth, right));
         }

@@ -44,7 +44,7 @@ pub(super) fn judge(trial: &Trial, outcome: &Outcome, folder: &Path) -> Tally {
     let faults = [
         said.contains("panicked") || *end == End::Exit(101),
         matches!(end, End::Signal | End::Late),
-        // What is taken may be a large picture; how long that took is in the second table.
+        // What is taken may be a large image; how long that took is in the second table.
         !accepted && outcome.milliseconds > SLOW,
         is_half(accepted, folder),
         matches!(end, End::Exit(code) if *code != 0 && (!matches!(code, 1 | 2) || !said.contains(&trial.name()))),

@@ -1,4 +1,4 @@
-//! How long a job of very many pictures takes to see that it is done.
+//! How long a job of very many images takes to see that it is done.
 
 use std::fs;
 use std::time::Instant;
@@ -9,9 +9,9 @@ use crate::shell::{cargo, command, output, root, run, say, target};
 
 const PICTURES: usize = 100_000;
 
-/// Makes a folder of small pictures, fuses it, and fuses it again: a line on the second time.
+/// Makes a folder of small images, fuses it, and fuses it again: a line on the second time.
 pub(super) fn figure() -> Result<String> {
-    say(&format!("Fusing {PICTURES} small pictures twice; the second time they are there"));
+    say(&format!("Fusing {PICTURES} small images twice; the second time they are there"));
     run(cargo(&["build", "--release", "--quiet", "--package", "aquafuse-cli"]))?;
     let folder = root().join("target/resume");
     if folder.exists() {
@@ -33,9 +33,9 @@ pub(super) fn figure() -> Result<String> {
     };
     fuse()?;
     let (said, took) = fuse()?;
-    if !said.contains(&format!("{PICTURES} pictures were there already")) {
-        bail!("the second run did not find the first one's pictures: {said}");
+    if !said.contains(&format!("{PICTURES} images were there already")) {
+        bail!("the second run did not find the first one's images: {said}");
     }
     fs::remove_dir_all(&folder)?;
-    Ok(format!("- resumed: {PICTURES} finished pictures passed over in {:.1} s\n", took.as_secs_f64()))
+    Ok(format!("- resumed: {PICTURES} finished images passed over in {:.1} s\n", took.as_secs_f64()))
 }

@@ -1,12 +1,12 @@
-//! What is said about a data set that was multiplied.
+//! What is said about a dataset that was multiplied.
 
 use std::fmt::Write;
 
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{Augmentation, Message, Plan};
 use aquafuse_data::dataset::Layout;
+use aquafuse_data::image_file::shown;
 use aquafuse_data::job::Summary;
-use aquafuse_data::picture::shown;
 use aquafuse_data::treatment::Space;
 
 use crate::inspect::reasons;
@@ -37,16 +37,16 @@ impl Tally {
 /// What a run would make.
 pub(super) fn planned<E: Space>(job: &Augmentation<E>, plan: &Plan, bad: usize) -> String {
     let mut text = heading(job);
-    let (pictures, variants) = (plan.files(), plan.variants());
+    let (images, variants) = (plan.files(), plan.variants());
     let kept = if job.recipe.keep_originals { ", and carry them over" } else { "" };
     let _ = match job.dataset.layout {
         layout if layout.holds_many() => writeln!(
             text,
-            "would make {} variants of each picture in {pictures} {}{kept}",
+            "would make {} variants of each image in {images} {}{kept}",
             job.recipe.per_image,
             things(layout)
         ),
-        _ => writeln!(text, "would make {variants} variants of {pictures} pictures{kept}"),
+        _ => writeln!(text, "would make {variants} variants of {images} images{kept}"),
     };
     left_out(&mut text, bad);
     text
@@ -83,7 +83,7 @@ pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary
         if count > 0 {
             let _ = writeln!(
                 text,
-                "  pictures whose own water is {}: {count}; the manifest names them",
+                "  images whose own water is {}: {count}; the manifest names them",
                 verdict.name()
             );
         }
@@ -96,7 +96,7 @@ fn things(layout: Layout) -> &'static str {
     match layout {
         Layout::Shards => "shards",
         Layout::Parquet => "tables",
-        _ => "pictures",
+        _ => "images",
     }
 }
 
@@ -114,6 +114,6 @@ fn heading<E: Space>(job: &Augmentation<E>) -> String {
 
 fn left_out(text: &mut String, bad: usize) {
     if bad > 0 {
-        let _ = writeln!(text, "  pictures left out for bad annotations: {bad}");
+        let _ = writeln!(text, "  images left out for bad annotations: {bad}");
     }
 }

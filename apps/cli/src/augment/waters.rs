@@ -8,7 +8,7 @@ use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{OnDoubtful, Water};
 use aquafuse_data::digest::sha256;
 use aquafuse_data::folder;
-use aquafuse_data::picture::{FileError, shown};
+use aquafuse_data::image_file::{FileError, shown};
 use aquafuse_data::treatment::Space;
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 
@@ -16,7 +16,7 @@ use crate::common::Common;
 use crate::failure::Failure;
 use crate::water_argument::{WaterArguments, WaterSource};
 
-/// What was named, folders taken for the pictures and water files in them.
+/// What was named, folders taken for the images and water files in them.
 pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
     let mut sources = Vec::new();
     for path in named {
@@ -25,12 +25,12 @@ pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
             continue;
         }
         let failed = |error| FileError::Read { path: path.clone(), error };
-        let mut inside: Vec<PathBuf> = folder::list(path)?.pictures;
+        let mut inside: Vec<PathBuf> = folder::list(path)?.images;
         for entry in std::fs::read_dir(path).map_err(failed)? {
             inside.extend(Some(entry.map_err(failed)?.path()).filter(|path| has_suffix(path)));
         }
         if inside.is_empty() {
-            let cause = anyhow!("{} holds no pictures and no waters; name one that does", shown(path));
+            let cause = anyhow!("{} holds no images and no waters; name one that does", shown(path));
             return Err(Failure::usage(cause));
         }
         inside.sort();
@@ -41,7 +41,7 @@ pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
     Ok(sources)
 }
 
-/// Reads a water, per unit of the pictures' depth.
+/// Reads a water, per unit of the images' depth.
 pub(super) fn read<E: Space>(
     source: &WaterSource,
     arguments: &WaterArguments,

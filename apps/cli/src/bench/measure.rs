@@ -57,15 +57,15 @@ pub(super) struct Stages {
 }
 
 /// A place seen through two waters.
-pub(super) struct Pictures {
+pub(super) struct Images {
     content: Image<u8>,
     reference: Image<u8>,
 }
 
-/// Larger pictures repeat a place of this size: to make more of it would take minutes.
+/// Larger images repeat a place of this size: to make more of it would take minutes.
 const LARGEST_PLACE: Size = Size { width: 1920, height: 1080 };
 
-impl Pictures {
+impl Images {
     pub(super) fn new(size: Size) -> Result<Self, SizeError> {
         let (width, height) = (size.width.min(LARGEST_PLACE.width), size.height.min(LARGEST_PLACE.height));
         let (scene, [blue, green, ..]) = (Scene::new(1, Size { width, height }), waters());
@@ -148,9 +148,9 @@ impl Pictures {
     }
 }
 
-fn estimate(picture: &Image<u8>) -> Result<(DepthMap, Estimate), SizeError> {
-    let z = depth::estimate(picture);
-    let found = waterbody::estimate(picture, &z, &Default::default())?;
+fn estimate(image: &Image<u8>) -> Result<(DepthMap, Estimate), SizeError> {
+    let z = depth::estimate(image);
+    let found = waterbody::estimate(image, &z, &Default::default())?;
     Ok((z, found))
 }
 

@@ -6,9 +6,9 @@ use anyhow::anyhow;
 use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::evaluate::{Depth, Listener, Maps};
+use aquafuse_data::image_file::shown;
 use aquafuse_data::model_file::ModelFile;
 use aquafuse_data::pairs;
-use aquafuse_data::picture::shown;
 use clap::Args;
 
 use super::{ReportArguments, conduct};
@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::output;
 
 const HELP: &str = "\
-Scores are taken where depth is known, after the scale and shift that fit best picture by picture:
+Scores are taken where depth is known, after the scale and shift that fit best image by image:
 relative depth has neither. Maps from a monocular network are `inverse`, and fitted as 1 / z.
 
 Examples:
@@ -28,7 +28,7 @@ Examples:
 
 /// Measure how right depth from colour is, and depth maps from elsewhere, against depth that is known.
 ///
-/// PAIRS holds a folder `rgb` of pictures and a folder `depth` of depth maps of the same stems and sizes, as for `fit`.
+/// PAIRS holds a folder `rgb` of images and a folder `depth` of depth maps of the same stems and sizes, as for `fit`.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct DepthEvaluationArguments {

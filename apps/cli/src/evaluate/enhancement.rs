@@ -1,4 +1,4 @@
-//! `aquafuse evaluate enhancement`: pictures before and after.
+//! `aquafuse evaluate enhancement`: images before and after.
 
 use std::path::PathBuf;
 
@@ -16,21 +16,21 @@ use crate::failure::Failure;
 use crate::water_argument::WaterSource;
 
 const HELP: &str = "\
-UCIQE and UIQM need no other picture; higher is held to be better, and both are fooled by oversaturation
-and noise. The second table takes the change picture by picture, so that its interval tells whether it is one.
+UCIQE and UIQM need no other image; higher is held to be better, and both are fooled by oversaturation
+and noise. The second table takes the change image by image, so that its interval tells whether it is one.
 
 Examples:
   aquafuse evaluate enhancement dives/ -o enhanced.html
   aquafuse evaluate enhancement dives/ --method sea-thru=restored/ -o methods.md
                                                      beside what another tool wrote as restored/PICTURE.png";
 
-/// Score pictures before and after `enhance`, and after other tools.
+/// Score images before and after `enhance`, and after other tools.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct EnhancementArguments {
-    /// A folder of pictures.
+    /// A folder of images.
     images: PathBuf,
-    /// Clear water: a picture, NAME.water.json or preset:NAME, as in `enhance`.
+    /// Clear water: an image, NAME.water.json or preset:NAME, as in `enhance`.
     #[arg(long, value_name = "WATER", default_value = "preset:jerlov-I")]
     clear: PathBuf,
     #[command(flatten)]
@@ -38,7 +38,7 @@ pub(crate) struct EnhancementArguments {
     /// Work in linear light.
     #[arg(long)]
     linear: bool,
-    /// Also score what another tool has made: pictures in DIR of the same stems. May be given several times.
+    /// Also score what another tool has made: images in DIR of the same stems. May be given several times.
     #[arg(long, value_name = "NAME=DIR", value_parser = named)]
     method: Vec<Named>,
     /// What resamplings are drawn by.
@@ -58,13 +58,13 @@ impl EnhancementArguments {
 
     fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
         self.report.check()?;
-        let pictures = GroupBy::Nothing.list(&self.images)?;
+        let image_files = GroupBy::Nothing.list(&self.images)?;
         let outputs = outputs(&self.method, &[])?;
         let depth_model = self.settings.depth_model();
         let water = WaterSource::parse(&self.clear)?;
         let file = self.settings.waters.read::<E>(&water, depth_model, &common.reading)?;
         let enhancement = Enhancement {
-            pictures,
+            image_files,
             clear: self.settings.waters.per(DepthKind::Relative, &file)?,
             options: self.settings.options()?,
             source: DepthSource::Estimated(depth_model),

@@ -1,4 +1,4 @@
-//! `aquafuse evaluate fusion`: the paper's Tables 1 and 3, on anybody's pictures.
+//! `aquafuse evaluate fusion`: the paper's Tables 1 and 3, on anybody's images.
 
 use std::path::PathBuf;
 
@@ -13,13 +13,13 @@ use crate::failure::Failure;
 use crate::fuse::settings::{self, SettingsArgs};
 
 const HELP: &str = "\
-Scores compare each fused picture with its content, as the paper does: PSNR, SSIM of luma, the RMSE of
+Scores compare each fused image with its content, as the paper does: PSNR, SSIM of luma, the RMSE of
 Eq. 3 depth estimated again (percent of the range, and levels of 255), and depth consistency. They say
 how little was lost, not whether the water is right; `evaluate truth` asks for that.
 
 Examples:
   aquafuse evaluate fusion --contents dives/ --references waters/ -o report.html
-                                                     every picture of dives/ in every water
+                                                     every image of dives/ in every water
   aquafuse evaluate fusion --contents dives/ --references dives/ --group-by prefix --pairs 8 -o report/
                                                      blue_1.jpg, green_1.jpg, ...: each with eight of another
                                                      group; report/ gets all formats
@@ -27,17 +27,17 @@ Examples:
                                                      beside colour transfer, and beside what another tool wrote
                                                      as out/CONTENT__REFERENCE.png";
 
-/// Score fused pictures against their contents: the paper's tables, on your pictures.
+/// Score fused images against their contents: the paper's tables, on your images.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct FusionArguments {
-    /// A folder of pictures that keep their objects.
+    /// A folder of images that keep their objects.
     #[arg(long, value_name = "DIR")]
     contents: PathBuf,
-    /// A folder of pictures that give their water; may be the same.
+    /// A folder of images that give their water; may be the same.
     #[arg(long, value_name = "DIR")]
     references: PathBuf,
-    /// What makes pictures a group: the folders in DIR, or the names before the first `_`. The report has a row for each
+    /// What makes images a group: the folders in DIR, or the names before the first `_`. The report has a row for each
     /// group of contents, and each content meets the references of other groups. Without it all are one group, and a
     /// content meets all but itself.
     #[arg(long, value_enum)]
@@ -51,7 +51,7 @@ pub(crate) struct FusionArguments {
     /// Also score what colour transfer makes: Reinhard, Monge–Kantorovich, histogram matching, gray world.
     #[arg(long)]
     rivals: bool,
-    /// Also score what another tool has made: pictures in DIR named CONTENT__REFERENCE, both without extension. May be
+    /// Also score what another tool has made: images in DIR named CONTENT__REFERENCE, both without extension. May be
     /// given several times. What is missing is named.
     #[arg(long, value_name = "NAME=DIR", value_parser = named)]
     method: Vec<Named>,

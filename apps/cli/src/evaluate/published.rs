@@ -1,4 +1,4 @@
-//! The paper's own figures (`testdata/published.toml`), as tables of their own: other pictures, another machine.
+//! The paper's own figures (`testdata/published.toml`), as tables of their own: other images, another machine.
 
 use aquafuse_data::evaluate::Summary;
 use aquafuse_data::evaluate::report::{Cell, Row, Score, Shown, Table};
@@ -15,7 +15,7 @@ struct Published {
     style_transfer: StyleTransfer,
 }
 
-/// Fused pictures against their contents, by the depth of the site.
+/// Fused images against their contents, by the depth of the site.
 #[derive(Deserialize)]
 struct ImageSimilarity {
     table: String,
@@ -25,7 +25,7 @@ struct ImageSimilarity {
     rmse: Vec<Printed>,
 }
 
-/// Views of scenes trained on originals and on fused pictures, by the depth of the site.
+/// Views of scenes trained on originals and on fused images, by the depth of the site.
 #[derive(Deserialize)]
 struct Reconstruction {
     table: String,
@@ -110,11 +110,11 @@ pub(crate) fn reconstruction() -> Result<Table, toml::de::Error> {
     let Published { label, reconstruction, .. } = read()?;
     let Reconstruction { table, depth_feet, original, fused, normal_deviation_percent: deviations } =
         reconstruction;
-    let row = |feet: u32, pictures: &str, views: &Views, place: usize, deviation: Option<f64>| {
+    let row = |feet: u32, images: &str, views: &Views, place: usize, deviation: Option<f64>| {
         let scores = [&views.psnr, &views.ssim, &views.lpips].map(|of| of.get(place).copied());
         let number = |value: Option<f64>| value.map_or(Cell::Nothing, Cell::Number);
         Row {
-            labels: vec![format!("site at {feet}'"), pictures.into()],
+            labels: vec![format!("site at {feet}'"), images.into()],
             cells: scores.into_iter().chain([deviation]).map(number).collect(),
         }
     };

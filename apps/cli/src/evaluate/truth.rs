@@ -17,9 +17,9 @@ Examples:
   aquafuse evaluate truth --exchanges 12             a first look, in seconds
   aquafuse evaluate truth --linear -o linear.md";
 
-/// Measure how much of the true change each method makes, on made-up scenes whose truth is known.
+/// Measure how much of the true change each method makes, on synthetic scenes whose truth is known.
 ///
-/// The three models with depth and water given or told, and colour transfer. Needs no pictures: scenes are numbered, and
+/// The three models with depth and water given or told, and colour transfer. Needs no images: scenes are numbered, and
 /// the same everywhere.
 #[derive(Args)]
 #[command(after_help = HELP)]

@@ -26,7 +26,7 @@ F falls with distance from 1 at the camera to 0 in open water:
 Example:
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical --theta 30";
 
-/// Everything that decides how a picture is fused.
+/// Everything that decides how an image is fused.
 pub(crate) struct Settings {
     pub(crate) depth_model: DepthModel,
     pub(crate) options: Options,
@@ -44,7 +44,7 @@ pub(crate) struct SettingsArgs {
     /// Gain on the reference's water, 0 or more; above 1 it is brighter than it was [default: 1].
     #[arg(long, value_name = "A", value_parser = gain, allow_negative_numbers = true)]
     alpha: Option<Gain>,
-    /// How the fused picture is smoothed: `bilateral` keeps edges, but takes fine texture with the noise.
+    /// How the fused image is smoothed: `bilateral` keeps edges, but takes fine texture with the noise.
     #[arg(long, value_name = "HOW", default_value = Smoothing::default().name(), value_parser = smoothing())]
     smooth: Smoothing,
     #[command(flatten)]

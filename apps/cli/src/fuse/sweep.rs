@@ -1,4 +1,4 @@
-//! `fuse --sweep`: one picture with several values of one setting, side by side.
+//! `fuse --sweep`: one image with several values of one setting, side by side.
 
 use std::str::FromStr;
 
@@ -7,8 +7,8 @@ use aquafuse::fusion::{Gain, Incidence, Options};
 use aquafuse::image::Image;
 use aquafuse::waterbody::Estimate;
 use aquafuse_data::analysis::analyse;
+use aquafuse_data::image_file::{Format, ImageFile, WriteOptions, remove_stale_parts, shown};
 use aquafuse_data::job::Item;
-use aquafuse_data::picture::{Format, Picture, WriteOptions, remove_stale_parts, shown};
 use aquafuse_data::sheet::{Cell, lay_out};
 use aquafuse_data::treatment::{Space, Treatment};
 
@@ -20,7 +20,7 @@ use crate::work::WorkArguments;
 
 /// More values make no strip that anyone could look at.
 const MOST: usize = 16;
-/// Room for a picture in the strip, in pixels.
+/// Room for an image in the strip, in pixels.
 const WIDTH: u32 = 400;
 
 /// Which setting, and its values.
@@ -85,17 +85,17 @@ impl Sweep {
     ) -> Result<(), Failure> {
         let [item] = items else {
             return Err(Failure::usage(anyhow!(
-                "--sweep makes a strip of one picture; name one, not a folder"
+                "--sweep makes a strip of one image; name one, not a folder"
             )));
         };
         let steps = self.steps(settings.options);
-        let opened = Picture::open(&item.input, &common.reading.options())?;
-        // The content and each picture of the strip, in bytes, and two that are turned and scaled.
+        let opened = ImageFile::open(&item.input, &common.reading.options())?;
+        // The content and each image of the strip, in bytes, and two that are turned and scaled.
         let cells = 3_u64.saturating_mul(opened.pixels()).saturating_mul(steps.len() as u64 + 3);
         opened.memory_until_written(Format::written(&item.output).unwrap_or(Format::Png), cells)?;
         let content = opened.decode()?;
         let found = analyse::<E>(&content, &item.depth)?;
-        let seen = |picture: Picture| picture.upright().pixels.into_bytes();
+        let seen = |image_file: ImageFile| image_file.upright().pixels.into_bytes();
         let mut cells = vec![Cell { caption: "content".into(), image: Some(seen(content.clone())) }];
         for (caption, options) in steps {
             let mut fused = content.clone();
@@ -106,7 +106,7 @@ impl Sweep {
         }
         let (width, height) = cells[0].image.as_ref().map_or((1, 1), Image::size);
         let room = (u64::from(WIDTH) * height as u64 / width as u64).clamp(1, 4 * u64::from(WIDTH)) as u32;
-        let strip = Picture::new(lay_out(&[cells], WIDTH, room));
+        let strip = ImageFile::new(lay_out(&[cells], WIDTH, room));
         remove_stale_parts(output::make_folder_of(&item.output)?);
         strip.write(&item.output, &WriteOptions { overwrite: work.overwrite, quality: work.quality })?;
         if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&item.output))) }

@@ -7,7 +7,7 @@ use aquafuse::waterbody::Reason;
 /// What `inspect --help` ends with.
 pub(super) fn explained() -> String {
     let mut text = String::from(
-        "The verdict is good, doubtful (it may be right: look at the picture) or failed (the numbers are a guess).\n\
+        "The verdict is good, doubtful (it may be right: look at the image) or failed (the numbers are a guess).\n\
          What may speak against an estimate, and what helps:\n",
     );
     for reason in Reason::ALL {
@@ -19,10 +19,10 @@ pub(super) fn explained() -> String {
 fn meant(reason: Reason) -> &'static str {
     match reason {
         Reason::NoOpenWater => {
-            "B∞ was read from the farthest things, or from corners. Take a picture of the same dive that shows open water"
+            "B∞ was read from the farthest things, or from corners. Take an image of the same dive that shows open water"
         }
         Reason::FlatDepth => {
-            "nothing can be told to grow with distance. Take a picture of near and far things, or give --depth"
+            "nothing can be told to grow with distance. Take an image of near and far things, or give --depth"
         }
         Reason::SaturatedDepth => {
             "depth from colour ran out of its range. Try another --depth-model, or give --depth"

@@ -9,7 +9,7 @@ use anyhow::Result;
 use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
 use aquafuse::image::Image;
 use aquafuse_data::analysis::{Analysis, DepthSource, evidence};
-use aquafuse_data::picture::Picture;
+use aquafuse_data::image_file::ImageFile;
 
 use super::text::{hex, source};
 use charts::{Chart, Charts};
@@ -20,10 +20,10 @@ use view::View;
 const NEAREST: f32 = 0.02;
 const NAMES: [&str; 3] = ["R", "G", "B"];
 
-/// Draws what was found in a picture; `name` is its file's.
-pub(super) fn draw(name: &str, picture: &Picture, found: &Analysis) -> Result<Image<u8>> {
-    let seen = evidence(picture, found)?;
-    let view = View::new(picture, sheet::ROOM);
+/// Draws what was found in an image; `name` is its file's.
+pub(super) fn draw(name: &str, image: &ImageFile, found: &Analysis) -> Result<Image<u8>> {
+    let seen = evidence(image, found)?;
+    let view = View::new(image, sheet::ROOM);
     let z = view.depth(&found.depth);
     let water = &found.estimate.water;
     let unit = unit(found.depth.kind());
@@ -35,14 +35,14 @@ pub(super) fn draw(name: &str, picture: &Picture, found: &Analysis) -> Result<Im
         let mut next = |title: &str| cells.next(title);
 
         let content = next("content U")?;
-        content.picture(&shown)?;
-        let (width, height) = picture.pixels.size();
+        content.image(&shown)?;
+        let (width, height) = image.pixels.size();
         content.caption(&format!("{width} x {height} pixels"))?;
         let red = next("its red channel, R")?;
-        red.picture(&view.grey(|[r, _, _]| r))?;
+        red.image(&view.grey(|[r, _, _]| r))?;
         red.caption("water takes red away first: dark is far, or was dark to begin with")?;
         let stronger = next("the stronger of green and blue, M = max(G, B)")?;
-        stronger.picture(&view.grey(|[_, g, b]| g.max(b)))?;
+        stronger.image(&view.grey(|[_, g, b]| g.max(b)))?;
         stronger.caption("depth from colour is told by R against M")?;
         depth(
             &next(&depth_title(&found.depth_source))?,
@@ -52,7 +52,7 @@ pub(super) fn draw(name: &str, picture: &Picture, found: &Analysis) -> Result<Im
         )?;
 
         let mask = next("where the veiling light B∞ was read: white")?;
-        mask.picture(&view.mask(&seen.read_from))?;
+        mask.image(&view.mask(&seen.read_from))?;
         let veil = water.veiling_light.rgb();
         mask.swatch(veil.map(|value| (255.0 * value).round() as u8))?;
         mask.caption_beside(&format!("B∞ {}, from {}", hex(veil), source(&found.estimate)))?;
@@ -64,7 +64,7 @@ pub(super) fn draw(name: &str, picture: &Picture, found: &Analysis) -> Result<Im
             }
             DepthSource::Supplied { .. } => {
                 let model = DepthModel::default();
-                let from_colour = picture.pixels.depth(&model, picture.top_edge());
+                let from_colour = image.pixels.depth(&model, image.top_edge());
                 let z = view.depth(&from_colour);
                 let title = format!("for comparison: depth z from colour ({})", model.name());
                 depth(&next(&title)?, &view, &z, [NEAREST, 0.95].map(|share| from_colour.percentile(share)))?;
@@ -75,11 +75,11 @@ pub(super) fn draw(name: &str, picture: &Picture, found: &Analysis) -> Result<Im
         let m = if green > blue { 1 } else { 2 };
         for (channel, what) in [(0, "R".to_owned()), (m, format!("M (here {})", NAMES[m]))] {
             let map = next(&format!("illumination map E for {what}"))?;
-            map.picture(&view.grey_of(&z, |z| water.illumination(z)[channel]))?;
+            map.image(&view.grey_of(&z, |z| water.illumination(z)[channel]))?;
             map.bar("0: no light of things left", "1: all of it")?;
         }
         let restored = next("restored I = (U − B) / E")?;
-        restored.picture(&view.restored(&z, &found.estimate)?)?;
+        restored.image(&view.restored(&z, &found.estimate)?)?;
         restored.caption("as `aquafuse restore` makes it: within its bounds, so that nothing burns")?;
         numbers::write(&next("")?, found, unit)
     })
@@ -99,7 +99,7 @@ fn depth_title(source: &DepthSource) -> String {
 /// A depth map, black up to the nearer end of the range, white from the farther one on.
 fn depth(cell: &Cell<'_>, view: &View<'_>, z: &DepthMap, [near, far]: [f32; 2]) -> Result<()> {
     let width = (far - near).max(f32::MIN_POSITIVE);
-    cell.picture(&view.grey_of(z, |z| (z - near) / width))?;
+    cell.image(&view.grey_of(z, |z| (z - near) / width))?;
     let unit = unit(z.kind());
     cell.bar(&format!("near: {near:.2} {unit}"), &format!("far: {far:.2} {unit}"))
 }

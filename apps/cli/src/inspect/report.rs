@@ -3,7 +3,7 @@
 use aquafuse::depth::{DepthKind, SuppliedKind};
 use aquafuse::waterbody::{Intervals, Quality, VeilingLight, VeilingLightSource};
 use aquafuse_data::analysis::{Analysis, DepthSource};
-use aquafuse_data::picture::Picture;
+use aquafuse_data::image_file::ImageFile;
 use serde::Serialize;
 
 use crate::depth_arguments::turned_round;
@@ -31,8 +31,8 @@ pub(super) struct Size {
 }
 
 impl Size {
-    pub(super) fn of(picture: &Picture) -> Self {
-        let (width, height) = picture.pixels.size();
+    pub(super) fn of(image_file: &ImageFile) -> Self {
+        let (width, height) = image_file.pixels.size();
         Self { width, height }
     }
 }
@@ -66,12 +66,12 @@ struct Water {
 }
 
 impl Report {
-    pub(super) fn new(picture: &Picture, found: &Analysis) -> Self {
+    pub(super) fn new(image_file: &ImageFile, found: &Analysis) -> Self {
         let estimate = &found.estimate;
         let water = &estimate.water;
         Self {
             schema: 1,
-            image: Size::of(picture),
+            image: Size::of(image_file),
             depth: Depth::new(found),
             waterbody: Water {
                 veiling_light: water.veiling_light,

@@ -7,12 +7,12 @@ use aquafuse::depth::DepthKind;
 use aquafuse::image::Encoding;
 use aquafuse::waterbody::{Estimate, Quality, Reason, VeilingLightSource, Verdict};
 use aquafuse_data::analysis::Analysis;
-use aquafuse_data::picture::{Picture, shown};
+use aquafuse_data::image_file::{ImageFile, shown};
 
 use super::report::{Depth, Size};
 
 /// The report for people.
-pub(super) fn text(picture: &Picture, found: &Analysis, plot: Option<&Path>) -> String {
+pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> String {
     let (depth, water) = (Depth::new(found), &found.estimate.water);
     let [r, g, b] = water.veiling_light.rgb();
     let [beta_r, beta_g, beta_b] = water.backscatter_coefficient;
@@ -30,9 +30,9 @@ pub(super) fn text(picture: &Picture, found: &Analysis, plot: Option<&Path>) -> 
             other => format!("{}: {}", other.name(), reasons(quality)),
         },
     );
-    let Size { width, height } = Size::of(picture);
+    let Size { width, height } = Size::of(image);
     line("size", format!("{width} x {height}"));
-    if let Some(damage) = &picture.damage {
+    if let Some(damage) = &image.damage {
         line("  WARNING", format!("the file is damaged: {damage}"));
     }
     let unit = match depth.kind {
@@ -84,11 +84,11 @@ pub(crate) fn hex(rgb: [f32; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Where the veiling light was read, and from how much of the picture.
+/// Where the veiling light was read, and from how much of the image.
 pub(super) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
     let share = 100.0 * estimate.veiling_light_share;
     match estimate.veiling_light_source {
-        VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the picture"),
+        VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the image"),
         VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
         VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
         VeilingLightSource::BottomCorners => {

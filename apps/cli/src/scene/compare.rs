@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse_data::picture::shown;
-use aquafuse_scene::capture::{self, Shown, pictures_of};
+use aquafuse_data::image_file::shown;
+use aquafuse_scene::capture::{self, Shown, images_of};
 use aquafuse_scene::compare::{CompareError, Comparison, Model, Side};
 use clap::Args;
 
@@ -39,10 +39,10 @@ pub(crate) struct Compare {
     /// What was trained on the first with another seed.
     #[arg(long, value_name = "FILE.ply")]
     floor: Option<PathBuf>,
-    /// Every Nth picture is compared: those that `scene train --hold N` held back.
+    /// Every Nth image is compared: those that `scene train --hold N` held back.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     hold: u32,
-    /// Pictures are compared at this many pixels on their longer side.
+    /// Images are compared at this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
     #[command(flatten)]
@@ -79,7 +79,7 @@ impl Compare {
 
     fn held(&self, scene: &Path, common: &Common) -> Result<Vec<Shown>, Failure> {
         let taken =
-            capture::read(scene, &pictures_of(scene), self.longest as usize, &common.reading.options())?;
+            capture::read(scene, &images_of(scene), self.longest as usize, &common.reading.options())?;
         let kept = taken.shown.into_iter().enumerate().filter(|(i, _)| i.is_multiple_of(self.hold as usize));
         Ok(kept.map(|(_, one)| one).collect())
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aquafuse_data::picture::{FileError, remove_stale_parts, shown};
+use aquafuse_data::image_file::{FileError, remove_stale_parts, shown};
 use aquafuse_scene::files::{read_ply, write_cloud, write_ply, write_splat};
 use aquafuse_scene::points::middles;
 use clap::Args;

@@ -1,4 +1,4 @@
-//! `aquafuse scene fuse`: all pictures of a scene in another water, which they share.
+//! `aquafuse scene fuse`: all images of a scene in another water, which they share.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,11 +8,11 @@ use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::image::Encoded;
 use aquafuse::waterbody::{Estimate, pool};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
+use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions, remove_stale_parts, shown, write_bytes};
 use aquafuse_data::job::{Item, Plan, RECORD, Recipe, Record};
-use aquafuse_data::picture::{FileError, Picture, WriteOptions, remove_stale_parts, shown, write_bytes};
 use aquafuse_data::treatment::Treatment;
 use aquafuse_data::water_file::Numbers;
-use aquafuse_scene::capture::pictures_of;
+use aquafuse_scene::capture::images_of;
 use aquafuse_scene::files::{Cameras, read_cameras};
 use aquafuse_scene::shared_water::{in_scene, median, unit_of, water_of};
 use clap::Args;
@@ -26,7 +26,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::water_argument::{WaterArguments, WaterSource};
 
-/// Put a scene into another water: every picture by the one water that all of them tell.
+/// Put a scene into another water: every image by the one water that all of them tell.
 ///
 /// Distances have one unit, which the scene's points tell, so that what is fused looks alike from every side. Names,
 /// sizes and EXIF stay, and the cameras go along: the new folder is a scene like the old one. A run that was stopped goes on
@@ -36,9 +36,9 @@ use crate::water_argument::{WaterArguments, WaterSource};
 Example:
   aquafuse scene fuse reef/ green.jpg -o reef_green/ --model physical")]
 pub(crate) struct Fuse {
-    /// A folder with cameras and pictures.
+    /// A folder with cameras and images.
     scene: PathBuf,
-    /// The water that is taken: a picture, NAME.water.json or preset:NAME.
+    /// The water that is taken: an image, NAME.water.json or preset:NAME.
     water: PathBuf,
     /// Folder to write into; made if it is missing.
     #[arg(short, long, value_name = "DIR")]
@@ -47,7 +47,7 @@ pub(crate) struct Fuse {
     settings: SettingsArgs,
     #[command(flatten)]
     waters: WaterArguments,
-    /// Write into a folder that is not empty, replacing pictures of the same names.
+    /// Write into a folder that is not empty, replacing images of the same names.
     #[arg(long)]
     overwrite: bool,
 }
@@ -63,7 +63,7 @@ const MODEL: [&str; 7] = [
     "transforms.json",
 ];
 
-/// What the scene's pictures tell together.
+/// What the scene's images tell together.
 struct Told {
     /// What relative depth 1 is in each, in units of the scene.
     units: Vec<f32>,
@@ -79,13 +79,13 @@ impl Fuse {
         let source = DepthSource::Estimated(depth_model);
         let water = WaterSource::parse(&self.water)?;
         let cameras = read_cameras(&self.scene)?;
-        let pictures = pictures_of(&self.scene);
-        let into = self.output.join(pictures.strip_prefix(&self.scene).unwrap_or(Path::new("")));
+        let images = images_of(&self.scene);
+        let into = self.output.join(images.strip_prefix(&self.scene).unwrap_or(Path::new("")));
         let items: Vec<Item> = cameras
             .taken
             .iter()
             .map(|one| Item {
-                input: pictures.join(&one.name),
+                input: images.join(&one.name),
                 output: into.join(&one.name),
                 depth: source.clone(),
             })
@@ -108,11 +108,11 @@ impl Fuse {
         for (item, unit) in items.iter().zip(&told.units) {
             let record = records.get(folder_of(item)).expect("each folder has one");
             record.make(item, self.overwrite, |overwrite| -> Result<(), Failure> {
-                let (mut picture, found) = looked(item, common)?;
+                let (mut image, found) = looked(item, common)?;
                 let found = Analysis { depth: in_scene(&found.depth, *unit), estimate: told.water, ..found };
-                recipe.treatment.apply(&mut picture.pixels, &found).map_err(Failure::work)?;
-                picture.pixels = picture.pixels.smoothed(smoothing);
-                Ok(picture.write(&item.output, &WriteOptions { overwrite, ..recipe.writing })?)
+                recipe.treatment.apply(&mut image.pixels, &found).map_err(Failure::work)?;
+                image.pixels = image.pixels.smoothed(smoothing);
+                Ok(image.write(&item.output, &WriteOptions { overwrite, ..recipe.writing })?)
             })?;
             progress.done(shown(&item.output).to_string());
         }
@@ -122,7 +122,7 @@ impl Fuse {
             return Ok(());
         }
         output::print(&format!(
-            "{}: {} pictures in {}'s water\n  {}\n  {}\n",
+            "{}: {} images in {}'s water\n  {}\n  {}\n",
             shown(&self.output),
             items.len(),
             water.name(),
@@ -140,7 +140,7 @@ impl Fuse {
         if self.overwrite || is_recorded { Ok(()) } else { output::refuse_filled(&self.output, &[]) }
     }
 
-    /// What is done already, folder by folder; pictures that are not ours are refused.
+    /// What is done already, folder by folder; images that are not ours are refused.
     fn records(
         &self,
         items: &[Item],
@@ -185,28 +185,28 @@ fn folder_of(item: &Item) -> &Path {
     item.output.parent().unwrap_or(Path::new(""))
 }
 
-fn looked(item: &Item, common: &Common) -> Result<(Picture, Analysis<Encoded>), Failure> {
-    let picture = common.reading.read(&item.input)?;
-    let found = analyse(&picture, &item.depth)?;
-    Ok((picture, found))
+fn looked(item: &Item, common: &Common) -> Result<(ImageFile, Analysis<Encoded>), Failure> {
+    let image = common.reading.read(&item.input)?;
+    let found = analyse(&image, &item.depth)?;
+    Ok((image, found))
 }
 
-/// Looks at every picture for its unit and its water, and pools these.
+/// Looks at every image for its unit and its water, and pools these.
 fn told(cameras: &Cameras, items: &[Item], common: &Common, progress: &Progress) -> Result<Told, Failure> {
-    let estimate = |picture: &Picture, depth: &DepthMap, unit: f32| {
-        water_of(picture, &in_scene(depth, unit)).map_err(Failure::work)
+    let estimate = |image: &ImageFile, depth: &DepthMap, unit: f32| {
+        water_of(image, &in_scene(depth, unit)).map_err(Failure::work)
     };
     let mut found = Vec::with_capacity(items.len());
     for (one, item) in cameras.taken.iter().zip(items) {
-        let (picture, Analysis { depth, .. }) = looked(item, common)?;
+        let (image, Analysis { depth, .. }) = looked(item, common)?;
         let unit = unit_of(&depth, &one.lens, &cameras.points);
         found.push(match unit {
-            Some(unit) => Some((unit, estimate(&picture, &depth, unit)?)),
+            Some(unit) => Some((unit, estimate(&image, &depth, unit)?)),
             None => None,
         });
         progress.done(shown(&one.name).to_string());
     }
-    // Pictures with too few points in view take the others' unit; without points at all, depth has none.
+    // Images with too few points in view take the others' unit; without points at all, depth has none.
     let middle = median(&mut found.iter().flatten().map(|(unit, _)| *unit).collect::<Vec<_>>());
     let (mut units, mut estimates) = (Vec::with_capacity(items.len()), Vec::with_capacity(items.len()));
     for (item, found) in items.iter().zip(found) {
@@ -214,13 +214,13 @@ fn told(cameras: &Cameras, items: &[Item], common: &Common, progress: &Progress)
             Some(found) => found,
             None => {
                 let unit = middle.unwrap_or(1.0);
-                let (picture, Analysis { depth, .. }) = looked(item, common)?;
-                (unit, estimate(&picture, &depth, unit)?)
+                let (image, Analysis { depth, .. }) = looked(item, common)?;
+                (unit, estimate(&image, &depth, unit)?)
             }
         };
         units.push(unit);
         estimates.push(estimated);
     }
-    let water = pool(&estimates).ok_or_else(|| Failure::usage(anyhow!("the scene has no picture")))?;
+    let water = pool(&estimates).ok_or_else(|| Failure::usage(anyhow!("the scene has no image")))?;
     Ok(Told { units, middle, water })
 }

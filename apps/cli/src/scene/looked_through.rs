@@ -14,7 +14,7 @@ use crate::water_argument::{WaterArguments, WaterSource};
 
 #[derive(Args)]
 pub(crate) struct LookedThrough {
-    /// What it is seen through: `none` for air, or a picture, NAME.water.json or preset:NAME.
+    /// What it is seen through: `none` for air, or an image, NAME.water.json or preset:NAME.
     #[arg(long, value_name = "WATER")]
     water: Option<PathBuf>,
     #[command(flatten)]

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse_data::depth_file;
-use aquafuse_data::picture::{Picture, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::image_file::{ImageFile, WriteOptions, remove_stale_parts, shown};
 use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
-use aquafuse_scene::compare::{distances, picture};
+use aquafuse_scene::compare::{distances, image};
 use aquafuse_scene::files::read_cameras;
 use aquafuse_scene::render::{memory, render};
 use aquafuse_scene::splats::{MOST_DEGREE, Splats};
@@ -49,10 +49,10 @@ pub(crate) struct Render {
     /// Distances too, NAME.depth.tiff in units of the scene; 0 where nothing is opaque.
     #[arg(long)]
     depth: bool,
-    /// Pictures have this many pixels on their longer side.
+    /// Images have this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=16384))]
     longest: u32,
-    /// Replace pictures that exist.
+    /// Replace images that exist.
     #[arg(long)]
     overwrite: bool,
 }
@@ -80,7 +80,7 @@ impl Render {
             }
             let drawn = render(&splats, MOST_DEGREE, &camera, &medium).drawing;
             let path = self.output.join(format!("{name}.png"));
-            Picture::new(picture(&drawn).to_samples::<u8>()).write(&path, &writing)?;
+            ImageFile::new(image(&drawn).to_samples::<u8>()).write(&path, &writing)?;
             if self.depth {
                 let known = distances(&drawn).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
                 let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
@@ -115,7 +115,7 @@ impl Render {
         let views: Vec<_> = taken.into_iter().map(|one| (flat(&one.name), one.lens.camera)).collect();
         if views.iter().map(|(name, _)| name).collect::<BTreeSet<_>>().len() < views.len() {
             return Err(Failure::usage(anyhow!(
-                "{} has pictures that differ in their extension alone; rename one of each",
+                "{} has images that differ in their extension alone; rename one of each",
                 shown(&self.scene)
             )));
         }
@@ -123,7 +123,7 @@ impl Render {
     }
 }
 
-/// A picture's name without folders and extension, so that all outputs stand in one folder. What follows an earlier dot
+/// An image's name without folders and extension, so that all outputs stand in one folder. What follows an earlier dot
 /// is no extension.
 fn flat(name: &Path) -> String {
     let parts: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();

@@ -1,4 +1,4 @@
-//! `aquafuse scene sfm`: the cameras of a folder of pictures, found by a program of others.
+//! `aquafuse scene sfm`: the cameras of a folder of images, found by a program of others.
 
 mod tools;
 
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse_data::folder;
-use aquafuse_data::picture::{FileError, Picture, remove_stale_parts, shown, write_bytes, write_text};
+use aquafuse_data::image_file::{FileError, ImageFile, remove_stale_parts, shown, write_bytes, write_text};
 use aquafuse_scene::files::{Cameras, read_cameras};
 use clap::Args;
 
@@ -18,23 +18,23 @@ use crate::progress::Progress;
 use crate::tool;
 use tools::{Job, STEPS, Tool};
 
-/// Find the cameras of a folder of pictures, by pycolmap or COLMAP, and make it a scene.
+/// Find the cameras of a folder of images, by pycolmap or COLMAP, and make it a scene.
 #[derive(Args)]
 #[command(after_help = "\
 Structure from motion is the work of COLMAP, which must be installed: `python3 -m pip install pycolmap` anywhere, or
-Debian's package `colmap`. SCENE gets the pictures (images/), and cameras and points (sparse/0/).
+Debian's package `colmap`. SCENE gets the images (images/), and cameras and points (sparse/0/).
 
 Examples:
   aquafuse scene sfm photos/ -o reef/
   aquafuse scene sfm frames/ -o dive/ --in-order           many frames of one film
   aquafuse scene sfm photos/ -o reef/ --python venv/bin/python")]
 pub(crate) struct Sfm {
-    /// A folder of pictures of one place from many sides.
+    /// A folder of images of one place from many sides.
     images: PathBuf,
     /// The scene's folder; made if it is missing.
     #[arg(short, long, value_name = "SCENE")]
     output: PathBuf,
-    /// The pictures are frames of a film in the order of their names: each is matched with its neighbours alone.
+    /// The images are frames of a film in the order of their names: each is matched with its neighbours alone.
     #[arg(long)]
     in_order: bool,
     /// The Python that has pycolmap [default: python3, if it has].
@@ -43,7 +43,7 @@ pub(crate) struct Sfm {
     /// COLMAP's own command instead of pycolmap [default: colmap, where there is no pycolmap].
     #[arg(long, value_name = "PROGRAM", conflicts_with = "python")]
     colmap: Option<PathBuf>,
-    /// Write into a folder that is not empty, replacing its model and pictures of the same names.
+    /// Write into a folder that is not empty, replacing its model and images of the same names.
     #[arg(long)]
     overwrite: bool,
 }
@@ -109,12 +109,12 @@ impl Sfm {
         }
     }
 
-    /// The pictures, by name.
+    /// The images, by name.
     fn names(&self) -> Result<Vec<String>, Failure> {
         let listed = folder::list(&self.images)?;
         let name = |path: &PathBuf| path.file_name().and_then(|name| name.to_str()).map(str::to_owned);
-        let names: Vec<String> = listed.pictures.iter().filter_map(name).collect();
-        if names.len() < listed.pictures.len() {
+        let names: Vec<String> = listed.images.iter().filter_map(name).collect();
+        if names.len() < listed.images.len() {
             return Err(Failure::usage(anyhow!(
                 "{} has names that are no UTF-8; rename them",
                 shown(&self.images)
@@ -122,7 +122,7 @@ impl Sfm {
         }
         if names.len() < 3 {
             return Err(Failure::usage(anyhow!(
-                "{} has {} pictures; a scene takes three at least, of the same things from different places",
+                "{} has {} images; a scene takes three at least, of the same things from different places",
                 shown(&self.images),
                 names.len()
             )));
@@ -130,16 +130,16 @@ impl Sfm {
         Ok(names)
     }
 
-    /// Whether all pictures have one size, as those of one lens have.
+    /// Whether all images have one size, as those of one lens have.
     fn is_one_size(&self, names: &[String], common: &Common) -> Result<bool, Failure> {
         let mut sizes = BTreeSet::new();
         for name in names {
-            sizes.insert(Picture::open(&self.images.join(name), &common.reading.options())?.size());
+            sizes.insert(ImageFile::open(&self.images.join(name), &common.reading.options())?.size());
         }
         Ok(sizes.len() == 1)
     }
 
-    /// The pictures first: a folder with a model is a whole scene.
+    /// The images first: a folder with a model is a whole scene.
     fn write(&self, names: &[String], model: &Path) -> Result<(), Failure> {
         let (images, into) = (self.output.join("images"), self.output.join(MODEL));
         for folder in [&images, &into] {
@@ -160,7 +160,7 @@ impl Sfm {
         let lost: Vec<&str> =
             names.iter().map(String::as_str).filter(|name| !posed.contains(Path::new(name))).collect();
         let mut text = format!(
-            "{}: {} of {} pictures have a camera, {} points; by {}\n",
+            "{}: {} of {} images have a camera, {} points; by {}\n",
             shown(&self.output),
             found.taken.len(),
             names.len(),
@@ -174,7 +174,7 @@ impl Sfm {
     }
 }
 
-/// The model with the most pictures: where parts of a scene do not hang together, each has its own.
+/// The model with the most images: where parts of a scene do not hang together, each has its own.
 fn largest(models: &Path) -> Result<(PathBuf, Cameras), Failure> {
     let entries = models.read_dir().map_err(|error| FileError::Read { path: models.to_owned(), error })?;
     let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
@@ -188,7 +188,7 @@ fn largest(models: &Path) -> Result<(PathBuf, Cameras), Failure> {
     }
     best.ok_or_else(|| {
         Failure::work(anyhow!(
-            "no cameras were found: pictures must show the same things from different places, sharp, with much in \
+            "no cameras were found: images must show the same things from different places, sharp, with much in \
              common from one to the next"
         ))
     })

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use aquafuse::depth::DepthKind;
 use aquafuse::image::Encoded;
 use aquafuse::waterbody::Estimate;
-use aquafuse_data::picture::{FileError, shown};
+use aquafuse_data::image_file::{FileError, shown};
 use aquafuse_data::water_file::WaterFile;
 use aquafuse_scene::files::{read_ply, write_ply};
 use aquafuse_scene::medium::Medium;
@@ -38,7 +38,7 @@ impl Trained {
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let splats = read_ply(path)?;
         if splats.is_empty() {
-            return Err(Failure::work(anyhow!("{} holds no splats; train it anew", shown(path))));
+            return Err(Failure::work(anyhow!("{} holds no splats; train it again", shown(path))));
         }
         let beside = water_beside(path);
         let medium = match beside.is_file() {

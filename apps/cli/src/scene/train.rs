@@ -1,4 +1,4 @@
-//! `aquafuse scene train`: splats from pictures with cameras.
+//! `aquafuse scene train`: splats from images with cameras.
 
 mod brush;
 mod cpu;
@@ -8,10 +8,10 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use aquafuse::metrics::{psnr, ssim};
-use aquafuse_data::picture::{FileError, remove_stale_parts, shown};
+use aquafuse_data::image_file::{FileError, remove_stale_parts, shown};
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::capture::{self, Shown};
-use aquafuse_scene::compare::picture;
+use aquafuse_scene::compare::image;
 use aquafuse_scene::files::{Cameras, Taken, read_cameras};
 use aquafuse_scene::medium::Medium;
 use aquafuse_scene::render::render;
@@ -26,7 +26,7 @@ use brush::Brush;
 use cpu::Cpu;
 use engine::{Engine, Task};
 
-/// Train splats on a scene's pictures.
+/// Train splats on a scene's images.
 ///
 /// One that was stopped goes on where it was: the same command ends in the same file, byte for byte.
 #[derive(Args)]
@@ -34,18 +34,18 @@ use engine::{Engine, Task};
 Examples:
   aquafuse scene train reef/ -o reef.ply
   aquafuse scene train reef/ -o reef.ply --water learn --iterations 4000 --longest 640
-  aquafuse scene train reef/ -o reef.ply --hold 8        score every eighth picture, train on the rest
+  aquafuse scene train reef/ -o reef.ply --hold 8        score every eighth image, train on the rest
   aquafuse scene train reef/ -o reef.ply --engine brush  on a graphics card, by an installed Brush")]
 pub(crate) struct Train {
-    /// A folder with cameras and pictures.
+    /// A folder with cameras and images.
     scene: PathBuf,
     /// Where to write, FILE.ply; a learned water goes to FILE.water.json.
     #[arg(short, long, value_name = "FILE.ply")]
     output: PathBuf,
-    /// The folder of the pictures [default: SCENE/images, or SCENE where there is none].
+    /// The folder of the images [default: SCENE/images, or SCENE where there is none].
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
-    /// Steps, each of one picture.
+    /// Steps, each of one image.
     #[arg(long, value_name = "N", default_value_t = Options::default().iterations, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     iterations: u32,
     /// Replays a run.
@@ -60,7 +60,7 @@ pub(crate) struct Train {
     /// The most splats: time and memory grow with them.
     #[arg(long, value_name = "N", default_value_t = Options::default().most_splats)]
     splats: usize,
-    /// Pictures are scaled down to this many pixels on their longer side.
+    /// Images are scaled down to this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
     /// What trains.
@@ -69,10 +69,10 @@ pub(crate) struct Train {
     /// Brush's program [default: brush, or brush_app].
     #[arg(long, value_name = "PROGRAM")]
     brush: Option<PathBuf>,
-    /// Hold every Nth picture back, and say how near it comes.
+    /// Hold every Nth image back, and say how near it comes.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     hold: Option<u32>,
-    /// Replace FILE.ply if it exists, and begin anew.
+    /// Replace FILE.ply if it exists, and begin again.
     #[arg(long)]
     overwrite: bool,
 }
@@ -97,7 +97,7 @@ enum Trainer {
 
 /// Points to begin with where the model has none.
 const SCATTERED: usize = 10_000;
-/// A picture to train on, as it is and as the loss has it.
+/// An image to train on, as it is and as the loss has it.
 const BYTES_A_PIXEL: u64 = 48;
 /// A drawing, its gradient and the loss's.
 const STEP_BYTES_A_PIXEL: u64 = 240;
@@ -109,14 +109,15 @@ impl Train {
         self.check()?;
         let engine = self.engine()?;
         self.check_memory(common)?;
-        let pictures = self.images.clone().unwrap_or_else(|| capture::pictures_of(&self.scene));
-        let taken = capture::read(&self.scene, &pictures, self.longest as usize, &common.reading.options())?;
+        let image_files = self.images.clone().unwrap_or_else(|| capture::images_of(&self.scene));
+        let taken =
+            capture::read(&self.scene, &image_files, self.longest as usize, &common.reading.options())?;
         let held = |i: usize| self.hold.is_some_and(|every| i.is_multiple_of(every as usize));
         let (held, shown): (Vec<_>, Vec<_>) = taken.shown.iter().enumerate().partition(|(i, _)| held(*i));
         let (held, trained_on): (Vec<&Shown>, Vec<&Shown>) =
             (held.into_iter().map(|(_, one)| one).collect(), shown.into_iter().map(|(_, one)| one).collect());
         if trained_on.is_empty() {
-            return Err(Failure::usage(anyhow!("--hold leaves no picture to train on; raise it")));
+            return Err(Failure::usage(anyhow!("--hold leaves no image to train on; raise it")));
         }
         let task = Task {
             taken: &taken,
@@ -167,7 +168,7 @@ impl Train {
         }
     }
 
-    /// Refuses a scene that would take more memory than may be taken, before any picture is read.
+    /// Refuses a scene that would take more memory than may be taken, before any image is read.
     fn check_memory(&self, common: &Common) -> Result<(), Failure> {
         let (needed, most) = (self.memory(&read_cameras(&self.scene)?), common.reading.options().most_memory);
         let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
@@ -182,7 +183,7 @@ impl Train {
         })
     }
 
-    /// Bytes that training takes at most: all pictures, one step of the largest, and all splats.
+    /// Bytes that training takes at most: all images, one step of the largest, and all splats.
     fn memory(&self, cameras: &Cameras) -> u64 {
         let pixels = |one: &Taken| {
             let Camera { width, height, .. } = one.lens.camera;
@@ -212,13 +213,13 @@ impl Train {
         if !held.is_empty() {
             let scores = held.iter().filter_map(|one| {
                 let drawn = render(&trained.splats, self.sh_degree, &one.camera, &trained.medium);
-                let drawn = picture(&drawn.drawing);
-                Some((psnr(&drawn, &one.picture).ok()?, ssim(&drawn, &one.picture).ok()??))
+                let drawn = image(&drawn.drawing);
+                Some((psnr(&drawn, &one.image).ok()?, ssim(&drawn, &one.image).ok()??))
             });
             let (sum, similar) = scores.fold((0.0, 0.0), |sum, score| (sum.0 + score.0, sum.1 + score.1));
             let count = held.len() as f64;
             text += &format!(
-                "  {} pictures held back: PSNR {:.2} dB, SSIM {:.3}\n",
+                "  {} images held back: PSNR {:.2} dB, SSIM {:.3}\n",
                 held.len(),
                 sum / count,
                 similar / count

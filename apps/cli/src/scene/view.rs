@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse_data::base64;
-use aquafuse_data::picture::{FileError, remove_stale_parts, shown, write_text};
+use aquafuse_data::image_file::{FileError, remove_stale_parts, shown, write_text};
 use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::files::read_cameras;
@@ -111,7 +111,7 @@ impl View {
 }
 
 /// The splats as the page has them, 36 bytes each, little-endian: place and deviations as floats; colour, opacity and
-/// quaternion as words and bytes. Colours go up to 8, for without its water what is bright in a picture is brighter than white.
+/// quaternion as words and bytes. Colours go up to 8, for without its water what is bright in an image is brighter than white.
 fn packed(splats: &Splats<f32>) -> Vec<u8> {
     // Of floats `as` makes the nearest number that there is.
     let word = |value: f32| (value.round() as u16).to_le_bytes();

@@ -23,7 +23,7 @@ use crate::water_argument::{WaterArguments, WaterSource};
     after_help = "Example:\n  aquafuse water show preset:jerlov-3C\n  aquafuse water show harbour.water.json"
 )]
 pub(super) struct Show {
-    /// preset:NAME, NAME.water.json, or a picture.
+    /// preset:NAME, NAME.water.json, or an image.
     water: PathBuf,
     #[command(flatten)]
     waters: WaterArguments,

@@ -1,4 +1,4 @@
-//! `--json` and `--report`: a record of each picture for programs.
+//! `--json` and `--report`: a record of each image for programs.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -13,7 +13,7 @@ use aquafuse_data::water_file::Numbers;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
-/// One picture; `schema` changes when a field changes its meaning or goes.
+/// One image; `schema` changes when a field changes its meaning or goes.
 #[derive(Serialize)]
 struct Record<'a> {
     schema: u32,
@@ -81,7 +81,7 @@ struct Supplied {
     looks_turned_round: bool,
 }
 
-/// What a message says of a picture.
+/// What a message says of an image.
 pub(super) fn record(message: &Message<'_>) -> Option<Box<RawValue>> {
     let (item, outcome): (&Item, Outcome<'_>) = match message {
         Message::Done { item, report } => (item, done(report)),

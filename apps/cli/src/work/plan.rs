@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Error, Result, anyhow};
 use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::folder;
+use aquafuse_data::image_file::{FileError, Format, LISTED, WRITTEN, shown};
 use aquafuse_data::job::{Item, Plan, RECORD, Record};
 use aquafuse_data::maps;
-use aquafuse_data::picture::{FileError, Format, LISTED, WRITTEN, shown};
 
 use crate::depth_arguments::Supply;
 
-/// The pictures to treat: one, or those of a folder. `beside` are further inputs, not to be written over.
+/// The images to treat: one, or those of a folder. `beside` are further inputs, not to be written over.
 pub(super) fn items(content: &Path, beside: &[&Path], output: &Path, supply: &Supply) -> Result<Vec<Item>> {
     let about = content.metadata().map_err(|error| FileError::Read { path: content.to_owned(), error })?;
     let files = if about.is_dir() { of_folder(content, output)? } else { vec![of_file(content, output)?] };
@@ -51,7 +51,7 @@ pub(super) fn refuse_foreign(items: &[Item], record: &Record, overwrite: bool) -
     refuse(items.iter().filter(|item| record.plan(item, overwrite) == Plan::Foreign))
 }
 
-/// Refuses maps that are there and would be replaced, and pictures whose maps would have one name.
+/// Refuses maps that are there and would be replaced, and images whose maps would have one name.
 pub(super) fn refuse_maps(
     items: &[Item],
     folder: &Path,
@@ -99,7 +99,7 @@ fn of_file(content: &Path, output: &Path) -> Result<(PathBuf, PathBuf)> {
     Ok((content.to_owned(), output))
 }
 
-/// Input and output of each picture.
+/// Input and output of each image.
 fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     if same(content, output) {
         return Err(anyhow!("{} is both content and output; give another output folder", shown(content)));
@@ -113,15 +113,15 @@ fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
         ));
     }
     let listing = folder::list(content)?;
-    if listing.pictures.is_empty() {
+    if listing.images.is_empty() {
         let others = listing.others;
         return Err(anyhow!(
-            "{} holds no {LISTED}, but {others} other files; name the folder in which the pictures themselves stand",
+            "{} holds no {LISTED}, but {others} other files; name the folder in which the images themselves stand",
             shown(content)
         ));
     }
     let mut taken = HashMap::new();
-    for input in listing.pictures {
+    for input in listing.images {
         let output = output.join(output_name(&input));
         if let Some(other) = taken.insert(output, input.clone()) {
             let (one, other) = (shown(&input), shown(&other));
@@ -133,7 +133,7 @@ fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     Ok(files)
 }
 
-/// The name of the output of one of a folder's pictures: its own, with .png behind where we do not write its format.
+/// The name of the output of one of a folder's images: its own, with .png behind where we do not write its format.
 fn output_name(input: &Path) -> OsString {
     let mut name = input.file_name().unwrap_or_default().to_owned();
     if Format::written(input).is_none() {

@@ -1,11 +1,11 @@
-//! What is said about pictures that were made: how many, and which deserve a look.
+//! What is said about images that were made: how many, and which deserve a look.
 
 use std::fmt::Write;
 
 use aquafuse::depth::{SuppliedKind, SuppliedReport};
 use aquafuse::waterbody::Verdict;
+use aquafuse_data::image_file::shown;
 use aquafuse_data::job::{Item, Report};
-use aquafuse_data::picture::shown;
 use aquafuse_data::scores::Scores;
 use aquafuse_data::treatment::Held;
 
@@ -16,14 +16,14 @@ use crate::inspect::reasons;
 const MUCH: f64 = 0.05;
 /// No water's backscatter grows faster than this in green, per metre: the thickest of Jerlov's has a third of it.
 const THICKEST: f32 = 20.0;
-/// Pictures named for each thing that is worth a word.
+/// Images named for each thing that is worth a word.
 const NAMED: usize = 5;
 
-/// The summary of these pictures, and of `kept` that were there before.
+/// The summary of these images, and of `kept` that were there before.
 pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     let mut text = String::new();
     if kept > 0 {
-        let _ = writeln!(text, "{kept} pictures were there already, made by a run before this one");
+        let _ = writeln!(text, "{kept} images were there already, made by a run before this one");
     }
     let mean =
         reports.iter().map(|(_, report)| report.treated.clipping.share()).sum::<f64>() / reports.len() as f64;
@@ -33,7 +33,7 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
             writeln!(text, "{}: written, {:.2} % of the values clipped", shown(&item.output), 100.0 * mean)
         }
         _ => {
-            writeln!(text, "{} pictures written, {:.2} % of the values clipped", reports.len(), 100.0 * mean)
+            writeln!(text, "{} images written, {:.2} % of the values clipped", reports.len(), 100.0 * mean)
         }
     };
     let mut clipped: Vec<_> =
@@ -101,7 +101,7 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     text
 }
 
-/// A table of scores before and after: means over the pictures that have them.
+/// A table of scores before and after: means over the images that have them.
 fn scores(text: &mut String, reports: &[(Item, Report)]) {
     type Score = fn(&Scores) -> Option<f64>;
     const ALL: [(&str, Score); 6] = [
@@ -151,7 +151,7 @@ fn list(text: &mut String, about: &str, names: impl Iterator<Item = String>) {
     };
 }
 
-/// The picture itself, as it can be given to another command.
+/// The image itself, as it can be given to another command.
 fn name(item: &Item) -> String {
     shown(&item.input).to_string()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use aquafuse::truth::{Scene, Size, waters};
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_scene::truth;
 use tempfile::TempDir;
 
@@ -84,14 +84,14 @@ pub(crate) fn killed_after(mut command: Command, wait: std::time::Duration) -> b
     !ended.success()
 }
 
-/// Writes the picture of a truth scene in a water known by its name.
+/// Writes the image of a truth scene in a water known by its name.
 pub(crate) fn scene(path: &Path, seed: u64, water: &str) {
     let water = waters().into_iter().find(|known| known.name == water).unwrap().water;
     let image = Scene::new(seed, Size { width: 96, height: 64 }).seen_through(&water).to_samples::<u8>();
-    Picture::new(image).write(path, &WriteOptions::default()).unwrap();
+    ImageFile::new(image).write(path, &WriteOptions::default()).unwrap();
 }
 
-/// A folder of three pictures and a file that is none.
+/// A folder of three images and a file that is none.
 pub(crate) fn scenes_folder(folder: &Path) {
     std::fs::create_dir(folder).unwrap();
     for (seed, (name, water)) in
@@ -99,14 +99,14 @@ pub(crate) fn scenes_folder(folder: &Path) {
     {
         scene(&folder.join(name), seed as u64, water);
     }
-    std::fs::write(folder.join("notes.txt"), "not a picture").unwrap();
+    std::fs::write(folder.join("notes.txt"), "not an image").unwrap();
 }
 
-/// A truth scene in blue water as a folder of COLMAP: nine pictures in `reef/images`, cameras and points in `reef/sparse/0`.
+/// A truth scene in blue water as a folder of COLMAP: nine images in `reef/images`, cameras and points in `reef/sparse/0`.
 pub(crate) fn reef(run: &Run) {
     let (views, blue) = (truth::views(1, Size { width: 64, height: 48 }, 9, 1), waters()[0].water);
-    let pictures: Vec<_> = views.iter().map(|view| view.seen_through(&blue)).collect();
-    truth::write(&run.path("reef"), &views, &pictures, truth::points(&views, &pictures, 16)).unwrap();
+    let image_files: Vec<_> = views.iter().map(|view| view.seen_through(&blue)).collect();
+    truth::write(&run.path("reef"), &views, &image_files, truth::points(&views, &image_files, 16)).unwrap();
 }
 
 /// A program of our own in the run's folder: what a shell does with these lines.

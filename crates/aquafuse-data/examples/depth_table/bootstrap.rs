@@ -1,4 +1,4 @@
-//! How far a score might have been another, had the picture shown a little more of this and less of that.
+//! How far a score might have been another, had the image shown a little more of this and less of that.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +6,15 @@ use aquafuse::metrics::spearman;
 
 use crate::pairs::Pair;
 
-/// Pictures made of a picture's tiles.
+/// Images made of an image's tiles.
 pub(crate) const RESAMPLES: usize = 200;
 /// Tiles along the width and the height. Neighbouring pixels say the same thing, so whole tiles are drawn; a
-/// picture must keep enough of them to draw from.
+/// image must keep enough of them to draw from.
 const TILES: [usize; 2] = [8, 6];
 /// One pixel of a square of this side stands for it: ranks of a sixteenth are as good, and sixteen times as fast.
 const THINNED: usize = 4;
 
-/// Scores of pictures made of this picture's tiles, drawn with replacement; the same ones each time.
+/// Scores of images made of this image's tiles, drawn with replacement; the same ones each time.
 pub(crate) fn resampled(pair: &Pair, estimated: &[f32], metres: &[f32]) -> Vec<f64> {
     let (width, height) = pair.image.size();
     let mut tiles: BTreeMap<usize, Vec<(f32, f32)>> = BTreeMap::new();

@@ -2,7 +2,7 @@
 //!
 //! cargo run --release -p aquafuse-data --example depth_table -- DATA
 //!
-//! DATA is the folder of real pictures; `depth_pairs/` in it is read.
+//! DATA is the folder of real images; `depth_pairs/` in it is read.
 
 mod bootstrap;
 mod pairs;
@@ -18,7 +18,7 @@ use pairs::{Pair, by_place, read_all};
 type Error = Box<dyn std::error::Error>;
 
 fn main() -> Result<(), Error> {
-    let data = std::env::args_os().nth(1).ok_or("give the folder of real pictures")?;
+    let data = std::env::args_os().nth(1).ok_or("give the folder of real images")?;
     let pairs = read_all(&PathBuf::from(data))?;
     let names: Vec<&str> = pairs.iter().map(|pair| pair.name.trim_start_matches("flsea_")).collect();
     println!("| depth | {} | mean by place |", names.join(" | "));
@@ -50,7 +50,7 @@ fn fitted_elsewhere(pair: &Pair, pairs: &[Pair], options: Options) -> Result<Dep
     Ok(DepthModel::Eq3(fitter.solve()?.eq3))
 }
 
-/// One way to depth: its score on each picture and their mean, each with its interval.
+/// One way to depth: its score on each image and their mean, each with its interval.
 fn print_row(
     name: &str,
     pairs: &[Pair],

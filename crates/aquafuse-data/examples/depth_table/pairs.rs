@@ -1,14 +1,14 @@
-//! Pictures with measured depth (FLSea): what a way to depth says at the pixels whose depth is known.
+//! Images with measured depth (FLSea): what a way to depth says at the pixels whose depth is known.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse::image::Image;
+use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::pairs::{PairError, list};
-use aquafuse_data::picture::ReadOptions;
 
-/// One picture with its depth in metres.
+/// One image with its depth in metres.
 pub(crate) struct Pair {
     pub(crate) name: String,
     pub(crate) image: Image<u8>,
@@ -30,18 +30,18 @@ impl Pair {
         self.measured.iter().map(|&place| self.distances[place]).collect()
     }
 
-    /// One over the number of pictures of this place: each place counts once.
+    /// One over the number of images of this place: each place counts once.
     pub(crate) fn share_of_place(&self, pairs: &[Pair]) -> f64 {
         1.0 / pairs.iter().filter(|pair| pair.place() == self.place()).count() as f64
     }
 
-    /// Three of the pictures show one place.
+    /// Three of the images show one place.
     pub(crate) fn place(&self) -> &str {
         if matches!(self.name.as_str(), "flsea_0010" | "flsea_0011") { "flsea_0007" } else { &self.name }
     }
 }
 
-/// Mean over places of the mean over a place's pictures.
+/// Mean over places of the mean over a place's images.
 pub(crate) fn by_place(pairs: &[Pair], scores: &[f64]) -> f64 {
     let mut places: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (pair, score) in pairs.iter().zip(scores) {

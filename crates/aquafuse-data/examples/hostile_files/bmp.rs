@@ -28,7 +28,7 @@ pub(crate) fn add(files: &mut Files) {
             _ if large => "header too large",
             _ => "header lies",
         };
-        files.picture(kind, right, &format!("{name}.bmp"), edited);
+        files.image(kind, right, &format!("{name}.bmp"), edited);
     };
     add(Refuse, "size-20000x20000", &[(WIDTH_AT, 20_000), (HEIGHT_AT, 20_000)]);
     add(Refuse, "size-65535x65535", &[(WIDTH_AT, 65_535), (HEIGHT_AT, 65_535)]);

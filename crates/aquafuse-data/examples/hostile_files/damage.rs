@@ -9,22 +9,22 @@ use crate::{jpeg_bytes, png_bytes, seeds};
 
 const PICTURES: [&str; 6] = ["png", "jpg", "webp", "tiff", "bmp", "gif"];
 const DEPTHS: [&str; 5] = ["png", "tiff", "exr", "npy", "pfm"];
-/// Flips a file: pictures come from anywhere, depth maps mostly from one's own tools.
-const FLIPS: [(Role, usize); 2] = [(Role::Picture, 40), (Role::Depth, 20)];
+/// Flips a file: images come from anywhere, depth maps mostly from one's own tools.
+const FLIPS: [(Role, usize); 2] = [(Role::Image, 40), (Role::Depth, 20)];
 
 pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
     for (role, flips) in FLIPS {
-        let extensions = if role == Role::Picture { &PICTURES[..] } else { &DEPTHS };
+        let extensions = if role == Role::Image { &PICTURES[..] } else { &DEPTHS };
         for extension in extensions {
             let whole = match role {
-                Role::Picture => seeds::picture(extension)?,
+                Role::Image => seeds::image(extension)?,
                 Role::Depth => seeds::depth(extension)?,
             };
             cut(files, role, "cut", extension, &whole)?;
             flip(files, role, extension, &whole, flips);
         }
     }
-    let mut also = |name, extension, whole: &[u8]| cut(files, Role::Picture, name, extension, whole);
+    let mut also = |name, extension, whole: &[u8]| cut(files, Role::Image, name, extension, whole);
     // The directory in front, as most writers but the crate's have it: then pixels are what is lost.
     also("cut-by-hand", "tif", &Tiff::grey().bytes())?;
     // Larger ones, of which nearly everything is scan: decoders that fill up what is missing take them.

@@ -9,7 +9,7 @@ const LIES: &str = "header lies";
 pub(crate) fn add(files: &mut Files) {
     let (w, h) = (WIDTH as u16, HEIGHT as u16);
     let mut add = |kind, right: Right, name: &str, parts: &[Vec<u8>]| {
-        files.picture(kind, right, &format!("{name}.gif"), [parts.concat(), b"\x3b".to_vec()].concat());
+        files.image(kind, right, &format!("{name}.gif"), [parts.concat(), b"\x3b".to_vec()].concat());
     };
     add(LIES, Refuse, "no-frame", &[screen(w, h)]);
     add(LIES, Refuse, "extensions-alone", &[screen(w, h), b"\x21\xfe\x04reef\0".repeat(3)]);

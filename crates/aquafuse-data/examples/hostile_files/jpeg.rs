@@ -26,17 +26,17 @@ fn large(files: &mut Files) {
     for (width, height) in [(65_535, 65_535), (20_000, 20_000), (1, 65_535), (65_535, 1)] {
         let kind = if width.min(height) == 1 { LIES } else { LARGE };
         let name = |what: &str| format!("{what}-{width}x{height}-without-data.jpg");
-        // An empty scan holds no block of the picture.
+        // An empty scan holds no block of the image.
         let nothing = file(&[steps(), codes(), frame(0xc0, width, height, COLOUR), scan_head(3, 0, 63)]);
-        files.picture(kind, Refuse, &name("baseline"), nothing);
+        files.image(kind, Refuse, &name("baseline"), nothing);
         let nothing = file(&[steps(), codes(), frame(0xc2, width, height, CMYK), scan_head(4, 0, 0)]);
-        files.picture(kind, Refuse, &name("progressive-cmyk"), nothing);
+        files.image(kind, Refuse, &name("progressive-cmyk"), nothing);
     }
-    // Whole pictures of 256 million pixels in a megabyte: each block is two bits, "as before" and "end".
+    // Whole images of 256 million pixels in a megabyte: each block is two bits, "as before" and "end".
     let zeros = vec![0; 2048 * 2048 * 2 / 8];
     let short = short_codes();
     let whole = [steps(), short.clone(), frame(0xc0, 16_384, 16_384, GREY), scan_head(1, 0, 63), zeros];
-    files.picture(LARGE, Any, "whole-grey-16384x16384.jpg", file(&whole));
+    files.image(LARGE, Any, "whole-grey-16384x16384.jpg", file(&whole));
     // Scan after scan over 16 million pixels, each a few bytes long: end-of-band runs of 32,767 blocks.
     let mut parts = vec![steps(), short, frame(0xc2, 4096, 4096, GREY), scan_head(1, 0, 0), vec![0; 32_768]];
     parts.push(segment(0xc4, &[&[0x10, 1][..], &[0; 15], &[0xe0]].concat()));
@@ -44,7 +44,7 @@ fn large(files: &mut Files) {
         // 262,144 blocks are eight such runs and a little more.
         let scan = [scan_head(1, 1, 63), runs(9)].concat();
         let bytes = file(&[&parts[..], &[scan.repeat(scans)]].concat());
-        files.picture(LARGE, Any, &format!("{name}.jpg"), bytes);
+        files.image(LARGE, Any, &format!("{name}.jpg"), bytes);
     }
 }
 
@@ -65,7 +65,7 @@ fn runs(count: usize) -> Vec<u8> {
 
 fn frames(files: &mut Files) {
     let mut add = |right, name: &str, bytes: Vec<u8>| {
-        files.picture(LIES, right, &format!("{name}.jpg"), bytes);
+        files.image(LIES, right, &format!("{name}.jpg"), bytes);
     };
     let good = frame(0xc0, 48, 32, COLOUR);
     let scan = || [scan_head(3, 0, 63), whole_scan(COLOUR)].concat();
@@ -95,7 +95,7 @@ fn frames(files: &mut Files) {
 
 fn tables(files: &mut Files) {
     let mut add = |right, name: &str, bytes: Vec<u8>| {
-        files.picture(LIES, right, &format!("{name}.jpg"), bytes);
+        files.image(LIES, right, &format!("{name}.jpg"), bytes);
     };
     let parts = |before: &[Vec<u8>]| {
         let own = [frame(0xc0, 48, 32, GREY), scan_head(1, 0, 63), whole_scan(GREY)];
@@ -134,7 +134,7 @@ fn data(files: &mut Files) {
     let whole = baseline(COLOUR);
     let (at, half) = (whole.len() - 2 - whole_scan(COLOUR).len(), whole_scan(COLOUR).len() / 2);
     let mut add = |right, name: &str, bytes: Vec<u8>| {
-        files.picture("damaged data", right, &format!("{name}.jpg"), bytes);
+        files.image("damaged data", right, &format!("{name}.jpg"), bytes);
     };
     add(Any, "hole-of-zeros", put(&whole, at + half / 2, &vec![0; half]));
     add(Any, "hole-of-ones", put(&whole, at + half / 2, &vec![0xff; half]));

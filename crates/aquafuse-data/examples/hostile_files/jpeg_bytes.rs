@@ -130,7 +130,7 @@ impl Bits {
     }
 }
 
-/// A whole baseline picture of 48x32.
+/// A whole baseline image of 48x32.
 pub(crate) fn baseline(components: &[Sampling]) -> Vec<u8> {
     let mut parts = vec![steps(), codes(), frame(0xc0, 48, 32, components)];
     if components.len() == 4 {
@@ -148,7 +148,7 @@ pub(crate) fn whole_scan(components: &[Sampling]) -> Vec<u8> {
     Scan { components, units: 24 / (side * side), restart: 0, block_ends: true }.bytes()
 }
 
-/// A grey progressive picture of `columns` by 8 blocks: constants first, then the rest, of which there is none.
+/// A grey progressive image of `columns` by 8 blocks: constants first, then the rest, of which there is none.
 pub(crate) fn progressive(columns: u16) -> Vec<u8> {
     let units = usize::from(columns) * 8;
     let constants = Scan { components: GREY, units, restart: 0, block_ends: false }.bytes();

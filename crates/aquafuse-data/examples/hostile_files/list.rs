@@ -7,7 +7,7 @@ use std::path::Path;
 /// What a reader must do with a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Right {
-    /// No whole picture is in it.
+    /// No whole image is in it.
     Refuse,
     /// The rules leave it to the reader.
     Any,
@@ -18,7 +18,7 @@ pub(crate) enum Right {
 /// What a file is given as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
-    Picture,
+    Image,
     Depth,
 }
 
@@ -35,15 +35,9 @@ struct Entry {
 pub(crate) struct Files(Vec<Entry>);
 
 impl Files {
-    /// Adds a file to be given as a picture.
-    pub(crate) fn picture(
-        &mut self,
-        kind: &'static str,
-        right: Right,
-        name: &str,
-        bytes: impl Into<Vec<u8>>,
-    ) {
-        self.add(kind, Role::Picture, right, name, bytes);
+    /// Adds a file to be given as an image.
+    pub(crate) fn image(&mut self, kind: &'static str, right: Right, name: &str, bytes: impl Into<Vec<u8>>) {
+        self.add(kind, Role::Image, right, name, bytes);
     }
 
     /// Adds a file to be given as a depth map.

@@ -5,7 +5,7 @@
 //! Writes `FOLDER/files/`, `FOLDER/good.png`, `FOLDER/water.png` and `FOLDER/list.tsv`; `cargo xtask hostile` gives
 //! each file to the command. The same files come out every time.
 //!
-//! *Refuse* is claimed only where the format's own rules leave no whole picture: data the pixels need are gone, or a
+//! *Refuse* is claimed only where the format's own rules leave no whole image: data the pixels need are gone, or a
 //! header says what the rules forbid. Where a reader may recover without loss, as from a lost end mark, *any* is
 //! right, but no panic, no hang and no half output.
 
@@ -18,7 +18,7 @@ mod jpeg;
 mod jpeg_bytes;
 mod list;
 mod metadata;
-mod no_picture;
+mod no_image;
 mod npy;
 mod pfm;
 mod png;
@@ -48,10 +48,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     exr::add(&mut files)?;
     npy::add(&mut files);
     pfm::add(&mut files);
-    no_picture::add(&mut files);
+    no_image::add(&mut files);
     unusual::add(&mut files)?;
     files.write(&folder)?;
-    std::fs::write(folder.join("good.png"), seeds::picture("png")?)?;
+    std::fs::write(folder.join("good.png"), seeds::image("png")?)?;
     std::fs::write(folder.join("water.png"), seeds::water()?)?;
     println!("{} files in {}", files.len(), folder.display());
     Ok(())

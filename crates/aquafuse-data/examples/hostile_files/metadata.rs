@@ -1,4 +1,4 @@
-//! EXIF blocks and colour profiles that loop, point nowhere or promise too much. The picture beside them is good, so
+//! EXIF blocks and colour profiles that loop, point nowhere or promise too much. The image beside them is good, so
 //! a reader may take it without them or refuse it; it may not panic, hang or fill memory.
 
 use std::error::Error;
@@ -12,30 +12,25 @@ use crate::seeds;
 const KIND: &str = "metadata";
 
 pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
-    let jpeg = seeds::picture("jpg")?;
+    let jpeg = seeds::image("jpg")?;
     let with = |segments: &[Vec<u8>]| [&jpeg[..2], &segments.concat(), &jpeg[2..]].concat();
     let app = |marker: u8, body: &[u8]| {
         [&[0xff, marker][..], &(body.len() as u16 + 2).to_be_bytes(), body].concat()
     };
     for (name, exif) in exif_blocks() {
         let segment = app(0xe1, &[b"Exif\0\0", &exif[..]].concat());
-        files.picture(KIND, Any, &format!("exif-{name}.jpg"), with(&[segment]));
+        files.image(KIND, Any, &format!("exif-{name}.jpg"), with(&[segment]));
         let chunk = png_bytes::chunk(b"eXIf", &exif);
-        files.picture(KIND, Any, &format!("exif-{name}.png"), png_bytes::with(&[chunk]));
+        files.image(KIND, Any, &format!("exif-{name}.png"), png_bytes::with(&[chunk]));
     }
     for orientation in 1..=8 {
         let segment = app(0xe1, &[b"Exif\0\0", &directory(&[orientation_tag(orientation)], 0)[..]].concat());
-        files.picture(
-            "unusual but valid",
-            Accept,
-            &format!("orientation-{orientation}.jpg"),
-            with(&[segment]),
-        );
+        files.image("unusual but valid", Accept, &format!("orientation-{orientation}.jpg"), with(&[segment]));
     }
     let mut profile = |name: &str, chunks: &[[u8; 2]]| {
         let chunk = |numbers: &[u8; 2]| app(0xe2, &[b"ICC_PROFILE\0", &numbers[..], &[7; 50]].concat());
         let segments: Vec<_> = chunks.iter().map(chunk).collect();
-        files.picture(KIND, Any, &format!("profile-{name}.jpg"), with(&segments));
+        files.image(KIND, Any, &format!("profile-{name}.jpg"), with(&segments));
     };
     profile("of-noise", &[[1, 1]]);
     profile("part-5-of-2", &[[5, 2]]);
@@ -44,9 +39,9 @@ pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
     profile("parts-twice", &[[1, 2], [1, 2], [2, 2]]);
     profile("of-255-parts-of-one-number", &[[1, 255]; 255]);
     let noise = app(0xe1, &[b"http://ns.adobe.com/xap/1.0/\0", &Chance(9).bytes(4000)[..]].concat());
-    files.picture(KIND, Any, "xmp-of-noise.jpg", with(&[noise]));
-    files.picture(KIND, Any, "short-jfif.jpg", with(&[app(0xe0, b"JFI")]));
-    files.picture(KIND, Any, "short-adobe.jpg", with(&[app(0xee, b"Adobe")]));
+    files.image(KIND, Any, "xmp-of-noise.jpg", with(&[noise]));
+    files.image(KIND, Any, "short-jfif.jpg", with(&[app(0xe0, b"JFI")]));
+    files.image(KIND, Any, "short-adobe.jpg", with(&[app(0xee, b"Adobe")]));
     Ok(())
 }
 

@@ -48,7 +48,7 @@ fn headers(files: &mut Files) {
     files.depth(LIES, Refuse, "header-alone.pfm", *b"Pf\n48 32\n-1.0\n");
 }
 
-/// Whole files whose values do not suit: of the picture's size, but invalid; or valid, of another size.
+/// Whole files whose values do not suit: of the image's size, but invalid; or valid, of another size.
 fn unfit(files: &mut Files) {
     const KIND: &str = "unfit depth";
     let size = (WIDTH * HEIGHT) as usize;

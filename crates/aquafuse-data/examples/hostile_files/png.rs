@@ -29,22 +29,22 @@ fn large(files: &mut Files) {
         [(20_000, 20_000), (65_535, 65_535), (u32::MAX, u32::MAX), (1, u32::MAX), (0x7fff_ffff, 1)]
     {
         let bomb = file(&[header(width, height, 8, RGB, [0; 3]), idat(&[0; 64]), end()]);
-        files.picture(LARGE, Refuse, &format!("{width}x{height}.png"), bomb.clone());
+        files.image(LARGE, Refuse, &format!("{width}x{height}.png"), bomb.clone());
         files.depth(LARGE, Refuse, &format!("{width}x{height}.png"), {
             file(&[header(width, height, 16, GREY, [0; 3]), idat(&[0; 64]), end()])
         });
     }
     let deep = file(&[header(0x7fff_ffff, 0x7fff_ffff, 16, 6, [0, 0, 1]), idat(&[0; 64]), end()]);
-    files.picture(LARGE, Refuse, "interlaced-16-bit-2147483647.png", deep);
+    files.image(LARGE, Refuse, "interlaced-16-bit-2147483647.png", deep);
     // The one bomb whose pixels are all there: 400 million in 310 kB. A limit may refuse it, and may not.
     let zeros = zlib_zeros(20_000 * (1 + 20_000 / 8));
     let whole = file(&[header(20_000, 20_000, 1, GREY, [0; 3]), chunk(b"IDAT", &zeros), end()]);
-    files.picture(LARGE, Any, "whole-20000x20000-1-bit.png", whole);
+    files.image(LARGE, Any, "whole-20000x20000-1-bit.png", whole);
 }
 
 fn lies(files: &mut Files) {
     let mut add = |name: &str, header: Vec<u8>| {
-        files.picture(LIES, Refuse, &format!("{name}.png"), file(&[header, idat(&rgb_rows()), end()]));
+        files.image(LIES, Refuse, &format!("{name}.png"), file(&[header, idat(&rgb_rows()), end()]));
     };
     let (w, h) = (WIDTH, HEIGHT);
     add("zero-width", header(0, h, 8, RGB, [0; 3]));
@@ -70,7 +70,7 @@ fn palettes(files: &mut Files) {
     let data = || idat(&index_rows());
     let mut add = |right, name: &str, chunks: Vec<u8>| {
         let bytes = file(&[plain(8, PALETTE), chunks, data(), end()]);
-        files.picture(CHUNKS, right, &format!("{name}.png"), bytes);
+        files.image(CHUNKS, right, &format!("{name}.png"), bytes);
     };
     // "A chunk length not divisible by 3 is an error"; png 0.18.1 panics on it.
     add(Refuse, "palette-of-7-bytes", chunk(b"PLTE", &[9; 7]));
@@ -83,16 +83,16 @@ fn palettes(files: &mut Files) {
     add(Any, "transparency-longer-than-palette", [palette(16), chunk(b"tRNS", &[7; 200])].concat());
     add(Any, "transparency-before-palette", [chunk(b"tRNS", &[7; 4]), palette(16)].concat());
     let late = file(&[plain(8, PALETTE), data(), palette(16), end()]);
-    files.picture(CHUNKS, Refuse, "palette-after-the-pixels.png", late);
+    files.image(CHUNKS, Refuse, "palette-after-the-pixels.png", late);
     let grey = file(&[plain(1, GREY), palette(2), idat(&bit_rows()), end()]);
-    files.picture(CHUNKS, Any, "palette-in-grey.png", grey);
-    files.picture(CHUNKS, Any, "palette-of-7-bytes-in-rgb.png", with(&[chunk(b"PLTE", &[9; 7])]));
-    files.picture(CHUNKS, Any, "transparency-of-7-bytes.png", with(&[chunk(b"tRNS", &[0; 7])]));
+    files.image(CHUNKS, Any, "palette-in-grey.png", grey);
+    files.image(CHUNKS, Any, "palette-of-7-bytes-in-rgb.png", with(&[chunk(b"PLTE", &[9; 7])]));
+    files.image(CHUNKS, Any, "transparency-of-7-bytes.png", with(&[chunk(b"tRNS", &[0; 7])]));
 }
 
 fn chunks(files: &mut Files) {
     let mut add = |right, name: &str, chunks: &[Vec<u8>]| {
-        files.picture(CHUNKS, right, &format!("{name}.png"), file(chunks));
+        files.image(CHUNKS, right, &format!("{name}.png"), file(chunks));
     };
     let head = || plain(8, RGB);
     let data = || idat(&rgb_rows());
@@ -135,7 +135,7 @@ fn wrong_checksum(chunk: &[u8]) -> Vec<u8> {
 fn streams(files: &mut Files) {
     let mut add = |right, name: &str, stream: &[u8]| {
         let bytes = file(&[plain(8, RGB), chunk(b"IDAT", stream), end()]);
-        files.picture(CHUNKS, right, &format!("{name}.png"), bytes);
+        files.image(CHUNKS, right, &format!("{name}.png"), bytes);
     };
     add(Refuse, "stream-of-noise", &crate::bytes::Chance(5).bytes(3000));
     add(Refuse, "stream-with-a-reserved-block", &[0x78, 0x01, 0b111, 0, 0, 0, 0]);
@@ -147,14 +147,14 @@ fn streams(files: &mut Files) {
     add(Refuse, "stream-without-its-second-half", &whole[..whole.len() / 2]);
     let zeros = zlib_zeros(FAR);
     let data = file(&[plain(8, RGB), chunk(b"IDAT", &zeros), end()]);
-    files.picture(INFLATES, Any, "data-inflate-to-300-megabytes.png", data);
+    files.image(INFLATES, Any, "data-inflate-to-300-megabytes.png", data);
     let mut named = |name: &str, chunk_name, head: &[u8]| {
         let bomb = chunk(chunk_name, &[head, &zeros].concat());
-        files.picture(INFLATES, Any, &format!("{name}-inflates-to-300-megabytes.png"), with(&[bomb]));
+        files.image(INFLATES, Any, &format!("{name}-inflates-to-300-megabytes.png"), with(&[bomb]));
     };
     named("profile", b"iCCP", b"icc\0\0");
     named("text", b"zTXt", b"Title\0\0");
     named("international-text", b"iTXt", b"Title\0\x01\0\0\0");
-    files.picture(CHUNKS, Any, "profile-of-noise.png", with(&[chunk(b"iCCP", &[7; 100])]));
-    files.picture(CHUNKS, Any, "profile-without-name.png", with(&[chunk(b"iCCP", &[0])]));
+    files.image(CHUNKS, Any, "profile-of-noise.png", with(&[chunk(b"iCCP", &[7; 100])]));
+    files.image(CHUNKS, Any, "profile-without-name.png", with(&[chunk(b"iCCP", &[0])]));
 }

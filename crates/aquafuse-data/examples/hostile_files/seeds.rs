@@ -13,7 +13,7 @@ pub(crate) const HEIGHT: u32 = 32;
 /// What making a valid file gives.
 pub(crate) type Made = Result<Vec<u8>, Box<dyn Error>>;
 
-/// The pixels of every picture: gradients with some texture, for flat pictures tell nothing of their water.
+/// The pixels of every image: gradients with some texture, for flat images tell nothing of their water.
 pub(crate) fn pixel(x: u32, y: u32) -> [u8; 3] {
     let texture = (7 * x + 13 * y) % 11;
     [30 + 2 * x + texture, 80 + 3 * y, 120 + x + y + texture].map(|value| value as u8)
@@ -23,15 +23,15 @@ pub(crate) fn rgb() -> RgbImage {
     RgbImage::from_fn(WIDTH, HEIGHT, |x, y| Rgb(pixel(x, y)))
 }
 
-/// A picture in the format of that extension.
-pub(crate) fn picture(extension: &str) -> Made {
+/// An image in the format of that extension.
+pub(crate) fn image(extension: &str) -> Made {
     let format = ImageFormat::from_extension(extension).ok_or("no such format")?;
     encoded(&rgb().into(), format)
 }
 
-pub(crate) fn encoded(picture: &DynamicImage, format: ImageFormat) -> Made {
+pub(crate) fn encoded(image: &DynamicImage, format: ImageFormat) -> Made {
     let mut file = Cursor::new(Vec::new());
-    picture.write_to(&mut file, format)?;
+    image.write_to(&mut file, format)?;
     Ok(file.into_inner())
 }
 
@@ -42,7 +42,7 @@ pub(crate) fn photo() -> Made {
     encoded(&RgbImage::from_fn(160, 120, |x, y| Rgb(textured(x, y))).into(), ImageFormat::Jpeg)
 }
 
-/// The picture whose water is taken.
+/// The image whose water is taken.
 pub(crate) fn water() -> Made {
     let green = RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
         let texture = (5 * x + 3 * y) % 7;

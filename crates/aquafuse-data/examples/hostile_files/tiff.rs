@@ -12,7 +12,7 @@ const LIES: &str = "header lies";
 const LARGE: &str = "header too large";
 
 pub(crate) fn add(files: &mut Files) {
-    for (role, seed) in [(Role::Picture, Tiff::grey()), (Role::Depth, Tiff::depth())] {
+    for (role, seed) in [(Role::Image, Tiff::grey()), (Role::Depth, Tiff::depth())] {
         large(files, role, &seed);
         directories(files, role, &seed);
         strips(files, role, &seed);
@@ -102,7 +102,7 @@ fn strips(files: &mut Files, role: Role, seed: &Tiff) {
 
 fn values(files: &mut Files) {
     let mut add = |right: Right, name: &str, edits: &[(u16, u32)]| {
-        for (role, seed) in [(Role::Picture, Tiff::grey()), (Role::Depth, Tiff::depth())] {
+        for (role, seed) in [(Role::Image, Tiff::grey()), (Role::Depth, Tiff::depth())] {
             let tiff = edits.iter().fold(seed, |tiff, &(tag, value)| tiff.with(tag, value));
             files.add(LIES, role, right, &format!("{name}.tiff"), tiff.bytes());
         }

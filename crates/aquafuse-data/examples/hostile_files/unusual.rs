@@ -27,7 +27,7 @@ pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
     depths(files)?;
     let (w, h) = (WIDTH as u16, HEIGHT as u16);
     let two = [gif::screen(w, h), gif::frame(w, h, 7), gif::data(1536), gif::frame(8, 8, 7), gif::data(64)];
-    files.picture(KIND, Accept, "two-frames.gif", [two.concat(), b"\x3b".to_vec()].concat());
+    files.image(KIND, Accept, "two-frames.gif", [two.concat(), b"\x3b".to_vec()].concat());
     Ok(())
 }
 
@@ -35,10 +35,10 @@ pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
 fn by_the_crate(files: &mut Files) -> Result<(), Box<dyn Error>> {
     let rgb = DynamicImage::from(seeds::rgb());
     for extension in ["png", "jpg", "webp", "tiff", "bmp", "gif"] {
-        files.picture(KIND, Accept, &format!("rgb.{extension}"), seeds::picture(extension)?);
+        files.image(KIND, Accept, &format!("rgb.{extension}"), seeds::image(extension)?);
         let single = DynamicImage::from(RgbImage::from_pixel(1, 1, Rgb(pixel(0, 0))));
         let format = ImageFormat::from_extension(extension).ok_or("no such format")?;
-        files.picture(KIND, Accept, &format!("single-pixel.{extension}"), encoded(&single, format)?);
+        files.image(KIND, Accept, &format!("single-pixel.{extension}"), encoded(&single, format)?);
     }
     let kinds: [(&str, DynamicImage, &[ImageFormat]); 6] = [
         (
@@ -52,22 +52,22 @@ fn by_the_crate(files: &mut Files) -> Result<(), Box<dyn Error>> {
         ("16-bit-grey", rgb.to_luma16().into(), &[ImageFormat::Png, ImageFormat::Tiff]),
         ("float", rgb.to_rgb32f().into(), &[ImageFormat::Tiff]),
     ];
-    for (name, picture, formats) in kinds {
+    for (name, image, formats) in kinds {
         for format in formats {
             let extension = format.extensions_str().first().ok_or("no extension")?;
-            files.picture(KIND, Accept, &format!("{name}.{extension}"), encoded(&picture, *format)?);
+            files.image(KIND, Accept, &format!("{name}.{extension}"), encoded(&image, *format)?);
         }
     }
     for (width, height) in [(1, 300), (300, 1), (3, 5)] {
         let thin = RgbImage::from_fn(width, height, |x, y| Rgb(pixel(x % 48, y % 32)));
         let bytes = encoded(&thin.into(), ImageFormat::Png)?;
-        files.picture(KIND, Accept, &format!("thin-{width}x{height}.png"), bytes);
+        files.image(KIND, Accept, &format!("thin-{width}x{height}.png"), bytes);
     }
     Ok(())
 }
 
 fn pngs(files: &mut Files) {
-    let mut add = |name: &str, bytes: Vec<u8>| files.picture(KIND, Accept, &format!("{name}.png"), bytes);
+    let mut add = |name: &str, bytes: Vec<u8>| files.image(KIND, Accept, &format!("{name}.png"), bytes);
     let coloured = |chunks: Vec<u8>| file(&[plain(8, PALETTE), chunks, idat(&index_rows()), end()]);
     add("palette", coloured(palette(16)));
     add("palette-with-transparency", coloured([palette(16), chunk(b"tRNS", &[0, 128, 255])].concat()));
@@ -84,7 +84,7 @@ fn pngs(files: &mut Files) {
 
 fn jpegs(files: &mut Files) {
     use jpeg_bytes::{CMYK, COLOUR, GREY, HALVED, Scan, codes, frame, scan_head, segment, steps};
-    let mut add = |name: &str, bytes: Vec<u8>| files.picture(KIND, Accept, &format!("{name}.jpg"), bytes);
+    let mut add = |name: &str, bytes: Vec<u8>| files.image(KIND, Accept, &format!("{name}.jpg"), bytes);
     for (name, components) in [("grey-by-hand", GREY), ("colour", COLOUR), ("halved", HALVED), ("cmyk", CMYK)]
     {
         add(name, jpeg_bytes::baseline(components));
@@ -100,7 +100,7 @@ fn jpegs(files: &mut Files) {
 }
 
 fn tiffs(files: &mut Files) -> Result<(), Box<dyn Error>> {
-    let mut add = |name: &str, bytes: Vec<u8>| files.picture(KIND, Accept, &format!("{name}.tiff"), bytes);
+    let mut add = |name: &str, bytes: Vec<u8>| files.image(KIND, Accept, &format!("{name}.tiff"), bytes);
     add("grey-by-hand", Tiff::grey().bytes());
     add("big-endian", Tiff::grey().big_endian().bytes());
     for (name, compression) in [

@@ -11,16 +11,16 @@ const LIES: &str = "header lies";
 const LARGE: &str = "header too large";
 
 pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
-    let seed = seeds::picture("webp")?;
+    let seed = seeds::image("webp")?;
     let add = |files: &mut Files, kind, right, name: &str, bytes: Vec<u8>| {
-        files.picture(kind, right, &format!("{name}.webp"), bytes);
+        files.image(kind, right, &format!("{name}.webp"), bytes);
     };
-    // RIFF, its size, WEBP, VP8L, its size, 0x2f, the size of the picture.
+    // RIFF, its size, WEBP, VP8L, its size, 0x2f, the size of the image.
     for size in [0, 4, 11, 0x7fff_ffff, u32::MAX] {
         let bytes = put(&seed, 4, &size.to_le_bytes());
         add(files, LIES, Any, &format!("riff-size-{size}"), bytes);
     }
-    // A chunk too small for its picture is read on by libwebp; one larger than its container is not whole.
+    // A chunk too small for its image is read on by libwebp; one larger than its container is not whole.
     for (size, right) in [(0, Any), (3, Any), (0x7fff_ffff, Refuse), (u32::MAX, Refuse)] {
         let bytes = put(&seed, 16, &u32::to_le_bytes(size));
         add(files, LIES, right, &format!("chunk-size-{size}"), bytes);
@@ -37,7 +37,7 @@ pub(crate) fn add(files: &mut Files) -> Result<(), Box<dyn Error>> {
     // 14 bits a side, less one: 16384x16384 and 16384x1, of hardly any data.
     add(files, LARGE, Refuse, "16384x16384", riff(&[(b"VP8L", b"\x2f\xff\xff\xff\x0f\0\0\0")]));
     add(files, LARGE, Refuse, "16384x1", riff(&[(b"VP8L", b"\x2f\xff\x3f\0\0\0\0")]));
-    // Codes of one symbol take no bits, so that this is the whole of a black picture.
+    // Codes of one symbol take no bits, so that this is the whole of a black image.
     add(files, LARGE, Any, "whole-16384x16384", riff(&[(b"VP8L", b"\x2f\xff\xff\xff\x0f\x88\x88\x08")]));
     let lossy = |size: [u8; 4]| [&b"\x30\x01\0\x9d\x01\x2a"[..], &size, &[0; 9]].concat();
     add(files, LARGE, Refuse, "lossy-16383x16383", riff(&[(b"VP8 ", &lossy([0xff, 0x3f, 0xff, 0x3f]))]));

@@ -1,4 +1,4 @@
-//! A file that holds several pictures, multiplied as a whole: it is there or it is not.
+//! A file that holds several images, multiplied as a whole: it is there or it is not.
 
 mod shards;
 #[cfg(feature = "parquet")]
@@ -12,10 +12,10 @@ use super::make::{Made, Maker, News};
 use super::plan::Planned;
 use crate::dataset::Layout;
 use crate::digest::sha256;
-use crate::picture::{FileError, Format, Opened, Picture, ReadOptions};
+use crate::image_file::{FileError, Format, ImageFile, Opened, ReadOptions};
 use crate::treatment::Space;
 
-/// A picture in a container.
+/// An image in a container.
 struct Held {
     /// What its draws depend on: CONTAINER/NAME.
     draws: String,
@@ -26,15 +26,15 @@ struct Held {
     bytes: Vec<u8>,
 }
 
-/// A variant of such a picture.
+/// A variant of such an image.
 struct Varied {
-    /// What follows the name of its picture: `__WATER__NUMBER`.
+    /// What follows the name of its image: `__WATER__NUMBER`.
     suffix: String,
     bytes: Vec<u8>,
 }
 
 impl<E: Space> Maker<'_, E> {
-    /// Makes a container, unless it is there as it would be made now. A picture that fails leaves the others as they are.
+    /// Makes a container, unless it is there as it would be made now. An image that fails leaves the others as they are.
     pub(super) fn make_container(&self, sample: &Planned<'_>, journal: &Journal) -> Result<Made, FileError> {
         let input = self.job.dataset.root.join(sample.key);
         let about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
@@ -62,7 +62,7 @@ impl<E: Space> Maker<'_, E> {
         Ok(Made { news: Some(News { variants, vanished, verdict: None, lines: line.text() }), failures })
     }
 
-    /// Writes it, and says in `container` what was made; the failures of single pictures come back.
+    /// Writes it, and says in `container` what was made; the failures of single images come back.
     fn write_container(&self, input: &Path, container: &mut Container) -> Result<Vec<FileError>, FileError> {
         match self.job.dataset.layout {
             #[cfg(feature = "parquet")]
@@ -71,8 +71,8 @@ impl<E: Space> Maker<'_, E> {
         }
     }
 
-    /// The variants of one picture: none where it is skipped. `output` names one in the container, by what follows the
-    /// picture's own name.
+    /// The variants of one image: none where it is skipped. `output` names one in the container, by what follows the
+    /// image's own name.
     fn vary(
         &self,
         held: Held,
@@ -80,7 +80,7 @@ impl<E: Space> Maker<'_, E> {
         output: &dyn Fn(&str) -> String,
     ) -> Result<Vec<Varied>, FileError> {
         let recipe = &self.job.recipe;
-        let opened = Picture::open_bytes(&held.name, held.bytes, &recipe.reading)?;
+        let opened = ImageFile::open_bytes(&held.name, held.bytes, &recipe.reading)?;
         let read = recipe.read(opened, &self.maps.source(&held.draws)?, &self.budget)?;
         if let Some(why) = recipe.skipped(read.found.estimate.quality) {
             container.skipped.push((held.draws, why));
@@ -103,8 +103,8 @@ impl<E: Space> Maker<'_, E> {
     }
 }
 
-/// The picture of a key in a container.
-pub(super) fn picture_of(
+/// The image of a key in a container.
+pub(super) fn image_of(
     layout: Layout,
     container: &Path,
     key: &str,
@@ -112,16 +112,16 @@ pub(super) fn picture_of(
 ) -> Result<Opened, FileError> {
     let found = match layout {
         #[cfg(feature = "parquet")]
-        Layout::Parquet => tables::picture_of(container, key, options)?,
-        _ => shards::picture_of(container, key, options)?,
+        Layout::Parquet => tables::image_of(container, key, options)?,
+        _ => shards::image_of(container, key, options)?,
     };
     let none =
         || FileError::Damaged { path: container.to_owned(), cause: format!("there is no {key} in it") };
     let (name, bytes) = found.ok_or_else(none)?;
-    Picture::open_bytes(&container.join(name), bytes, options)
+    ImageFile::open_bytes(&container.join(name), bytes, options)
 }
 
-/// The extension of a variant: that of its picture, if we write that format.
+/// The extension of a variant: that of its image, if we write that format.
 fn written(extension: &str) -> &str {
     if Format::written(format!("x.{extension}").as_ref()).is_some() { extension } else { "png" }
 }

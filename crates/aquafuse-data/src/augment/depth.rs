@@ -1,4 +1,4 @@
-//! The depth of a data set's pictures.
+//! The depth of a dataset's images.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,14 +8,14 @@ use aquafuse::depth::{DepthModel, SuppliedKind};
 use crate::analysis::DepthSource;
 use crate::dataset::split;
 use crate::depth_file::DepthFolder;
-use crate::picture::FileError;
+use crate::image_file::FileError;
 
-/// How to come by the depth of a data set's pictures.
+/// How to come by the depth of a dataset's images.
 #[derive(Clone, Debug)]
 pub enum DepthPlan {
     /// From colour.
     Estimated(DepthModel),
-    /// From a folder of maps, laid out as the data set or with all maps in it, each of its picture's stem.
+    /// From a folder of maps, laid out as the dataset or with all maps in it, each of its image's stem.
     Maps {
         /// The folder.
         folder: PathBuf,
@@ -24,14 +24,14 @@ pub enum DepthPlan {
     },
 }
 
-/// The maps of a data set, found once.
+/// The maps of a dataset, found once.
 pub(super) enum Maps {
     None(DepthModel),
     Folders { root: PathBuf, kind: SuppliedKind, by_folder: BTreeMap<PathBuf, DepthFolder> },
 }
 
 impl Maps {
-    /// Lists the folders in which the maps of these pictures stand.
+    /// Lists the folders in which the maps of these images stand.
     pub(super) fn of<'a>(plan: &DepthPlan, keys: impl Iterator<Item = &'a str>) -> Result<Self, FileError> {
         let (root, kind) = match plan {
             DepthPlan::Estimated(model) => return Ok(Self::None(*model)),
@@ -47,7 +47,7 @@ impl Maps {
         Ok(Self::Folders { root, kind, by_folder })
     }
 
-    /// The depth of a picture.
+    /// The depth of an image.
     pub(super) fn source(&self, key: &str) -> Result<DepthSource, FileError> {
         let (root, kind, by_folder) = match self {
             Self::None(model) => return Ok(DepthSource::Estimated(*model)),
@@ -55,7 +55,7 @@ impl Maps {
         };
         let (within, name) = split(key);
         let folder = by_folder.get(&root.join(within)).or_else(|| by_folder.get(root));
-        let none = || FileError::NoDepthBeside { folder: root.clone(), picture: name.into(), found: 0 };
+        let none = || FileError::NoDepthBeside { folder: root.clone(), image: name.into(), found: 0 };
         let path = folder.ok_or_else(none)?.map_of(Path::new(name))?.to_owned();
         Ok(DepthSource::Supplied { path, kind })
     }

@@ -13,8 +13,8 @@ pub struct Draw {
     pub alpha: f32,
 }
 
-/// How draws are made. Each depends on the seed, the picture's key and the variant's number alone: not on threads, on
-/// order, nor on which other pictures there are.
+/// How draws are made. Each depends on the seed, the image's key and the variant's number alone: not on threads, on
+/// order, nor on which other images there are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draws {
     /// The seed.
@@ -37,7 +37,7 @@ enum Purpose {
 }
 
 impl Draws {
-    /// What variant `number` of the picture of a key is made with, of so many waters.
+    /// What variant `number` of the image of a key is made with, of so many waters.
     ///
     /// # Examples
     ///
@@ -63,7 +63,7 @@ impl Draws {
         Draw { water, theta: between(self.theta, Purpose::Theta), alpha: between(self.alpha, Purpose::Alpha) }
     }
 
-    /// The water of a variant where all come once, in an order of the picture's own, before they come again in another.
+    /// The water of a variant where all come once, in an order of the image's own, before they come again in another.
     fn shuffled(&self, key: &str, number: u32, waters: usize) -> usize {
         let many = u32::try_from(waters).unwrap_or(u32::MAX);
         let (Some(round), Some(place)) = (number.checked_div(many), number.checked_rem(many)) else {
@@ -77,7 +77,7 @@ impl Draws {
         taken
     }
 
-    /// Which of `shards` parts of a data set a picture belongs to. All seeds share them.
+    /// Which of `shards` parts of a dataset an image belongs to. All seeds share them.
     pub fn shard(key: &str, shards: u32) -> u32 {
         let number = Self { seed: 0, with_replacement: false, theta: (0.0, 0.0), alpha: (0.0, 0.0) }.number(
             Purpose::Shard,
@@ -122,9 +122,9 @@ mod tests {
         let mut counts = [[0; 4]; 2];
         for (with_replacement, counts) in [false, true].into_iter().zip(&mut counts) {
             let draws = Draws { with_replacement, ..DRAWS };
-            for picture in 0..2000 {
+            for image in 0..2000 {
                 for number in 0..4 {
-                    counts[draws.draw(&format!("{picture}.jpg"), number, 4).water] += 1;
+                    counts[draws.draw(&format!("{image}.jpg"), number, 4).water] += 1;
                 }
             }
         }
@@ -136,8 +136,8 @@ mod tests {
     #[test]
     fn orders_of_waters_are_even() {
         let mut firsts = [0; 3];
-        for picture in 0..3000 {
-            firsts[DRAWS.draw(&format!("{picture}"), 0, 3).water] += 1;
+        for image in 0..3000 {
+            firsts[DRAWS.draw(&format!("{image}"), 0, 3).water] += 1;
         }
         assert!(firsts.iter().all(|&count: &i32| (count - 1000).abs() < 130), "{firsts:?}");
     }
@@ -174,10 +174,10 @@ mod tests {
         [(1, 42.105637, 0.6857983), (2, 46.238686, 1.3221126), (0, 47.172226, 1.2026781)];
 
     #[test]
-    fn shards_share_the_pictures_out() {
+    fn shards_share_the_images_out() {
         let mut counts = [0; 3];
-        for picture in 0..3000 {
-            counts[Draws::shard(&format!("{picture}.jpg"), 3) as usize] += 1;
+        for image in 0..3000 {
+            counts[Draws::shard(&format!("{image}.jpg"), 3) as usize] += 1;
         }
         assert!(counts.iter().all(|&count: &i32| (count - 1000).abs() < 130), "{counts:?}");
     }

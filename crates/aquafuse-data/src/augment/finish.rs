@@ -1,4 +1,4 @@
-//! What belongs to all pictures: the manifest's first line, and the files about the whole data set.
+//! What belongs to all images: the manifest's first line, and the files about the whole dataset.
 
 use std::io::{self, ErrorKind};
 
@@ -8,7 +8,7 @@ use super::line::Written;
 use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Recipe, Water};
 use crate::dataset::{Dataset, Made, join, split};
 use crate::digest::Hashed;
-use crate::picture::{FileError, write_atomically};
+use crate::image_file::{FileError, write_atomically};
 use crate::treatment::Space;
 
 impl<E: Space> Recipe<E> {
@@ -46,7 +46,7 @@ impl<E: Space> Recipe<E> {
 }
 
 impl<E: Space> Augmentation<E> {
-    /// Writes the files about all pictures, for what was made of them.
+    /// Writes the files about all images, for what was made of them.
     pub(super) fn write_indices(&self, plan: &Plan, journal: &Journal) -> Result<Vec<Written>, FileError> {
         let variants = |place: usize| {
             let slots = journal.slots(place);
@@ -64,7 +64,7 @@ impl<E: Space> Augmentation<E> {
         let write = |index: &crate::dataset::Index| {
             let bytes = index.read(&self.dataset.root, &self.recipe.reading)?;
             let (folder, name) = split(index.path());
-            // Files that say where pictures are, or nothing of them, are the same for every shard.
+            // Files that say where images are, or nothing of them, are the same for every shard.
             let name = match (index.is_shared(), name.rsplit_once('.')) {
                 (false, Some((stem, extension))) => format!("{stem}{}.{extension}", self.shard.infix()),
                 _ => name.to_owned(),

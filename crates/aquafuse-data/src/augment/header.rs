@@ -8,12 +8,12 @@ use super::water::StoredWater;
 /// It changes when a field changes its meaning or goes.
 pub(super) const SCHEMA: u32 = 1;
 
-/// The first line: everything but the data set itself that decides what is made.
+/// The first line: everything but the dataset itself that decides what is made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Header {
     pub(super) schema: u32,
     pub(super) version: String,
-    /// The data set, as it was named.
+    /// The dataset, as it was named.
     pub(super) dataset: String,
     pub(super) layout: String,
     pub(super) encoding: String,
@@ -92,7 +92,7 @@ impl Header {
         Self { waters, instead: self.instead.as_ref().map(StoredWater::told), ..self.clone() }
     }
 
-    /// Whether two runs make the same of the same pictures.
+    /// Whether two runs make the same of the same images.
     pub(super) fn makes_as(&self, other: &Self) -> bool {
         Self { dataset: String::new(), ..self.clone() } == Self { dataset: String::new(), ..other.clone() }
     }

@@ -1,6 +1,6 @@
 //! The manifest of a run that goes on.
 //!
-//! What was made stands in the file alone. Memory holds where the lines of each picture stand there, so that it does not
+//! What was made stands in the file alone. Memory holds where the lines of each image stand there, so that it does not
 //! grow with what is said of them.
 
 use std::collections::BTreeMap;
@@ -14,8 +14,8 @@ use super::line::{Line, Written};
 use super::manifest::{Entry, MOST_LINE, Manifest, Place, ScanError, Scanned, Sealing, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
+use crate::image_file::{FileError, write_atomically};
 use crate::lock::lock;
-use crate::picture::{FileError, write_atomically};
 use crate::settings::differences;
 
 /// What the names of manifests begin and end with.
@@ -23,7 +23,7 @@ const NAMES: (&str, &str) = ("manifest", ".jsonl");
 
 /// A manifest, open and locked against other processes until dropped.
 ///
-/// Pictures are called by their places in the data set.
+/// Images are called by their places in the dataset.
 #[derive(Debug)]
 pub(super) struct Journal {
     path: PathBuf,
@@ -35,13 +35,13 @@ struct State {
     file: File,
     /// The bytes of whole lines.
     end: u64,
-    /// The lines of each picture that hold, in the order of a manifest.
+    /// The lines of each image that hold, in the order of a manifest.
     lines: BTreeMap<usize, Vec<(Slot, Place)>>,
     /// Lines that could not be added when they should have been.
     owed: Vec<(usize, Line)>,
 }
 
-/// What a line says of a picture; a later line of the same slot replaces an earlier one.
+/// What a line says of an image; a later line of the same slot replaces an earlier one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Slot {
     Original,
@@ -86,7 +86,7 @@ pub(super) fn manifests(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
 
 impl Journal {
     /// Begins the manifest in `folder`, or goes on with it and with what the manifests of other shards say of this one's
-    /// pictures. `place` gives the place of a picture that takes part, by its key.
+    /// images. `place` gives the place of an image that takes part, by its key.
     ///
     /// With `overwrite`, what a run of other settings made is removed.
     pub(super) fn open(
@@ -140,7 +140,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Adds what another manifest says was made of pictures of this shard, where this one says nothing.
+    /// Adds what another manifest says was made of images of this shard, where this one says nothing.
     fn adopt(
         &self,
         folder: &Path,
@@ -171,7 +171,7 @@ impl Journal {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds lines about a picture, all or none.
+    /// Adds lines about an image, all or none.
     pub(super) fn add(&self, sample: usize, lines: &[Line]) -> Result<(), FileError> {
         let mut state = self.state();
         let places = state.write(lines).map_err(|error| cannot_write(&self.path, &error))?;
@@ -184,27 +184,27 @@ impl Journal {
         Ok(())
     }
 
-    /// Adds a line about a picture now if that can be done, or else when the run ends.
+    /// Adds a line about an image now if that can be done, or else when the run ends.
     pub(super) fn add_or_owe(&self, sample: usize, line: Line) {
         if self.add(sample, std::slice::from_ref(&line)).is_err() {
             self.state().owed.push((sample, line));
         }
     }
 
-    /// What was made of a picture does not hold any more.
+    /// What was made of an image does not hold any more.
     pub(super) fn forget(&self, sample: usize, slot: Slot) {
         if let Some(lines) = self.state().lines.get_mut(&sample) {
             lines.retain(|(other, _)| *other != slot);
         }
     }
 
-    /// What is known of a picture, in the order of a manifest.
+    /// What is known of an image, in the order of a manifest.
     pub(super) fn slots(&self, sample: usize) -> Vec<Slot> {
         let state = self.state();
         state.lines.get(&sample).into_iter().flatten().map(|(slot, _)| *slot).collect()
     }
 
-    /// What its lines say of a picture.
+    /// What its lines say of an image.
     pub(super) fn entry(&self, sample: usize) -> Result<Entry, FileError> {
         let mut state = self.state();
         let places = state.lines.get(&sample).cloned().unwrap_or_default();

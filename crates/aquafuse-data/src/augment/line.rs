@@ -61,14 +61,14 @@ pub(super) struct Variant {
     #[serde(deserialize_with = "gain")]
     pub(super) alpha: f32,
     pub(super) source: Source,
-    /// What the picture's own estimate is worth.
+    /// What the image's own estimate is worth.
     pub(super) verdict: String,
     pub(super) reasons: Vec<Reason>,
     /// Share of the values that did not fit into the range.
     pub(super) clipped: f64,
-    /// Share of the picture's contrast that is left, of the model `exchange`.
+    /// Share of the image's contrast that is left, of the model `exchange`.
     pub(super) contrast_left: Option<f64>,
-    /// Whether the picture's own water was exchanged for the one of the header.
+    /// Whether the image's own water was exchanged for the one of the header.
     pub(super) instead: bool,
     /// Its path within the output.
     pub(super) output: String,
@@ -77,7 +77,7 @@ pub(super) struct Variant {
     pub(super) companions: Vec<Written>,
 }
 
-/// What a picture was made from.
+/// What an image was made from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Source {
     pub(super) bytes: u64,
@@ -86,7 +86,7 @@ pub(super) struct Source {
     pub(super) depth_sha256: Option<String>,
 }
 
-/// A picture that was carried over as it is.
+/// An image that was carried over as it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Original {
     pub(super) key: String,
@@ -97,7 +97,7 @@ pub(super) struct Original {
     pub(super) companions: Vec<Written>,
 }
 
-/// A file that holds several pictures with their variants.
+/// A file that holds several images with their variants.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Container {
     pub(super) key: String,
@@ -108,7 +108,7 @@ pub(super) struct Container {
     pub(super) sha256: String,
     /// Its variants; `output` is a path in it.
     pub(super) variants: Vec<Variant>,
-    /// Its pictures that have no variants, and why.
+    /// Its images that have no variants, and why.
     pub(super) skipped: Vec<(String, String)>,
     /// Those that failed, and why.
     pub(super) failed: Vec<(String, String)>,
@@ -131,7 +131,7 @@ pub(super) enum Line {
         key: String,
         error: String,
     },
-    /// A file about all pictures.
+    /// A file about all images.
     Index(Written),
     /// The digest of all lines before this one.
     End {
@@ -198,7 +198,7 @@ impl Line {
         })
     }
 
-    /// The key of the picture that it is about; none where it is about all.
+    /// The key of the image that it is about; none where it is about all.
     pub(super) fn key(&self) -> Option<&str> {
         match self {
             Self::Job(_) | Self::Index(_) | Self::End { .. } => None,

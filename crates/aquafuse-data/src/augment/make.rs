@@ -1,4 +1,4 @@
-//! One picture of a data set, multiplied.
+//! One image of a dataset, multiplied.
 
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
@@ -14,16 +14,16 @@ use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
 use crate::analysis::{Analysis, DepthSource, analyse};
 use crate::dataset::Companion;
 use crate::digest::sha256;
+use crate::image_file::{FileError, Format, ImageFile, Opened, one_line, read_beside, write_bytes};
 use crate::memory::{Budget, Reservation};
-use crate::picture::{FileError, Format, Opened, Picture, one_line, read_beside, write_bytes};
 use crate::treatment::{Space, Treated, Treatment};
 
-/// What became of one picture.
+/// What became of one image.
 #[derive(Default)]
 pub(super) struct Made {
     /// What is new; none where all was there.
     pub(super) news: Option<News>,
-    /// What failed: the picture, or some of a file that holds several, whose others are made.
+    /// What failed: the image, or some of a file that holds several, whose others are made.
     pub(super) failures: Vec<FileError>,
 }
 
@@ -42,16 +42,16 @@ impl News {
     }
 }
 
-/// What multiplies pictures.
+/// What multiplies images.
 pub(super) struct Maker<'a, E: Space> {
     pub(super) job: &'a Augmentation<E>,
     pub(super) maps: Maps,
     pub(super) budget: Budget,
 }
 
-/// A picture that was read, with all that its variants need.
+/// An image that was read, with all that its variants need.
 pub(super) struct Read<'a, E: Space> {
-    pub(super) picture: Picture,
+    pub(super) image: ImageFile,
     pub(super) found: Analysis<E>,
     pub(super) source: Source,
     /// Whether its own water was exchanged.
@@ -61,14 +61,14 @@ pub(super) struct Read<'a, E: Space> {
 }
 
 impl<E: Space> Recipe<E> {
-    /// Reads a picture, and tells its depth and water.
+    /// Reads an image, and tells its depth and water.
     pub(super) fn read<'a>(
         &self,
         opened: Opened,
         depth: &DepthSource,
         budget: &'a Budget,
     ) -> Result<Read<'a, E>, FileError> {
-        // A variant beside its picture, and as it is encoded.
+        // A variant beside its image, and as it is encoded.
         let beside = opened.memory_of_pixels().saturating_mul(2);
         let supplied = match depth {
             DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::job::SUPPLIED),
@@ -78,7 +78,7 @@ impl<E: Space> Recipe<E> {
         let beside = beside.saturating_add(supplied).saturating_add(light);
         let room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
         let mut source = Source { bytes: 0, sha256: String::new(), depth_sha256: None };
-        let picture = opened.decode_seeing(|bytes| {
+        let image = opened.decode_seeing(|bytes| {
             source.bytes = bytes.len() as u64;
             source.sha256 = sha256(bytes);
         })?;
@@ -86,7 +86,7 @@ impl<E: Space> Recipe<E> {
             let failed = |error| FileError::Read { path: path.clone(), error };
             source.depth_sha256 = Some(sha256(&std::fs::read(path).map_err(failed)?));
         }
-        let mut found = analyse::<E>(&picture, depth)?;
+        let mut found = analyse::<E>(&image, depth)?;
         let doubtful = found.estimate.quality.verdict != Verdict::Good;
         let instead = match &self.on_doubtful {
             OnDoubtful::Instead(water) if doubtful => {
@@ -97,10 +97,10 @@ impl<E: Space> Recipe<E> {
             }
             _ => false,
         };
-        Ok(Read { picture, found, source, instead, _room: room })
+        Ok(Read { image, found, source, instead, _room: room })
     }
 
-    /// Why a picture of this quality has no variants, if it has none.
+    /// Why an image of this quality has no variants, if it has none.
     pub(super) fn skipped(&self, quality: Quality) -> Option<String> {
         let skip = quality.verdict != Verdict::Good && matches!(self.on_doubtful, OnDoubtful::Skip);
         let reasons = || quality.reasons.iter().map(Reason::describe).collect::<Vec<_>>().join("; ");
@@ -120,17 +120,16 @@ impl<E: Space> Recipe<E> {
             gain: Gain::new(draw.alpha).unwrap_or(self.options.gain),
             ..self.options
         };
-        let mut picture = read.picture.clone();
+        let mut image = read.image.clone();
         let treatment = Treatment::Fuse { reference: water.file.estimate, options };
-        let treated =
-            treatment.apply(&mut picture.pixels, &read.found).expect("the depth map is this picture's");
-        picture.pixels = picture.pixels.smoothed(self.smoothing);
-        Ok((picture.encode(output, self.quality)?, treated))
+        let treated = treatment.apply(&mut image.pixels, &read.found).expect("the depth map is this image's");
+        image.pixels = image.pixels.smoothed(self.smoothing);
+        Ok((image.encode(output, self.quality)?, treated))
     }
 }
 
 impl<E: Space> Read<'_, E> {
-    /// A variant of the picture as the manifest has it.
+    /// A variant of the image as the manifest has it.
     pub(super) fn described(
         &self,
         key: &str,
@@ -196,7 +195,7 @@ impl<'a, E: Space> Maker<'a, E> {
         let verdict = if missing.is_empty() {
             None
         } else {
-            let opened = Picture::open(&input, &recipe.reading)?;
+            let opened = ImageFile::open(&input, &recipe.reading)?;
             let read = recipe.read(opened, &self.maps.source(sample.key)?, &self.budget)?;
             let quality = read.found.estimate.quality;
             if let Some(why) = recipe.skipped(quality) {
@@ -251,14 +250,14 @@ impl<'a, E: Space> Maker<'a, E> {
         let carry = |(companion, output): (&Companion, &String)| {
             self.write(output, &companion.for_variant(&self.job.dataset.root, name, &recipe.reading)?)
         };
-        // The picture comes last: where it is, all that belongs to it is.
+        // The image comes last: where it is, all that belongs to it is.
         let companions =
             sample.companions.iter().zip(&planned.companions).map(carry).collect::<Result<_, _>>()?;
         let written = self.write(&planned.output, &bytes)?;
         Ok(read.described(sample.key, planned.number, planned.draw, treated, written, companions))
     }
 
-    /// Carries the picture and what is about it over as they are.
+    /// Carries the image and what is about it over as they are.
     fn write_original(&self, sample: &Planned<'_>) -> Result<Original, FileError> {
         let carry = |path: &str| {
             let input = self.job.dataset.root.join(path);

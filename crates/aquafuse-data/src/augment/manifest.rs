@@ -1,7 +1,7 @@
 //! `manifest.jsonl`: what was made from what, and how; one JSON object a line.
 //!
-//! While a run goes on, lines come in the order in which pictures get done, and a line without its end was being
-//! written when the process was killed. A run that ends writes the file anew: sorted, with the files about all pictures,
+//! While a run goes on, lines come in the order in which images get done, and a line without its end was being
+//! written when the process was killed. A run that ends writes the file again: sorted, with the files about all images,
 //! and a last line that holds the digest of all before it. Two runs that did the same have the same manifest.
 
 use std::collections::BTreeMap;
@@ -15,12 +15,12 @@ use super::AugmentError;
 use super::header::{Header, SCHEMA};
 use super::line::{Container, Line, Listed, Original, Variant, Written};
 use crate::digest::{Hashed, hexadecimal};
-use crate::picture::{FileError, open_file};
+use crate::image_file::{FileError, open_file};
 
 /// More than the line of a shard with a million variants takes, or of a job with as many waters.
 pub(super) const MOST_LINE: u64 = 1 << 30;
 
-/// What a manifest says of one picture.
+/// What a manifest says of one image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Entry {
     pub(super) original: Option<Original>,
@@ -92,7 +92,7 @@ impl<W: Write> Sealing<W> {
         self.0.write_all(line)
     }
 
-    /// Ends it with the files about all pictures and the digest of all before.
+    /// Ends it with the files about all images and the digest of all before.
     pub(super) fn end(mut self, indices: Vec<Written>) -> io::Result<W> {
         for written in indices {
             self.add(Line::Index(written).text().as_bytes())?;
@@ -148,7 +148,7 @@ pub(super) struct Scanned {
     pub(super) header: Header,
     /// Whether its last line is there and right; none where it has none.
     pub(super) sealed: Option<bool>,
-    /// The bytes before the files about all pictures.
+    /// The bytes before the files about all images.
     pub(super) body: u64,
 }
 

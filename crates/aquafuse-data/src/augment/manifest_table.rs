@@ -14,11 +14,11 @@ use super::header::Header;
 use super::line::{Variant, Written};
 use super::manifest::Entry;
 use crate::digest::sha256_of;
-use crate::picture::{FileError, write_atomically};
+use crate::image_file::{FileError, write_atomically};
 
 /// The columns that need not have a value in every row.
 const LACKING: [&str; 4] = ["container", "depth_sha256", "water", "contrast_left"];
-/// Pictures whose rows are written at once.
+/// Images whose rows are written at once.
 const AT_ONCE: usize = 1000;
 
 /// Writes the table `name` into `folder`.

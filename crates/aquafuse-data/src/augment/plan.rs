@@ -1,4 +1,4 @@
-//! What is to be made of each picture: refused here where it cannot be.
+//! What is to be made of each image: refused here where it cannot be.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -6,15 +6,15 @@ use std::path::PathBuf;
 
 use super::{Augmentation, DepthPlan, Draw, Draws};
 use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
-use crate::picture::{Format, shown};
+use crate::image_file::{Format, shown};
 use crate::treatment::Space;
 
-/// What is to be made of a data set.
+/// What is to be made of a dataset.
 ///
-/// It knows by which rule, and works out what that is picture by picture.
+/// It knows by which rule, and works out what that is image by image.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The places of the pictures that take part.
+    /// The places of the images that take part.
     places: Vec<usize>,
     rule: Rule,
 }
@@ -25,13 +25,13 @@ struct Rule {
     draws: Draws,
     /// How waters are called in names.
     slugs: Vec<String>,
-    /// Variants of each picture; none of files of many, of which is not known what they hold before they are read.
+    /// Variants of each image; none of files of many, of which is not known what they hold before they are read.
     per_image: u32,
     keep_originals: bool,
 }
 
 impl Plan {
-    /// The files of the data set that take part.
+    /// The files of the dataset that take part.
     pub fn files(&self) -> usize {
         self.places.len()
     }
@@ -41,7 +41,7 @@ impl Plan {
         self.files().saturating_mul(usize::try_from(self.rule.per_image).unwrap_or(usize::MAX))
     }
 
-    /// The places of those files in the data set.
+    /// The places of those files in the dataset.
     pub(super) fn places(&self) -> &[usize] {
         &self.places
     }
@@ -51,7 +51,7 @@ impl Plan {
         self.places.iter().filter_map(|&place| all.get(place))
     }
 
-    /// What is to be made of the picture of a place.
+    /// What is to be made of the image of a place.
     pub(super) fn planned<'a>(&self, dataset: &'a Dataset, place: usize) -> Option<Planned<'a>> {
         Some(self.rule.planned(dataset.samples.get(place)?, place))
     }
@@ -68,10 +68,10 @@ impl Plan {
     }
 }
 
-/// A picture, and what is to be made of it.
+/// An image, and what is to be made of it.
 #[derive(Clone, Debug)]
 pub(super) struct Planned<'a> {
-    /// Its place in the data set.
+    /// Its place in the dataset.
     pub(super) place: usize,
     pub(super) key: &'a str,
     pub(super) companions: &'a [Companion],
@@ -120,7 +120,7 @@ impl Rule {
         PlannedVariant { number, draw, output, companions }
     }
 
-    /// The pictures that are made of one.
+    /// The images that are made of one.
     fn outputs(&self, sample: &Sample) -> impl Iterator<Item = String> {
         let own = self.keep_originals.then(|| sample.key.clone());
         let variants: Vec<String> =
@@ -128,14 +128,14 @@ impl Rule {
         own.into_iter().chain(variants)
     }
 
-    /// Refuses two pictures that would make one file.
+    /// Refuses two images that would make one file.
     fn check_names<'a>(&self, samples: impl Iterator<Item = &'a Sample> + Clone) -> Result<(), PlanError> {
         let digest = |output: &String| {
             let mut hasher = DefaultHasher::new();
             output.hash(&mut hasher);
             hasher.finish()
         };
-        // Names themselves are held only where digests say that some may be equal: data sets are large.
+        // Names themselves are held only where digests say that some may be equal: datasets are large.
         let mut digests: Vec<u64> =
             samples.clone().flat_map(|sample| self.outputs(sample)).map(|output| digest(&output)).collect();
         digests.sort_unstable();
@@ -162,16 +162,16 @@ pub enum PlanError {
     /// Two variants would have one name.
     #[error("{one} and {other} would both make {output}; rename one of them")]
     OneName {
-        /// A picture.
+        /// An image.
         one: String,
         /// Another one.
         other: String,
         /// The name.
         output: String,
     },
-    /// Some variants of a picture would be equal.
+    /// Some variants of an image would be equal.
     #[error(
-        "{per_image} variants of a picture, but only {waters} waters and neither a range of theta nor one of alpha: \
+        "{per_image} variants of an image, but only {waters} waters and neither a range of theta nor one of alpha: \
          some would be equal. Give more waters, a range, or a smaller --per-image"
     )]
     Equal {
@@ -180,9 +180,9 @@ pub enum PlanError {
         /// Waters.
         waters: usize,
     },
-    /// Depth maps of pictures that stand in files of many.
+    /// Depth maps of images that stand in files of many.
     #[error(
-        "depth maps cannot be told apart for pictures in shards or tables; unpack them, or leave --depth out"
+        "depth maps cannot be told apart for images in shards or tables; unpack them, or leave --depth out"
     )]
     MapsOfMany,
     /// A table is asked for of a build that writes none.
@@ -193,10 +193,10 @@ pub enum PlanError {
     /// There is no water to draw.
     #[error("every water is doubtful, and doubtful ones are skipped; give others, or --on-doubtful flag")]
     NoWater,
-    /// The output lies in the data set, or the other way round.
+    /// The output lies in the dataset, or the other way round.
     #[error("{} and {} lie in one another; give an output elsewhere", shown(dataset), shown(output))]
     Nested {
-        /// The data set.
+        /// The dataset.
         dataset: PathBuf,
         /// The output.
         output: PathBuf,
@@ -210,7 +210,7 @@ pub enum PlanError {
 }
 
 impl<E: Space> Augmentation<E> {
-    /// What is to be made of each picture of the shard. Nothing is written.
+    /// What is to be made of each image of the shard. Nothing is written.
     ///
     /// # Errors
     ///
@@ -276,9 +276,9 @@ impl<E: Space> Augmentation<E> {
     }
 }
 
-/// The extension of a variant: that of its picture, if we write that format.
+/// The extension of a variant: that of its image, if we write that format.
 fn extension(name: &str) -> &str {
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
-    let is_picture = Format::of(name.as_ref()).is_some();
-    if is_picture && Format::written(name.as_ref()).is_none() { "png" } else { extension }
+    let is_image = Format::of(name.as_ref()).is_some();
+    if is_image && Format::written(name.as_ref()).is_none() { "png" } else { extension }
 }

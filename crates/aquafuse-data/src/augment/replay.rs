@@ -12,7 +12,7 @@ use super::manifest::Manifest;
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::{Layout, inside};
 use crate::digest::sha256;
-use crate::picture::{FileError, Picture, ReadOptions, write_bytes};
+use crate::image_file::{FileError, ImageFile, ReadOptions, write_bytes};
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
 
@@ -30,9 +30,9 @@ pub struct Replayed {
 /// Which variants to make again, from what and where to.
 #[derive(Clone, Copy, Debug)]
 pub struct Again<'a> {
-    /// Those of this path, or of the picture of this key; all where it is none.
+    /// Those of this path, or of the image of this key; all where it is none.
     pub only: Option<&'a str>,
-    /// Where the data set is now; none: where it was.
+    /// Where the dataset is now; none: where it was.
     pub dataset: Option<&'a Path>,
     /// The folder to write to.
     pub output: &'a Path,
@@ -75,10 +75,10 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
                 .get(variant.water)
                 .ok_or_else(|| named("it names a water that it does not hold"))?;
             let opened = match container {
-                None => Picture::open(&root.join(&key), &recipe.reading)?,
+                None => ImageFile::open(&root.join(&key), &recipe.reading)?,
                 Some(container) => {
                     let container = root.join(inside(container).map_err(named)?);
-                    super::containers::picture_of(layout, &container, &key, &recipe.reading)?
+                    super::containers::image_of(layout, &container, &key, &recipe.reading)?
                 }
             };
             let read = recipe.read(opened, &maps.source(&key)?, &budget)?;

@@ -11,10 +11,10 @@ use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::Estimate;
 
 use super::*;
-use crate::picture::{Picture, WriteOptions};
+use crate::image_file::{ImageFile, WriteOptions};
 use crate::water_file::WaterFile;
 
-/// A data set of four small pictures with labels.
+/// A dataset of four small images with labels.
 fn dataset(root: &Path) {
     for folder in ["images/train", "labels/train"] {
         fs::create_dir_all(root.join(folder)).unwrap();
@@ -22,7 +22,7 @@ fn dataset(root: &Path) {
     for (seed, name) in ["a.png", "b.jpg", "c.png", "d.tif"].into_iter().enumerate() {
         let scene = Scene::new(seed as u64, Size { width: 48, height: 32 });
         let image = scene.seen_through(&waters()[seed % 3].water).to_samples::<u8>();
-        Picture::new(image)
+        ImageFile::new(image)
             .write(
                 &root.join("images/train").join(name),
                 &WriteOptions { overwrite: true, ..WriteOptions::default() },
@@ -85,7 +85,7 @@ fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn every_picture_has_its_variants_with_its_own_labels() {
+fn every_image_has_its_variants_with_its_own_labels() {
     let place = tempfile::tempdir().unwrap();
     let (root, out) = (place.path().join("fish"), place.path().join("out"));
     dataset(&root);
@@ -100,8 +100,8 @@ fn every_picture_has_its_variants_with_its_own_labels() {
     for (name, bytes) in labels.filter(|(name, _)| name.starts_with("labels/")) {
         let (stem, _) = name.split_once("__").unwrap();
         assert_eq!(bytes, &before[&format!("{stem}.txt")], "{name}");
-        let pictures = name.replace("labels/", "images/").replace(".txt", ".");
-        assert!(after.keys().any(|other| other.starts_with(&pictures)), "{name}");
+        let image_files = name.replace("labels/", "images/").replace(".txt", ".");
+        assert!(after.keys().any(|other| other.starts_with(&image_files)), "{name}");
     }
     let checked = verify(&out, Some(&root)).unwrap();
     assert_eq!((checked.files, checked.wrong), (after.len() + 4, Vec::new()));
@@ -195,12 +195,12 @@ fn a_depth_map_that_changed_makes_its_variants_anew() {
 }
 
 #[test]
-fn one_bad_picture_is_listed_and_spoils_nothing() {
+fn one_bad_image_is_listed_and_spoils_nothing() {
     let place = tempfile::tempdir().unwrap();
     let (root, out) = (place.path().join("fish"), place.path().join("out"));
     dataset(&root);
     let whole = fs::read(root.join("images/train/b.jpg")).unwrap();
-    fs::write(root.join("images/train/b.jpg"), "no picture").unwrap();
+    fs::write(root.join("images/train/b.jpg"), "no image").unwrap();
     let job = job(&root, &out);
     let ended = run(&job);
     assert_eq!((ended.done, ended.failed), (3, 1));
@@ -280,20 +280,22 @@ fn outputs_that_are_not_ours_to_fill_are_refused() {
     assert_eq!((plan.files(), plan.variants()), (4, 12));
 }
 
-/// A picture as a file of JPEG holds it.
-fn picture(seed: u64) -> Vec<u8> {
+/// An image as a file of JPEG holds it.
+fn image_file(seed: u64) -> Vec<u8> {
     let scene = Scene::new(seed, Size { width: 48, height: 32 });
     let image = scene.seen_through(&waters()[1].water).to_samples::<u8>();
-    Picture::new(image).encode("a.jpg".as_ref(), 95).unwrap()
+    ImageFile::new(image).encode("a.jpg".as_ref(), 95).unwrap()
 }
 
-/// A shard of three pictures with a label and a mask each.
+/// A shard of three images with a label and a mask each.
 fn shard(root: &Path) {
     fs::create_dir_all(root).unwrap();
     let mut builder = tar::Builder::new(fs::File::create(root.join("train-000.tar")).unwrap());
     for seed in 0..3 {
-        let picture = picture(seed);
-        for (end, bytes) in [("jpg", picture), ("json", vec![b'0'; 700]), ("mask.png", vec![seed as u8; 5])] {
+        let image_file = image_file(seed);
+        for (end, bytes) in
+            [("jpg", image_file), ("json", vec![b'0'; 700]), ("mask.png", vec![seed as u8; 5])]
+        {
             let mut header = tar::Header::new_gnu();
             header.set_size(bytes.len() as u64);
             header.set_mtime(1000);
@@ -371,7 +373,7 @@ fn shards_are_multiplied_as_a_whole() {
 }
 
 #[test]
-fn shards_that_are_cut_short_or_lead_out_are_refused_and_a_bad_picture_spoils_nothing() {
+fn shards_that_are_cut_short_or_lead_out_are_refused_and_a_bad_image_spoils_nothing() {
     let place = tempfile::tempdir().unwrap();
     let (root, out) = (place.path().join("shards"), place.path().join("out"));
     shard(&root);
@@ -396,9 +398,9 @@ fn shards_that_are_cut_short_or_lead_out_are_refused_and_a_bad_picture_spoils_no
     let manifest = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
     assert!(manifest.contains("with `..`"), "{manifest}");
 
-    let picture = whole.windows(2).position(|two| two == [0xff, 0xd8]).unwrap();
+    let image_file = whole.windows(2).position(|two| two == [0xff, 0xd8]).unwrap();
     let mut bad = whole.clone();
-    bad[picture] = 0;
+    bad[image_file] = 0;
     fs::write(&path, bad).unwrap();
     let ended = run(&job);
     assert_eq!((ended.failed, ended.left), (1, 0));

@@ -11,7 +11,7 @@ use super::line::Listed;
 use super::manifest::Manifest;
 use crate::dataset::{Tree, inside};
 use crate::digest::sha256_of;
-use crate::picture::{FileError, ReadOptions};
+use crate::image_file::{FileError, ReadOptions};
 
 /// What was found to be wrong.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -24,8 +24,8 @@ pub struct Check {
     pub unlisted: Vec<PathBuf>,
 }
 
-/// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the pictures that
-/// it was made from too, in the data set that now stands there.
+/// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the images that
+/// it was made from too, in the dataset that now stands there.
 ///
 /// # Errors
 ///

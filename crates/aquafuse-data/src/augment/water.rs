@@ -1,4 +1,4 @@
-//! The waters that pictures are put into.
+//! The waters that images are put into.
 
 use std::path::Path;
 
@@ -12,20 +12,20 @@ use crate::water_file::{SUFFIX, WaterFile, WaterFileError};
 /// A water to draw.
 #[derive(Clone, Debug)]
 pub struct Water<E: Space> {
-    /// What it is called: the path of a picture or of a water file as it was given, or `preset:NAME`.
+    /// What it is called: the path of an image or of a water file as it was given, or `preset:NAME`.
     pub name: String,
     /// The digest of its file; none for presets.
     pub sha256: Option<String>,
-    /// The water, per unit of the pictures' depth.
+    /// The water, per unit of the images' depth.
     pub file: WaterFile<E>,
 }
 
-/// What is done where an estimate is doubtful or failed, be it a picture's own water or one to draw.
+/// What is done where an estimate is doubtful or failed, be it an image's own water or one to draw.
 #[derive(Clone, Debug)]
 pub enum OnDoubtful<E: Space> {
     /// It is used; the manifest says so.
     Flag,
-    /// The picture has no variants, the water is not drawn.
+    /// The image has no variants, the water is not drawn.
     Skip,
     /// This water is taken instead of the doubtful one.
     Instead(Box<Water<E>>),

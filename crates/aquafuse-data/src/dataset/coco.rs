@@ -21,10 +21,10 @@ use super::index::Made;
 use super::tree::Tree;
 use super::{Dataset, Fault, Faults, Index, Sample, inside, join, split, stem};
 #[cfg(feature = "fuzz-targets")]
-use crate::picture::ReadOptions;
-use crate::picture::{FileError, one_line};
+use crate::image_file::ReadOptions;
+use crate::image_file::{FileError, one_line};
 
-/// As far as this beyond the picture's edge, in pixels, a box is rounded rather than wrong.
+/// As far as this beyond the image's edge, in pixels, a box is rounded rather than wrong.
 const SLACK: f64 = 1.0;
 
 /// A file in the layout of COCO.
@@ -32,11 +32,11 @@ const SLACK: f64 = 1.0;
 pub struct File {
     /// Its path.
     pub(super) path: String,
-    /// The pictures in the data set that it has entries for.
+    /// The images in the dataset that it has entries for.
     keys: Vec<String>,
-    /// Those entries of `images`: their places there, and which of the pictures each is of.
+    /// Those entries of `images`: their places there, and which of the images each is of.
     entries: Vec<(usize, u32)>,
-    /// The first id for a variant's entry in `images`, the same in all files of a data set.
+    /// The first id for a variant's entry in `images`, the same in all files of a dataset.
     first_image: i64,
     /// The first id for a variant's annotation.
     first_annotation: i64,
@@ -126,11 +126,11 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     Ok(())
 }
 
-/// What is known of a picture by its id: which of those in the data set it is, if it is there, and its sides, NaN where they
+/// What is known of an image by its id: which of those in the dataset it is, if it is there, and its sides, NaN where they
 /// are not said.
 type Known = (Option<u32>, [f64; 2]);
 
-/// Finds the pictures of a file, and what is wrong with it; gives the largest id of a picture with it.
+/// Finds the images of a file, and what is wrong with it; gives the largest id of an image with it.
 fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> Result<(File, i64), String> {
     let (mut keys, mut places) = (Vec::<String>::new(), HashMap::<String, u32>::new());
     let (mut entries, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<&'a str, Known>::new(), 0);
@@ -148,7 +148,7 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
             }
         };
         let Some(key) = key else {
-            faults.add(fault(format!("there is no picture {:?}", image.file_name)));
+            faults.add(fault(format!("there is no image {:?}", image.file_name)));
             by_id.entry(image.id.get()).or_insert((None, [f64::NAN; 2]));
             return;
         };
@@ -170,7 +170,7 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
         }
         let sides = [image.width, image.height].map(|side| side.unwrap_or(f64::NAN));
         if by_id.insert(image.id.get(), (Some(place), sides)).is_some() {
-            faults.add(fault(format!("another picture has its id {}", image.id.get())).of(&key));
+            faults.add(fault(format!("another image has its id {}", image.id.get())).of(&key));
         }
         entries.push((number, place));
     };
@@ -187,7 +187,7 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
             Err(cause) => return faults.add(fault(cause)),
         };
         let Some((key, size)) = by_id.get(annotation.image_id.get()) else {
-            return faults.add(fault(format!("no picture has the id {}", annotation.image_id.get())));
+            return faults.add(fault(format!("no image has the id {}", annotation.image_id.get())));
         };
         let mut wrong = |cause: String| {
             let fault = fault(cause);
@@ -219,7 +219,7 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
     Ok((File { path: path.to_owned(), keys, entries, first_image: 0, first_annotation }, last_image))
 }
 
-/// Where the picture of a name stands, by the habits of those who write such files.
+/// Where the image of a name stands, by the habits of those who write such files.
 fn locate(tree: &Tree, file: &str, name: &str) -> Option<String> {
     let (folder, file_name) = split(file);
     let above = split(folder).0;
@@ -244,7 +244,7 @@ fn id(raw: &RawValue) -> Result<i64, String> {
     raw.get().parse().map_err(|_| format!("the id is {said}, but is a whole number"))
 }
 
-/// What is wrong with a box, where it is not inside its picture.
+/// What is wrong with a box, where it is not inside its image.
 fn outside(sides: &Sides, [width, height]: [f64; 2]) -> Option<String> {
     let Sides { first: [x, y, w, h], count: 4 } = *sides else {
         return Some(format!("its box has {} numbers, but a box has 4", sides.count));
@@ -253,11 +253,11 @@ fn outside(sides: &Sides, [width, height]: [f64; 2]) -> Option<String> {
         low >= -SLACK && length >= 0.0 && (size.is_nan() || low + length <= size + SLACK)
     };
     (!(within(x, w, width) && within(y, h, height)))
-        .then(|| format!("the box {x}, {y}, {w}, {h} is not inside the picture"))
+        .then(|| format!("the box {x}, {y}, {w}, {h} is not inside the image"))
 }
 
 impl File {
-    /// Writes the file for the pictures that were made, entry by entry.
+    /// Writes the file for the images that were made, entry by entry.
     pub(super) fn write_made(&self, text: &str, made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
         let by_id = self.made_of(text, made)?;
         entries::write_with(text, out, &mut |name, value, out| {
@@ -271,7 +271,7 @@ impl File {
         out.write_all(b"\n")
     }
 
-    /// The pictures of which something was made, by their ids.
+    /// The images of which something was made, by their ids.
     fn made_of<'a>(&self, text: &'a str, made: &Made<'_>) -> io::Result<BTreeMap<&'a str, Numbered>> {
         let ([images, _], mut by_id) = (lists(text)?, BTreeMap::new());
         let mut entries = self.entries.iter().peekable();
@@ -347,19 +347,19 @@ impl File {
         written.end()
     }
 
-    /// The picture of an entry of `images`, by those that are left of the entries known.
+    /// The image of an entry of `images`, by those that are left of the entries known.
     fn key_at(&self, place: usize, left: &mut Peekable<Iter<'_, (usize, u32)>>) -> Option<&String> {
         let (_, key) = left.next_if(|(own, _)| *own == place)?;
         self.keys.get(*key as usize)
     }
 
-    /// The id of a variant: the same for any subset of the data set.
+    /// The id of a variant: the same for any subset of the dataset.
     fn image_id(&self, made: &Made<'_>, rank: u64, number: u32) -> i64 {
         nth(self.first_image, i64::try_from(rank).unwrap_or(i64::MAX), made.per_image, number)
     }
 }
 
-/// The entry of a picture, which was read before.
+/// The entry of an image, which was read before.
 fn image_at(place: usize, raw: &RawValue) -> io::Result<Image<'_>> {
     object(raw.get()).map_err(|cause| invalid(format!("images[{place}]: {cause}")))
 }
@@ -368,7 +368,7 @@ fn invalid(cause: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, cause)
 }
 
-/// A picture of which something was made: its place in the data set, and the numbers of its variants.
+/// An image of which something was made: its place in the dataset, and the numbers of its variants.
 struct Numbered {
     rank: u64,
     numbers: Vec<u32>,

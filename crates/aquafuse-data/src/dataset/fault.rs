@@ -6,14 +6,14 @@ use std::fmt;
 /// Letters of a cause; it may hold texts of others, of any length.
 const MOST_LETTERS: usize = 300;
 
-/// An annotation, or a picture it speaks of, is not as it should be.
+/// An annotation, or an image it speaks of, is not as it should be.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The file within the data set, with a line or what else tells the place in it.
+    /// The file within the dataset, with a line or what else tells the place in it.
     pub place: String,
     /// What is wrong, in words.
     pub cause: String,
-    /// The picture it is about; none where there is no such picture, or it is not in the data set.
+    /// The image it is about; none where there is no such image, or it is not in the dataset.
     pub sample: Option<String>,
 }
 
@@ -43,7 +43,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What is wrong with the annotations of a data set: the first faults in words, all of them counted, for a file of
+/// What is wrong with the annotations of a dataset: the first faults in words, all of them counted, for a file of
 /// some megabytes can be wrong in millions of places.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
@@ -81,7 +81,7 @@ impl Faults {
         self.count == 0
     }
 
-    /// Whether one is about the picture of this key.
+    /// Whether one is about the image of this key.
     pub fn concern(&self, key: &str) -> bool {
         self.samples.contains(key)
     }

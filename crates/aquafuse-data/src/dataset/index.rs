@@ -1,4 +1,4 @@
-//! Files about all pictures of a data set, written anew for the pictures that were made.
+//! Files about all images of a dataset, written again for the images that were made.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -6,60 +6,60 @@ use std::path::Path;
 use std::rc::Rc;
 
 use super::{Sample, coco, join, split, stem};
-use crate::picture::{FileError, ReadOptions, read_beside};
+use crate::image_file::{FileError, ReadOptions, read_beside};
 
-/// A file about all pictures of a data set.
+/// A file about all images of a dataset.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Index {
-    /// It names no picture, and is carried over as it is.
+    /// It names no image, and is carried over as it is.
     Carried {
         /// Its path.
         path: String,
     },
-    /// The YAML of a YOLO data set: carried over without the `path` of its pictures, which then is its own folder.
+    /// The YAML of a YOLO dataset: carried over without the `path` of its images, which then is its own folder.
     Config {
         /// Its path.
         path: String,
     },
-    /// A path of a picture a line.
+    /// A path of an image a line.
     Paths {
         /// Its path.
         path: String,
     },
-    /// The stem of a picture a line, with something behind it or not.
+    /// The stem of an image a line, with something behind it or not.
     Stems {
         /// Its path.
         path: String,
-        /// Where the pictures stand.
+        /// Where the images stand.
         folder: String,
     },
     /// JSON in the layout of COCO.
     Coco(coco::File),
 }
 
-/// What was made of a data set.
+/// What was made of a dataset.
 #[derive(Clone, Copy)]
 pub struct Made<'a> {
-    /// The pictures of the data set, sorted by key.
+    /// The images of the dataset, sorted by key.
     pub samples: &'a [Sample],
-    /// The variants of the picture of this place: their numbers among those of the picture, and their paths. None where
+    /// The variants of the image of this place: their numbers among those of the image, and their paths. None where
     /// nothing was made of it.
     pub variants: &'a dyn Fn(usize) -> Option<Vec<(u32, String)>>,
-    /// Variants that a picture may have at most.
+    /// Variants that an image may have at most.
     pub per_image: u32,
-    /// Whether the pictures themselves are there too.
+    /// Whether the images themselves are there too.
     pub originals: bool,
 }
 
 impl Made<'_> {
-    /// A picture and its variants; none where nothing was made of it.
+    /// An image and its variants; none where nothing was made of it.
     pub(super) fn of(&self, key: &str) -> Option<(&Sample, Vec<(u32, String)>)> {
         let place = self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok()?;
         Some((self.samples.get(place)?, (self.variants)(place)?))
     }
 
-    /// The paths of the variants of pictures whose path without its extension is this.
+    /// The paths of the variants of images whose path without its extension is this.
     fn of_stem(&self, path: &str) -> Rc<[String]> {
         let alike = format!("{path}.");
         let first = self.samples.partition_point(|sample| sample.key.as_str() < alike.as_str());
@@ -69,14 +69,14 @@ impl Made<'_> {
         own.filter_map(|(place, _)| (self.variants)(place)).flatten().map(|(_, path)| path).collect()
     }
 
-    /// The paths of the variants of a picture.
+    /// The paths of the variants of an image.
     fn of_key(&self, key: &str) -> Rc<[String]> {
         self.of(key).into_iter().flat_map(|(_, variants)| variants).map(|(_, path)| path).collect()
     }
 }
 
 impl Index {
-    /// Its path within the data set.
+    /// Its path within the dataset.
     pub fn path(&self) -> &str {
         match self {
             Self::Carried { path }
@@ -87,12 +87,12 @@ impl Index {
         }
     }
 
-    /// Whether it is the same whichever pictures were made.
+    /// Whether it is the same whichever images were made.
     pub(crate) fn is_shared(&self) -> bool {
         matches!(self, Self::Carried { .. } | Self::Config { .. })
     }
 
-    /// What stands in it in the data set in `root`.
+    /// What stands in it in the dataset in `root`.
     ///
     /// # Errors
     ///
@@ -101,11 +101,11 @@ impl Index {
         read_beside(&root.join(self.path()), reading)
     }
 
-    /// Writes what stands in it for what was made of the data set; `bytes` is what [`Index::read`] gave.
+    /// Writes what stands in it for what was made of the dataset; `bytes` is what [`Index::read`] gave.
     ///
     /// # Errors
     ///
-    /// Those of `out`; and one when the file is no longer what it was when the data set was opened.
+    /// Those of `out`; and one when the file is no longer what it was when the dataset was opened.
     pub fn write_made(&self, bytes: &[u8], made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
         let text = String::from_utf8_lossy(bytes);
         match self {
@@ -131,7 +131,7 @@ impl Index {
     }
 }
 
-/// What is found by a name, found once: a list may name a picture any number of times. What names none is not kept.
+/// What is found by a name, found once: a list may name an image any number of times. What names none is not kept.
 fn remembered<'t>(find: impl Fn(&str) -> Rc<[String]>) -> impl FnMut(&'t str) -> Rc<[String]> {
     let mut known: HashMap<&str, Rc<[String]>> = HashMap::new();
     move |name| {
@@ -166,7 +166,7 @@ fn lines<'t>(
     Ok(())
 }
 
-/// YAML without the line that says where the data set is: it is where the file is.
+/// YAML without the line that says where the dataset is: it is where the file is.
 fn without_path(text: &str) -> String {
     text.split_inclusive('\n').filter(|line| !line.starts_with("path:")).collect()
 }

@@ -7,9 +7,9 @@ use tar::{Archive, Builder, EntryType, Header};
 
 use super::tree::Tree;
 use super::{Dataset, Sample, inside, join, split};
-use crate::picture::{FileError, ReadOptions, one_line};
+use crate::image_file::{FileError, ReadOptions, one_line};
 
-/// What the picture of a sample is called, behind the first dot.
+/// What the image of a sample is called, behind the first dot.
 const PICTURES: [&str; 7] = ["jpg", "jpeg", "png", "webp", "tif", "tiff", "bmp"];
 /// Members of one sample; more are a mistake.
 const MOST_MEMBERS: usize = 1 << 12;
@@ -19,7 +19,7 @@ pub(super) fn evidence(tree: &Tree) -> Option<String> {
     Some(format!("{path} is a shard"))
 }
 
-/// Each shard is a sample of the data set: it is made as a whole.
+/// Each shard is a sample of the dataset: it is made as a whole.
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) {
     dataset.samples = tree.ending(".tar").map(|path| Sample::new(path, Vec::new())).collect();
 }
@@ -61,17 +61,17 @@ impl Member {
 }
 
 impl Group {
-    /// Its picture, if it has exactly one.
-    pub(crate) fn picture(&self) -> Result<Option<&Member>, String> {
-        let is_picture =
+    /// Its image, if it has exactly one.
+    pub(crate) fn image(&self) -> Result<Option<&Member>, String> {
+        let is_image =
             |member: &&Member| PICTURES.contains(&member.extension().to_ascii_lowercase().as_str());
-        let mut pictures = self.members.iter().filter(is_picture);
-        match (pictures.next(), pictures.next()) {
+        let mut images = self.members.iter().filter(is_image);
+        match (images.next(), images.next()) {
             (Some(one), Some(other)) => Err(format!(
-                "{} and {} may both be the picture; give masks another name, as .mask.png",
+                "{} and {} may both be the image; give masks another name, as .mask.png",
                 one.path, other.path
             )),
-            (picture, _) => Ok(picture),
+            (image, _) => Ok(image),
         }
     }
 }
@@ -170,7 +170,7 @@ impl<R: Read> Read for Seen<'_, R> {
 pub(crate) fn try_parse(name: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let options = ReadOptions { most_memory: 1 << 16, ..ReadOptions::default() };
     groups(name, bytes, &options, &mut |_| {}, &mut |group| {
-        let _ = group.picture();
+        let _ = group.image();
         assert!(group.members.iter().all(|member| inside(&member.path).is_ok()));
         Ok(())
     })

@@ -1,4 +1,4 @@
-//! Parquet as Hugging Face lays out pictures: tables with a column of structs of `bytes` and `path`, and any others.
+//! Parquet as Hugging Face lays out images: tables with a column of structs of `bytes` and `path`, and any others.
 
 #[cfg(feature = "parquet")]
 mod footer;
@@ -22,7 +22,7 @@ pub(crate) use rows::{Cell, Table, binary, cell, texts};
 use super::tree::Tree;
 use super::{Dataset, Sample, split};
 
-/// Tables of ours are about pictures, and hold none.
+/// Tables of ours are about images, and hold none.
 const MANIFEST: &str = "manifest.";
 
 fn tables(tree: &Tree) -> impl Iterator<Item = &String> {
@@ -34,7 +34,7 @@ pub(super) fn evidence(tree: &Tree) -> Option<String> {
     Some(format!("{path} is a table"))
 }
 
-/// Each table is a sample of the data set: it is made as a whole.
+/// Each table is a sample of the dataset: it is made as a whole.
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) {
     dataset.samples = tables(tree).map(|path| Sample::new(path, Vec::new())).collect();
 }

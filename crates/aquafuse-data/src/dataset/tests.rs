@@ -2,7 +2,7 @@ use std::fs;
 
 use super::*;
 
-/// A folder with these files; `jpg` and `png` need not be pictures, for none is opened.
+/// A folder with these files; `jpg` and `png` need not be images, for none is opened.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -78,7 +78,7 @@ fn two_layouts_are_refused_by_name_and_none_too() {
 }
 
 #[test]
-fn pictures_come_with_what_is_about_them() {
+fn images_come_with_what_is_about_them() {
     let yolo = folder(&[
         ("data.yaml", "names: [fish]\n"),
         ("train/images/a.jpg", ""),
@@ -111,13 +111,13 @@ fn pictures_come_with_what_is_about_them() {
 fn bad_annotations_are_named_with_their_place() {
     for (from, to, said) in [
         ("[1.0, 2, 30.25, 40]", "[1.0, 2, 90, 40]", "annotations[0]: the box 1, 2, 90, 40 is not inside"),
-        ("\"b.jpg\"", "\"c.jpg\"", "images[1]: there is no picture \"c.jpg\""),
+        ("\"b.jpg\"", "\"c.jpg\"", "images[1]: there is no image \"c.jpg\""),
         ("\"b.jpg\"", "\"../b.jpg\"", "with `..`"),
         ("\"b.jpg\"", "\"/b.jpg\"", "an absolute name"),
         ("\"b.jpg\"", "\"a.jpg\"", "has an entry already"),
-        ("\"id\": 9", "\"id\": 7", "another picture has its id 7"),
+        ("\"id\": 9", "\"id\": 7", "another image has its id 7"),
         ("\"id\": 5", "\"id\": 3", "another annotation has its id 3"),
-        ("\"image_id\": 9", "\"image_id\": 8", "no picture has the id 8"),
+        ("\"image_id\": 9", "\"image_id\": 8", "no image has the id 8"),
         ("\"id\": 5", "\"id\": 5.5", "but is a whole number"),
         ("[1.0, 2, 30.25, 40]", "[1.0, 2]", "a box has 4"),
     ] {
@@ -130,7 +130,7 @@ fn bad_annotations_are_named_with_their_place() {
     let found = opened(&masks);
     assert_eq!(
         faults(&found),
-        ["images/b.jpg: it has no mask", "masks/c.png: there is no picture of this mask"]
+        ["images/b.jpg: it has no mask", "masks/c.png: there is no image of this mask"]
     );
     assert_eq!(found.faults.first()[0].sample.as_deref(), Some("images/b.jpg"));
     let yolo = folder(&[
@@ -140,12 +140,12 @@ fn bad_annotations_are_named_with_their_place() {
     ]);
     let said = faults(&opened(&yolo));
     assert!(said[0].starts_with("labels/a.txt:2: the box reaches from 0.7000 to 1.1000"), "{said:?}");
-    assert!(said[1].starts_with("labels/b.txt: there is no picture"), "{said:?}");
+    assert!(said[1].starts_with("labels/b.txt: there is no image"), "{said:?}");
 }
 
 /// One annotation that is no text spoils no other, and a file that is too large is told of, not passed over.
 #[test]
-fn a_file_that_is_no_text_is_a_fault_of_its_picture_and_one_too_large_is_refused() {
+fn a_file_that_is_no_text_is_a_fault_of_its_image_and_one_too_large_is_refused() {
     let yolo = folder(&[("images/a.jpg", ""), ("images/b.jpg", ""), ("labels/b.txt", "0 .5 .5 .1 .1\n")]);
     fs::write(yolo.path().join("labels/a.txt"), b"0 .5 .5 .1 .1 \xe9\n").unwrap();
     fs::write(yolo.path().join("notes.txt"), b"\xe9\n").unwrap();
@@ -219,7 +219,7 @@ fn of_coco_nothing_changes_but_ids_and_names() {
             json[list].as_array().unwrap().iter().map(|entry| entry["id"].as_i64().unwrap()).collect();
         assert_eq!(ids.len(), 6, "{list}");
     }
-    // The same ids for the part that holds one picture only.
+    // The same ids for the part that holds one image only.
     let second = |place: usize| if place == 1 { variants(place) } else { None };
     let part = Made { variants: &second, originals: false, ..made };
     let part: serde_json::Value = serde_json::from_str(&written(&part)).unwrap();

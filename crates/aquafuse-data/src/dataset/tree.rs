@@ -1,15 +1,15 @@
-//! What stands in the folder of a data set.
+//! What stands in the folder of a dataset.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::{Fault, Faults, split};
-use crate::picture::{FileError, Format, ReadOptions, read_beside, shown};
+use crate::image_file::{FileError, Format, ReadOptions, read_beside, shown};
 
 /// What is said of a file that should be a text.
 pub(super) const NO_TEXT: &str = "it is no text in UTF-8; save it as one";
 
-/// Folders within folders; deeper ones are no data set, but a mistake.
+/// Folders within folders; deeper ones are no dataset, but a mistake.
 const DEEPEST: usize = 32;
 
 /// The files in a folder and in those inside it, by their paths within it.
@@ -57,7 +57,7 @@ impl Tree {
                         self.files.insert(path);
                     }
                     _ => {
-                        self.faults.add(Fault::new(path, "a link that leads nowhere or out of the data set"));
+                        self.faults.add(Fault::new(path, "a link that leads nowhere or out of the dataset"));
                     }
                 }
             } else {
@@ -67,8 +67,8 @@ impl Tree {
         Ok(())
     }
 
-    /// The pictures among the files.
-    pub(super) fn pictures(&self) -> impl Iterator<Item = &String> {
+    /// The images among the files.
+    pub(super) fn images(&self) -> impl Iterator<Item = &String> {
         self.files.iter().filter(|path| Format::listed(Path::new(path)))
     }
 
@@ -84,8 +84,8 @@ impl Tree {
         self.files.range(from.clone()..).take_while(move |path| path.starts_with(&from))
     }
 
-    /// The pictures that stand in a folder.
-    pub(super) fn pictures_in<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a String> {
+    /// The images that stand in a folder.
+    pub(super) fn images_in<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a String> {
         self.within(folder).filter(move |path| split(path).0 == folder && Format::listed(Path::new(path)))
     }
 
@@ -93,7 +93,7 @@ impl Tree {
         self.files.contains(path)
     }
 
-    /// Reads a text of the data set; none where the file is no text.
+    /// Reads a text of the dataset; none where the file is no text.
     pub(super) fn read(&self, path: &str) -> Result<Option<String>, FileError> {
         let bytes = read_beside(&self.root.join(path), &self.reading)?;
         Ok(String::from_utf8(bytes).ok())

@@ -1,4 +1,4 @@
-//! An XML file a picture, `Annotations/NAME.xml`, which names the picture in `JPEGImages/` and holds boxes in pixels.
+//! An XML file an image, `Annotations/NAME.xml`, which names the image in `JPEGImages/` and holds boxes in pixels.
 //!
 //! Only two things in the XML are ours: the text of `filename`, and that of `path` beside it. They are found by place,
 //! so that everything else stays byte for byte.
@@ -12,7 +12,7 @@ use quick_xml::events::Event;
 
 use super::tree::{NO_TEXT, Tree};
 use super::{Companion, Dataset, Fault, Index, Sample, inside, join, split, stem};
-use crate::picture::FileError;
+use crate::image_file::FileError;
 
 const ANNOTATIONS: &str = "Annotations";
 const PICTURES: &str = "JPEGImages";
@@ -32,16 +32,16 @@ fn above(path: &str) -> Option<&str> {
 
 pub(super) fn evidence(tree: &Tree) -> Option<String> {
     let folder = tree.files.iter().find_map(|path| above(path))?;
-    let pictures = join(folder, PICTURES);
-    tree.pictures_in(&pictures).next()?;
-    Some(format!("{}/ beside {pictures}/", join(folder, ANNOTATIONS)))
+    let images = join(folder, PICTURES);
+    tree.images_in(&images).next()?;
+    Some(format!("{}/ beside {images}/", join(folder, ANNOTATIONS)))
 }
 
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
     let folders: BTreeSet<&str> = tree.files.iter().filter_map(|path| above(path)).collect();
     for folder in folders {
-        let pictures = join(folder, PICTURES);
-        let mut left: BTreeSet<&String> = tree.pictures_in(&pictures).collect();
+        let images = join(folder, PICTURES);
+        let mut left: BTreeSet<&String> = tree.images_in(&images).collect();
         let mut stems: HashMap<&str, Vec<&String>> = HashMap::new();
         for key in &left {
             stems.entry(stem(split(key).1)).or_default().push(key);
@@ -52,10 +52,10 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
             let name = stem(split(path).1);
             let named = about.as_ref().ok().and_then(|about| about.filename.clone());
             let named = named.map(|named| (inside(&named), named));
-            let by_name = named.as_ref().and_then(|(named, _)| Some(join(&pictures, named.as_ref().ok()?)));
+            let by_name = named.as_ref().and_then(|(named, _)| Some(join(&images, named.as_ref().ok()?)));
             let by_stem = || stems.get(name)?.iter().copied().find(|key| left.contains(key)).cloned();
             let Some(key) = by_name.filter(|key| tree.holds(key)).or_else(by_stem) else {
-                let cause = format!("its picture is not in {pictures}/");
+                let cause = format!("its image is not in {images}/");
                 dataset.faults.add(Fault::new(path, cause));
                 continue;
             };
@@ -70,7 +70,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
             for cause in about.iter().flat_map(Annotation::faults) {
                 dataset.faults.add(Fault::new(path, cause).of(&key));
             }
-            let mut companions = vec![Companion { path: path.clone(), names_picture: true }];
+            let mut companions = vec![Companion { path: path.clone(), names_image: true }];
             let masks = MASKS.map(|masks| join(&join(folder, masks), &format!("{name}.png")));
             companions.extend(masks.into_iter().filter(|mask| tree.holds(mask)).map(Companion::carried));
             dataset.samples.push(Sample::new(key, companions));
@@ -83,7 +83,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
         let listed = tree.within(&lists).filter(is_list);
         dataset
             .indices
-            .extend(listed.map(|path| Index::Stems { path: path.clone(), folder: pictures.clone() }));
+            .extend(listed.map(|path| Index::Stems { path: path.clone(), folder: images.clone() }));
     }
     Ok(())
 }
@@ -109,7 +109,7 @@ impl Annotation {
                 return Some("a box lacks a side, or has one that is no number".to_owned());
             }
             (!(within(left, right, width) && within(top, bottom, height)))
-                .then(|| format!("the box {left}, {top}, {right}, {bottom} is not inside the picture"))
+                .then(|| format!("the box {left}, {top}, {right}, {bottom} is not inside the image"))
         })
     }
 }
@@ -224,11 +224,11 @@ fn parse(text: &str) -> Result<Annotation, String> {
     if is_first { Err("there is no element in it".into()) } else { Ok(found) }
 }
 
-/// The annotation with another picture's name in `filename`, and as the last part of `path`.
-pub(super) fn renamed(bytes: &[u8], picture: &str) -> Vec<u8> {
+/// The annotation with another image's name in `filename`, and as the last part of `path`.
+pub(super) fn renamed(bytes: &[u8], image: &str) -> Vec<u8> {
     let Ok(text) = std::str::from_utf8(bytes) else { return bytes.to_vec() };
     let (mut out, mut done, mut texts) = (String::with_capacity(text.len()), 0, Texts::of(text));
-    let name = quick_xml::escape::escape(picture);
+    let name = quick_xml::escape::escape(image);
     while let Ok(Some((piece, range))) = texts.next() {
         let is_path = texts.is_in(&["annotation", "path"]);
         if piece != Piece::Text || !(is_path || texts.is_in(&["annotation", "filename"])) {
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_outside_the_picture_are_named() {
+    fn boxes_outside_the_image_are_named() {
         for (from, to) in [("<xmax>64", "<xmax>90"), ("<ymin>2.5", "<ymin>49.5"), ("<ymin>2.5", "<ymin>a")] {
             let found = parse(&GOOD.replace(from, to)).unwrap();
             assert_eq!(found.faults().count(), 1, "{to}");

@@ -1,18 +1,18 @@
-//! A text file a picture, one object a line: `class x y width height`, or `class x1 y1 x2 y2 ...` for outlines, with
-//! key points behind the box for poses. All lengths are shares of the picture's sides.
+//! A text file an image, one object a line: `class x y width height`, or `class x1 y1 x2 y2 ...` for outlines, with
+//! key points behind the box for poses. All lengths are shares of the image's sides.
 
 use std::collections::BTreeMap;
 
 use super::tree::{NO_TEXT, Tree};
 use super::{Companion, Dataset, Fault, Index, Sample, join, split, stem};
-use crate::picture::FileError;
+use crate::image_file::FileError;
 
-/// As far as this beyond the picture's edge, in shares of its side, a box is rounded rather than wrong.
+/// As far as this beyond the image's edge, in shares of its side, a box is rounded rather than wrong.
 const ROUNDED: f64 = 2e-3;
-/// Files beside the pictures that are carried over as they are.
+/// Files beside the images that are carried over as they are.
 const LISTS_OF_CLASSES: [&str; 4] = ["classes.txt", "obj.names", "notes.json", "_darknet.labels"];
 
-/// The label of a picture: `labels` for the last `images` of its path, beside it where there is none.
+/// The label of an image: `labels` for the last `images` of its path, beside it where there is none.
 fn label(key: &str) -> String {
     let (folder, name) = split(key);
     let mut parts: Vec<&str> = folder.split('/').collect();
@@ -38,7 +38,7 @@ pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
         }
     }
     let labelled = |key: &&String| key.split('/').any(|part| part == "images") && tree.holds(&label(key));
-    if let Some(key) = tree.pictures().find(labelled) {
+    if let Some(key) = tree.images().find(labelled) {
         return Ok(Some(format!("{} is about {key}", label(key))));
     }
     let beside = LISTS_OF_CLASSES.into_iter().find(|name| *name != "notes.json" && tree.holds(name));
@@ -48,10 +48,10 @@ pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
     let configs: Vec<&String> = tree.files.iter().filter(|path| is_config(path)).collect();
     let in_images = |key: &&String| key.split('/').any(|part| part == "images");
-    let nested = tree.pictures().any(|key| in_images(&key));
-    // Two pictures of one label cannot have variants that differ in their labels' names.
+    let nested = tree.images().any(|key| in_images(&key));
+    // Two images of one label cannot have variants that differ in their labels' names.
     let mut owners: BTreeMap<String, String> = BTreeMap::new();
-    for key in tree.pictures().filter(|key| !nested || in_images(key)) {
+    for key in tree.images().filter(|key| !nested || in_images(key)) {
         let path = label(key);
         let mut companions = Vec::new();
         if tree.holds(&path) {
@@ -75,7 +75,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     let in_labels = |path: &&String| split(path).0.split('/').any(|part| part == "labels");
     for path in tree.ending(".txt").filter(in_labels) {
         if !owners.contains_key(path) && !LISTS_OF_CLASSES.contains(&split(path).1) {
-            dataset.faults.add(Fault::new(path, "there is no picture of this label"));
+            dataset.faults.add(Fault::new(path, "there is no image of this label"));
         }
     }
     dataset.indices.extend(configs.into_iter().map(|path| Index::Config { path: path.clone() }));
@@ -83,13 +83,13 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
         if LISTS_OF_CLASSES.contains(&path.as_str()) {
             dataset.indices.push(Index::Carried { path: path.clone() });
         } else if path.ends_with(".txt") && !owners.contains_key(path) {
-            let names_pictures = |line: &str| super::inside(line).is_ok_and(|name| tree.holds(&name));
+            let names_images = |line: &str| super::inside(line).is_ok_and(|name| tree.holds(&name));
             match tree.read(path)? {
-                Some(text) if text.lines().any(names_pictures) => {
+                Some(text) if text.lines().any(names_images) => {
                     dataset.indices.push(Index::Paths { path: path.clone() });
                 }
                 Some(_) => {}
-                // It may be the list of pictures that the configuration names.
+                // It may be the list of images that the configuration names.
                 None => dataset.faults.add(Fault::new(path, NO_TEXT)),
             }
         }
@@ -110,12 +110,12 @@ fn check(line: &str) -> Result<(), String> {
     match values.as_slice() {
         // A box, with key points or a confidence behind it or not.
         [x, y, w, h, rest @ ..] if rest.len() != 2 && (rest.len() < 4 || is_pose(rest)) => {
-            inside_picture("across", *x, *w)?;
-            inside_picture("down", *y, *h)
+            inside_image("across", *x, *w)?;
+            inside_image("down", *y, *h)
         }
         outline if outline.len() >= 6 && outline.len().is_multiple_of(2) => {
             match outline.iter().find(|value| !(-ROUNDED..=1.0 + ROUNDED).contains(*value)) {
-                Some(value) => Err(format!("a corner lies at {value}, outside the picture")),
+                Some(value) => Err(format!("a corner lies at {value}, outside the image")),
                 None => Ok(()),
             }
         }
@@ -129,14 +129,14 @@ fn is_pose(rest: &[f64]) -> bool {
     rest.len().is_multiple_of(3) && rest.chunks(3).all(seen)
 }
 
-/// Refuses a side that reaches beyond the picture.
-fn inside_picture(way: &str, middle: f64, length: f64) -> Result<(), String> {
+/// Refuses a side that reaches beyond the image.
+fn inside_image(way: &str, middle: f64, length: f64) -> Result<(), String> {
     let ends = (middle - length / 2.0, middle + length / 2.0);
     // A number that is none compares with nothing.
     if length >= 0.0 && ends.0 >= -ROUNDED && ends.1 <= 1.0 + ROUNDED {
         return Ok(());
     }
-    Err(format!("the box reaches from {:.4} to {:.4} {way}, outside the picture", ends.0, ends.1))
+    Err(format!("the box reaches from {:.4} to {:.4} {way}, outside the image", ends.0, ends.1))
 }
 
 /// A text of others, short enough to be said.
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn labels_stand_where_the_pictures_stand_in_images() {
+    fn labels_stand_where_the_images_stand_in_images() {
         assert_eq!(label("images/train/a.b.jpg"), "labels/train/a.b.txt");
         assert_eq!(label("train/images/a.jpg"), "train/labels/a.txt");
         assert_eq!(label("a.jpg"), "a.txt");
@@ -178,9 +178,9 @@ mod tests {
             ("fish 0.5 0.5 1 1", "class"),
             ("0 0.5 0.5 1", "3 numbers"),
             ("0 0.5 x 1 1", "no number"),
-            ("0 0.9 0.5 0.4 0.2", "outside the picture"),
-            ("0 0.5 0.5 nan 0.2", "outside the picture"),
-            ("0 0.5 0.5 -0.1 0.2", "outside the picture"),
+            ("0 0.9 0.5 0.4 0.2", "outside the image"),
+            ("0 0.5 0.5 nan 0.2", "outside the image"),
+            ("0 0.5 0.5 -0.1 0.2", "outside the image"),
             ("0 0.1 0.1 1.9 0.1 0.5 0.9", "corner"),
         ] {
             assert!(check(line).unwrap_err().contains(said), "{line}");

@@ -107,7 +107,7 @@ fn pass_text(reader: &mut impl BufRead) -> io::Result<bool> {
     Ok(text.len() > 1 && text.ends_with(&[0]))
 }
 
-/// Refuses what would take too much memory, and what is no flat picture.
+/// Refuses what would take too much memory, and what is no flat image.
 fn check(header: &Header, wanted: Wanted) -> Result<(), Fault> {
     if header.deep {
         return Err(Fault::Unsupported("deep data".into(), "Flatten it to one value a pixel"));

@@ -1,13 +1,13 @@
-//! The depth maps of a folder of pictures.
+//! The depth maps of a folder of images.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::format_of;
-use crate::picture::FileError;
+use crate::image_file::FileError;
 
-/// A folder of depth maps, which belong to pictures by their stem: `a.tiff` to `a.jpg`.
+/// A folder of depth maps, which belong to images by their stem: `a.tiff` to `a.jpg`.
 #[derive(Clone, Debug)]
 pub struct DepthFolder {
     folder: PathBuf,
@@ -37,18 +37,18 @@ impl DepthFolder {
         &self.folder
     }
 
-    /// The depth map of a picture.
+    /// The depth map of an image.
     ///
     /// # Errors
     ///
     /// [`FileError::NoDepthBeside`] when there is none of its stem, or more than one.
-    pub fn map_of(&self, picture: &Path) -> Result<&Path, FileError> {
-        let found = picture.file_stem().and_then(|stem| self.by_stem.get(stem));
+    pub fn map_of(&self, image: &Path) -> Result<&Path, FileError> {
+        let found = image.file_stem().and_then(|stem| self.by_stem.get(stem));
         match found.map(Vec::as_slice) {
             Some([only]) => Ok(only),
             found => Err(FileError::NoDepthBeside {
                 folder: self.folder.clone(),
-                picture: picture.to_owned(),
+                image: image.to_owned(),
                 found: found.map_or(0, <[_]>::len),
             }),
         }

@@ -49,11 +49,11 @@ fn relative_depth_spans_sixteen_bits_of_png_and_metres_are_millimetres() {
 #[test]
 fn what_depth_writes_as_relative_is_read_as_relative() {
     let folder = tempfile::tempdir().unwrap();
-    let picture = Image::from_raw(7, 5, vec![90; 105]).unwrap();
+    let image = Image::from_raw(7, 5, vec![90; 105]).unwrap();
     for name in NAMES {
         let path = folder.path().join(name);
         write(&path, &map(DepthKind::Relative), &WriteOptions::default()).unwrap();
-        let read = read(&path, SuppliedKind::Relative).unwrap().seen_with(&picture, Default::default());
+        let read = read(&path, SuppliedKind::Relative).unwrap().seen_with(&image, Default::default());
         for (a, b) in read.unwrap().depth.distances().iter().zip(map(DepthKind::Relative).distances()) {
             assert!((a - b).abs() <= 0.5 / 65535.0, "{name}: {a} {b}");
         }
@@ -216,15 +216,15 @@ fn what_is_no_plane_of_numbers_is_refused_with_what_to_do() {
 }
 
 #[test]
-fn each_picture_has_one_map_in_the_folder() {
+fn each_image_has_one_map_in_the_folder() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["a.tiff", "b.png", "b.npy", "a.txt"] {
         std::fs::write(folder.path().join(name), "").unwrap();
     }
     let maps = DepthFolder::list(folder.path()).unwrap();
     assert!(maps.map_of(Path::new("photos/a.jpg")).unwrap().ends_with("a.tiff"));
-    for (picture, expected) in [("b.jpg", "holds 2 depth maps"), ("c.jpg", "holds 0 depth maps")] {
-        let said = maps.map_of(Path::new(picture)).unwrap_err().to_string();
+    for (image, expected) in [("b.jpg", "holds 2 depth maps"), ("c.jpg", "holds 0 depth maps")] {
+        let said = maps.map_of(Path::new(image)).unwrap_err().to_string();
         assert!(said.contains(expected), "{said}");
     }
 }
@@ -262,7 +262,7 @@ proptest! {
 }
 
 #[test]
-fn a_map_of_another_size_than_the_picture_is_refused_from_its_header() {
+fn a_map_of_another_size_than_the_image_is_refused_from_its_header() {
     let folder = tempfile::tempdir().unwrap();
     for extension in ["png", "tif", "exr", "npy", "pfm"] {
         let path = folder.path().join(format!("z.{extension}"));

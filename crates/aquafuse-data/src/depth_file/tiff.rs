@@ -8,7 +8,7 @@ use ::tiff::encoder::{TiffEncoder, colortype};
 use ::tiff::tags::Tag;
 use aquafuse::depth::DepthMap;
 
-use crate::picture::{LARGER_PIECES, too_many_pieces};
+use crate::image_file::{LARGER_PIECES, too_many_pieces};
 
 use super::{Fault, MOST_BYTES, Raster, Wanted, check_size, narrowed};
 

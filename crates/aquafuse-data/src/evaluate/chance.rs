@@ -1,4 +1,4 @@
-//! Chance keyed on names: what is drawn for a picture does not depend on the others, nor on who draws it.
+//! Chance keyed on names: what is drawn for an image does not depend on the others, nor on who draws it.
 
 /// SplitMix64 from a seed and names.
 #[derive(Clone, Debug)]

@@ -1,17 +1,17 @@
-//! Work on many pictures by several threads within one budget of memory, in an order that nothing depends on.
+//! Work on many images by several threads within one budget of memory, in an order that nothing depends on.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use crate::picture::ReadOptions;
+use crate::image_file::ReadOptions;
 
 /// How an evaluation runs; no figure depends on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Conduct {
-    /// Pictures in work at once; none: one a core.
+    /// Images in work at once; none: one a core.
     pub threads: Option<NonZeroUsize>,
-    /// How to read pictures.
+    /// How to read images.
     pub reading: ReadOptions,
 }
 

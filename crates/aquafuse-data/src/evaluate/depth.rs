@@ -11,15 +11,15 @@ use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::summarise;
 use super::{Conduct, EvaluateError, Failed, Listener, Message, Report};
 use crate::depth_file::{self, DepthFolder};
+use crate::image_file::{FileError, Format, ImageFile};
 use crate::memory::Budget;
 use crate::pairs::Pair;
-use crate::picture::{FileError, Format, Picture};
 use agreement::{Agreement, Unit};
 
-/// Pictures whose depth is known, and what is held against it.
+/// Images whose depth is known, and what is held against it.
 #[derive(Clone, Debug)]
 pub struct Depth {
-    /// Pictures with known depth.
+    /// Images with known depth.
     pub pairs: Vec<Pair>,
     /// What the values of the known depth are.
     pub kind: SuppliedKind,
@@ -33,7 +33,7 @@ pub struct Depth {
     pub conduct: Conduct,
 }
 
-/// A folder of depth maps from elsewhere, one for each picture, of the same stem.
+/// A folder of depth maps from elsewhere, one for each image, of the same stem.
 #[derive(Clone, Debug)]
 pub struct Maps {
     /// What they are called in the report.
@@ -50,18 +50,18 @@ const SCORES: [Score; 4] = [
     Score { key: "rmse_percent", title: "RMSE, % of the mean", digits: 1, shown: Shown::Mean },
     Score { key: "delta_percent", title: "δ < 1.25, %", digits: 1, shown: Shown::Mean },
 ];
-const COUNT: Score = Score { key: "pictures", title: "pictures", digits: 0, shown: Shown::Number };
+const COUNT: Score = Score { key: "pictures", title: "images", digits: 0, shown: Shown::Number };
 /// What it takes in bytes a pixel: known and estimated distances, as floats and by rank, and the order of both.
 const COMPARED: u64 = 80;
-/// The prior that the top of a picture is far.
+/// The prior that the top of an image is far.
 const ROW: &str = "image row";
 
 const ABOUT: &str = "At the pixels whose depth is known: Spearman's rank correlation (1 is the right order everywhere), then, \
-    after the scale and shift that fit best picture by picture and never turn near and far round, the RMSE and the share \
-    of pixels within a factor of 1.25. Depth from a network (inverse) is fitted as 1 / z. Image row: no picture at all, the \
-    higher the farther. Brackets: where the mean lies in 95 of 100 resamplings of the pictures.";
+    after the scale and shift that fit best image by image and never turn near and far round, the RMSE and the share \
+    of pixels within a factor of 1.25. Depth from a network (inverse) is fitted as 1 / z. Image row: no image at all, the \
+    higher the farther. Brackets: where the mean lies in 95 of 100 resamplings of the images.";
 
-/// The scores of one picture, by each model and each folder of maps.
+/// The scores of one image, by each model and each folder of maps.
 type Found = Vec<Option<Agreement>>;
 
 impl Depth {
@@ -103,13 +103,13 @@ impl Depth {
     }
 
     fn compare(&self, pair: &Pair, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
-        let opened = Picture::open(&pair.rgb, &self.conduct.reading)?;
+        let opened = ImageFile::open(&pair.rgb, &self.conduct.reading)?;
         let beside = opened.pixels().saturating_mul(COMPARED);
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
-        let picture = opened.decode()?;
-        let (top, size) = (picture.top_edge(), picture.pixels.size());
-        let turned = picture.metadata.orientation() > 4;
-        let bytes = picture.bytes();
+        let image = opened.decode()?;
+        let (top, size) = (image.top_edge(), image.pixels.size());
+        let turned = image.metadata.orientation() > 4;
+        let bytes = image.bytes();
         let read = |path: &std::path::Path, kind| -> Result<Vec<f32>, EvaluateError> {
             let unfit = |error| FileError::UnfitDepth { path: path.to_owned(), error, turned };
             Ok(depth_file::read_for(path, kind, size)?.labels(&bytes).map_err(unfit)?)
@@ -120,7 +120,7 @@ impl Depth {
             .models
             .iter()
             .map(|(_, model)| {
-                Agreement::of(&picture.pixels.depth(model, top).distances(), Unit::Shifted, &known, unit)
+                Agreement::of(&image.pixels.depth(model, top).distances(), Unit::Shifted, &known, unit)
             })
             .collect();
         found.push(Agreement::of(&rows(size, top), Unit::Shifted, &known, unit));
@@ -186,7 +186,7 @@ impl Depth {
     }
 }
 
-/// How high each pixel stands in the picture as seen.
+/// How high each pixel stands in the image as seen.
 fn rows((width, height): (usize, usize), top: TopEdge) -> Vec<f32> {
     let height_of = |x: usize, y: usize| match top {
         TopEdge::First => height.saturating_sub(y),

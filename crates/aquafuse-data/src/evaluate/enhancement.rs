@@ -1,4 +1,4 @@
-//! How good pictures look before and after, by scores that need no other picture.
+//! How good images look before and after, by scores that need no other image.
 
 use aquafuse::fusion::Options;
 use aquafuse::image::{Encoded, Encoding, Image};
@@ -11,23 +11,23 @@ use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::summarise;
 use super::{Conduct, EvaluateError, Failed, Listener, Member, Message, Report};
 use crate::analysis::{DepthSource, analyse};
+use crate::image_file::{Format, ImageFile};
 use crate::memory::Budget;
-use crate::picture::{Format, Picture};
 use crate::scores::Scores;
 use crate::treatment::{Space, Treatment};
 
-/// Pictures fused with clear water, and what other tools make of them, scored before and after.
+/// Images fused with clear water, and what other tools make of them, scored before and after.
 #[derive(Clone, Debug)]
 pub struct Enhancement<E: Encoding = Encoded> {
-    /// The pictures.
-    pub pictures: Vec<Member>,
+    /// The images.
+    pub image_files: Vec<Member>,
     /// Clear water, per unit of the depth of `source`.
     pub clear: Estimate<E>,
     /// How to fuse.
     pub options: Options,
     /// How to come by depth.
     pub source: DepthSource,
-    /// What other tools have made, in files of the pictures' stems.
+    /// What other tools have made, in files of the images' stems.
     pub outputs: Vec<Outputs>,
     /// What resamplings are drawn by.
     pub seed: u64,
@@ -48,16 +48,16 @@ const SCORES: [Score; 5] = [
     Score { key: "contrast", title: "contrast", digits: 3, shown: Shown::Mean },
     Score { key: "sharpness", title: "sharpness", digits: 3, shown: Shown::Mean },
 ];
-const COUNT: Score = Score { key: "pictures", title: "pictures", digits: 0, shown: Shown::Number };
+const COUNT: Score = Score { key: "pictures", title: "images", digits: 0, shown: Shown::Number };
 /// What scoring takes in bytes a pixel: colours in CIELab, chroma and lightness by themselves.
 const SCORED: u64 = 48;
 
 const ABOUT: &str = "UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that are parts of the \
     first, the sharpness that is part of the second. Higher is held to be better; all are fooled by oversaturation and \
-    noise, so look at the pictures. Brackets: where the mean lies in 95 of 100 resamplings of the pictures. The change is \
-    taken picture by picture, so that its interval tells whether it is one.";
+    noise, so look at the images. Brackets: where the mean lies in 95 of 100 resamplings of the images. The change is \
+    taken image by image, so that its interval tells whether it is one.";
 
-/// The scores of a picture: as it is, and by each method that made something of it.
+/// The scores of an image: as it is, and by each method that made something of it.
 type Found = Vec<Option<[Option<f64>; 5]>>;
 
 impl<E: Space> Enhancement<E> {
@@ -68,11 +68,11 @@ impl<E: Space> Enhancement<E> {
     /// [`EvaluateError`] when outputs of other tools cannot be told apart.
     pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         if !self.outputs.is_empty() {
-            refuse_ambiguous(&self.pictures)?;
+            refuse_ambiguous(&self.image_files)?;
         }
-        listener(Message::Started { total: self.pictures.len() });
+        listener(Message::Started { total: self.image_files.len() });
         let budget = self.conduct.reading.budget();
-        let scored = self.conduct.each(&self.pictures, |member| {
+        let scored = self.conduct.each(&self.image_files, |member| {
             let (found, failed) = match self.score(member, &budget) {
                 Ok(scored) => scored,
                 Err(error) => (Vec::new(), vec![Failed::new(&member.name, &error)]),
@@ -86,7 +86,7 @@ impl<E: Space> Enhancement<E> {
         failed.sort();
         Ok(Report {
             command: "evaluate enhancement",
-            title: "Pictures before and after".into(),
+            title: "Images before and after".into(),
             about: vec![ABOUT.into()],
             settings: self.described(),
             tables: vec![self.table(&found, None), self.table(&found, Some(0))],
@@ -105,7 +105,7 @@ impl<E: Space> Enhancement<E> {
             "depth_model": self.source.name(),
             "water": self.water,
             "seed": self.seed,
-            "pictures": self.pictures.len(),
+            "pictures": self.image_files.len(),
         })
     }
 
@@ -115,20 +115,20 @@ impl<E: Space> Enhancement<E> {
     }
 
     fn score(&self, member: &Member, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
-        let opened = Picture::open(&member.path, &self.conduct.reading)?;
+        let opened = ImageFile::open(&member.path, &self.conduct.reading)?;
         let of_others = if self.outputs.is_empty() { 0 } else { outputs::BYTES_A_PIXEL };
         let a_pixel = E::BYTES_A_PIXEL.max(of_others).saturating_add(SCORED).saturating_add(16);
         let beside = opened.pixels().saturating_mul(a_pixel);
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
-        let picture = opened.decode()?;
-        let (mut found, mut failed) = (vec![Some(values(&picture.bytes()))], Vec::new());
-        let analysis = analyse::<E>(&picture, &self.source)?;
+        let image_file = opened.decode()?;
+        let (mut found, mut failed) = (vec![Some(values(&image_file.bytes()))], Vec::new());
+        let analysis = analyse::<E>(&image_file, &self.source)?;
         let treatment = Treatment::Fuse { reference: self.clear, options: self.options };
-        let mut pixels = picture.pixels.clone();
-        treatment.apply(&mut pixels, &analysis).expect("the depth map is this picture's");
+        let mut pixels = image_file.pixels.clone();
+        treatment.apply(&mut pixels, &analysis).expect("the depth map is this image's");
         found.push(Some(values(&pixels.into_bytes())));
         for outputs in &self.outputs {
-            match outputs.read(&member.stem(), member, picture.pixels.size(), &self.conduct.reading) {
+            match outputs.read(&member.stem(), member, image_file.pixels.size(), &self.conduct.reading) {
                 Ok(made) => found.push(Some(values(&made))),
                 Err(error) => {
                     found.push(None);
@@ -173,7 +173,7 @@ impl<E: Space> Enhancement<E> {
             });
         let (name, title) = match beside {
             None => ("scores", "Scores"),
-            Some(_) => ("change", "Change, picture by picture"),
+            Some(_) => ("change", "Change, image by image"),
         };
         Table {
             name,
@@ -185,7 +185,7 @@ impl<E: Space> Enhancement<E> {
     }
 
     fn items(&self, found: &[Found]) -> Items {
-        let of_picture = |(member, all): (&Member, &Found)| {
+        let of_image = |(member, all): (&Member, &Found)| {
             let row = |(name, values): (&&str, &Option<[Option<f64>; 5]>)| {
                 let labels = vec![member.name.clone(), (*name).to_owned()];
                 values.map(|values| ItemsRow { labels, values: values.to_vec() })
@@ -195,7 +195,7 @@ impl<E: Space> Enhancement<E> {
         Items {
             labels: vec!["picture", "method"],
             scores: SCORES.to_vec(),
-            rows: self.pictures.iter().zip(found).flat_map(of_picture).collect(),
+            rows: self.image_files.iter().zip(found).flat_map(of_image).collect(),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::picture::{FileError, LISTED, shown};
+use crate::image_file::{FileError, LISTED, shown};
 
 /// An evaluation, or a step of it, cannot be done. Its message names the file, the cause and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -13,9 +13,9 @@ pub enum EvaluateError {
     /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A folder holds no picture.
-    #[error("{} holds no {LISTED}; name the folder in which the pictures stand", shown(folder))]
-    NoPictures {
+    /// A folder holds no image.
+    #[error("{} holds no {LISTED}; name the folder in which the images stand", shown(folder))]
+    NoImages {
         /// The folder.
         folder: PathBuf,
     },
@@ -44,7 +44,7 @@ pub enum EvaluateError {
         other: PathBuf,
     },
     /// An output of another tool is missing, or there are several.
-    #[error("{} holds {found} pictures named {stem}; put exactly one there", shown(folder))]
+    #[error("{} holds {found} images named {stem}; put exactly one there", shown(folder))]
     NoOutput {
         /// Where was looked.
         folder: PathBuf,
@@ -68,9 +68,9 @@ pub enum EvaluateError {
         /// Its columns and rows.
         expected: (u64, u64),
     },
-    /// A file is no network of LPIPS, or cannot take a picture.
+    /// A file is no network of LPIPS, or cannot take an image.
     #[error(
-        "cannot take {} for the network of LPIPS: {cause}. Write it anew with lpips/export.py of crates/aquafuse-data",
+        "cannot take {} for the network of LPIPS: {cause}. Write it again with lpips/export.py of crates/aquafuse-data",
         shown(path)
     )]
     NoLpips {
@@ -79,13 +79,13 @@ pub enum EvaluateError {
         /// What its reader said.
         cause: String,
     },
-    /// A picture is too small to be scored.
+    /// An image is too small to be scored.
     #[error(
         "{} is smaller than the 11 x 11 pixels that SSIM looks at; leave it out of the folder",
         shown(path)
     )]
     TooSmall {
-        /// The picture.
+        /// The image.
         path: PathBuf,
     },
 }

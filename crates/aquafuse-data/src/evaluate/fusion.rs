@@ -1,4 +1,4 @@
-//! How much fused pictures look like their contents: the paper's Tables 1 and 3, on anybody's pictures.
+//! How much fused images look like their contents: the paper's Tables 1 and 3, on anybody's images.
 
 mod gallery;
 mod likeness;
@@ -16,8 +16,8 @@ use super::{
     Rival, lpips, outputs,
 };
 use crate::analysis::{Analysis, DepthSource, analyse};
+use crate::image_file::{Format, ImageFile, Pixels};
 use crate::memory::Budget;
-use crate::picture::{Format, Picture, Pixels};
 use crate::treatment::{Space, Treatment};
 use likeness::Likeness;
 
@@ -51,7 +51,7 @@ pub struct Settings {
     pub smoothing: Smoothing,
 }
 
-/// A way to make a picture of a content and a reference.
+/// A way to make an image of a content and a reference.
 #[derive(Clone, Debug)]
 pub enum Method {
     /// Ours, called as given.
@@ -81,7 +81,7 @@ struct Reference<E: Encoding> {
 
 /// A content in work.
 struct Content<E: Encoding> {
-    picture: Picture,
+    image: ImageFile,
     found: Analysis<E>,
     palette: Option<Palette>,
 }
@@ -168,19 +168,19 @@ impl Fusion {
         member: &Member,
         budget: &Budget,
     ) -> Result<Reference<E>, EvaluateError> {
-        let opened = Picture::open(&member.path, &self.conduct.reading)?;
+        let opened = ImageFile::open(&member.path, &self.conduct.reading)?;
         let _room = budget.reserve(opened.memory_until_written(Format::Png, 0)?);
-        let picture = opened.decode()?;
-        let estimate = self.analysed(&picture)?.estimate;
-        Ok(Reference { estimate, palette: self.palette(&picture) })
+        let image = opened.decode()?;
+        let estimate = self.analysed(&image)?.estimate;
+        Ok(Reference { estimate, palette: self.palette(&image) })
     }
 
-    fn palette(&self, picture: &Picture) -> Option<Palette> {
-        self.has_rivals().then(|| Palette::of(&picture.bytes()))
+    fn palette(&self, image: &ImageFile) -> Option<Palette> {
+        self.has_rivals().then(|| Palette::of(&image.bytes()))
     }
 
-    fn analysed<E: Space>(&self, picture: &Picture) -> Result<Analysis<E>, EvaluateError> {
-        Ok(analyse(picture, &DepthSource::Estimated(self.settings.depth_model))?)
+    fn analysed<E: Space>(&self, image: &ImageFile) -> Result<Analysis<E>, EvaluateError> {
+        Ok(analyse(image, &DepthSource::Estimated(self.settings.depth_model))?)
     }
 
     /// Makes and scores everything of one content, which is read once.
@@ -199,7 +199,7 @@ impl Fusion {
         if meets.is_empty() {
             return (results, failed);
         }
-        let opened = Picture::open(&member.path, &self.conduct.reading).map_err(EvaluateError::from);
+        let opened = ImageFile::open(&member.path, &self.conduct.reading).map_err(EvaluateError::from);
         let room = opened.and_then(|opened| {
             let beside = opened.pixels().saturating_mul(self.bytes_a_pixel::<E>());
             Ok((budget.reserve(opened.memory_until_written(Format::Png, beside)?), opened))
@@ -224,7 +224,7 @@ impl Fusion {
             let name = format!("{} in {}", member.name, other.name);
             for (method, way) in self.methods.iter().enumerate() {
                 let made = self.make(way, member, other, &read, reference);
-                let likeness = made.and_then(|made| self.compare(member, &read.picture.bytes(), &made));
+                let likeness = made.and_then(|made| self.compare(member, &read.image.bytes(), &made));
                 match likeness {
                     Ok(likeness) => results.push(Scored { content, reference: place, method, likeness }),
                     Err(error) => {
@@ -239,10 +239,10 @@ impl Fusion {
         (results, failed)
     }
 
-    fn read_content<E: Space>(&self, picture: Picture) -> Result<Content<E>, EvaluateError> {
-        let found = self.analysed(&picture)?;
-        let palette = self.palette(&picture);
-        Ok(Content { picture, found, palette })
+    fn read_content<E: Space>(&self, image: ImageFile) -> Result<Content<E>, EvaluateError> {
+        let found = self.analysed(&image)?;
+        let palette = self.palette(&image);
+        Ok(Content { image, found, palette })
     }
 
     fn compare(
@@ -257,7 +257,7 @@ impl Fusion {
         Ok(Likeness { lpips, ..found })
     }
 
-    /// The picture that a method makes of a pair.
+    /// The image that a method makes of a pair.
     fn make<E: Space>(
         &self,
         way: &Method,
@@ -270,26 +270,26 @@ impl Fusion {
             Method::Aquafuse(_) => {
                 let treatment =
                     Treatment::Fuse { reference: reference.estimate, options: self.settings.options };
-                let mut pixels: Pixels = content.picture.pixels.clone();
-                treatment.apply(&mut pixels, &content.found).expect("the depth map is this picture's");
+                let mut pixels: Pixels = content.image.pixels.clone();
+                treatment.apply(&mut pixels, &content.found).expect("the depth map is this image's");
                 pixels.smoothed(self.settings.smoothing).into_bytes()
             }
             Method::Rival(rival) => {
                 let palettes = content.palette.as_ref().zip(reference.palette.as_ref());
                 let (own, other) = palettes.expect("palettes are read where there are rivals");
-                rival.picture(&content.picture.bytes(), own, other)
+                rival.image(&content.image.bytes(), own, other)
             }
             Method::Outputs(outputs) => {
                 let stem = format!("{}__{}", member.stem(), other.stem());
-                outputs.read(&stem, member, content.picture.pixels.size(), &self.conduct.reading)?
+                outputs.read(&stem, member, content.image.pixels.size(), &self.conduct.reading)?
             }
         })
     }
 
-    /// Bytes a pixel that work on a content takes beside its picture.
+    /// Bytes a pixel that work on a content takes beside its image.
     fn bytes_a_pixel<E: Space>(&self) -> u64 {
         let of_method = |method: &Method| match method {
-            // The fused picture, and what linear light takes.
+            // The fused image, and what linear light takes.
             Method::Aquafuse(_) => E::BYTES_A_PIXEL.saturating_add(16),
             Method::Rival(_) => RIVALS,
             Method::Outputs(_) => outputs::BYTES_A_PIXEL,

@@ -1,4 +1,4 @@
-//! LPIPS: how alike two pictures are to a network that was trained on what people say.
+//! LPIPS: how alike two images are to a network that was trained on what people say.
 //!
 //! R. Zhang et al., "The Unreasonable Effectiveness of Deep Features as a Perceptual Metric" (2018). The network and its
 //! weights are not ours to ship: `lpips/export.py` beside this crate writes them as ONNX, from the published packages.
@@ -23,7 +23,7 @@ impl Lpips {
         match *self {}
     }
 
-    /// The distance of two pictures: of no network there is none.
+    /// The distance of two images: of no network there is none.
     ///
     /// # Errors
     ///

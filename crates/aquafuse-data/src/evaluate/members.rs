@@ -1,13 +1,13 @@
-//! Pictures by groups, and which content meets which reference.
+//! Images by groups, and which content meets which reference.
 
 use std::path::{Path, PathBuf};
 
 use super::chance::Chance;
 use super::error::EvaluateError;
 use crate::folder;
-use crate::picture::{FileError, shown};
+use crate::image_file::{FileError, shown};
 
-/// A picture of an evaluation.
+/// An image of an evaluation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Member {
     /// Where it stands.
@@ -18,13 +18,13 @@ pub struct Member {
     pub group: String,
 }
 
-/// What makes pictures a group.
+/// What makes images a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GroupBy {
     /// Nothing: there is one group, of all.
     #[default]
     Nothing,
-    /// The folders in the folder; pictures that stand in it directly are the group of its name.
+    /// The folders in the folder; images that stand in it directly are the group of its name.
     Folder,
     /// What the name of the file has before its first `_`.
     Prefix,
@@ -40,11 +40,11 @@ pub struct Pairing {
 }
 
 impl GroupBy {
-    /// The pictures of a folder with their groups, by name.
+    /// The images of a folder with their groups, by name.
     ///
     /// # Errors
     ///
-    /// [`EvaluateError`] when the folder cannot be listed, or holds no picture.
+    /// [`EvaluateError`] when the folder cannot be listed, or holds no image.
     pub fn list(self, folder: &Path) -> Result<Vec<Member>, EvaluateError> {
         let mut members = self.members_in(folder, None)?;
         if self == Self::Folder {
@@ -58,13 +58,13 @@ impl GroupBy {
             }
         }
         if members.is_empty() {
-            return Err(EvaluateError::NoPictures { folder: folder.to_owned() });
+            return Err(EvaluateError::NoImages { folder: folder.to_owned() });
         }
         members.sort_by(|a, b| a.name.cmp(&b.name));
         Ok(members)
     }
 
-    /// The pictures that stand directly in a folder, or in one of its folders.
+    /// The images that stand directly in a folder, or in one of its folders.
     fn members_in(self, folder: &Path, inner: Option<&str>) -> Result<Vec<Member>, EvaluateError> {
         let member = |path: PathBuf| {
             let file = shown(path.file_name().unwrap_or_default().as_ref()).to_string();
@@ -80,7 +80,7 @@ impl GroupBy {
             let name = inner.map_or_else(|| file.clone(), |inner| format!("{inner}/{file}"));
             Member { path, name, group }
         };
-        Ok(folder::list(folder)?.pictures.into_iter().map(member).collect())
+        Ok(folder::list(folder)?.images.into_iter().map(member).collect())
     }
 }
 

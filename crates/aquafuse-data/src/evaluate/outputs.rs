@@ -8,12 +8,12 @@ use aquafuse::image::Image;
 use super::error::EvaluateError;
 use super::members::Member;
 use crate::folder;
-use crate::picture::{Picture, ReadOptions};
+use crate::image_file::{ImageFile, ReadOptions};
 
 /// Bytes a pixel that an output takes while it is read, in 16 bits with opacity and its file.
 pub(crate) const BYTES_A_PIXEL: u64 = 24;
 
-/// The outputs of a tool: one picture for each stem.
+/// The outputs of a tool: one image for each stem.
 #[derive(Clone, Debug)]
 pub struct Outputs {
     name: String,
@@ -26,15 +26,15 @@ impl Outputs {
     ///
     /// # Errors
     ///
-    /// [`EvaluateError`] when the folder cannot be listed, or holds no picture.
+    /// [`EvaluateError`] when the folder cannot be listed, or holds no image.
     pub fn list(name: &str, folder: &Path) -> Result<Self, EvaluateError> {
         let mut by_stem: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
-        for path in folder::list(folder)?.pictures {
+        for path in folder::list(folder)?.images {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             by_stem.entry(stem).or_default().push(path);
         }
         match by_stem.is_empty() {
-            true => Err(EvaluateError::NoPictures { folder: folder.to_owned() }),
+            true => Err(EvaluateError::NoImages { folder: folder.to_owned() }),
             false => Ok(Self { name: name.to_owned(), folder: folder.to_owned(), by_stem }),
         }
     }
@@ -44,7 +44,7 @@ impl Outputs {
         &self.name
     }
 
-    /// The output of this stem, of the size of the picture it was made from.
+    /// The output of this stem, of the size of the image it was made from.
     pub(crate) fn read(
         &self,
         stem: &str,
@@ -61,7 +61,7 @@ impl Outputs {
                 found,
             });
         };
-        let opened = Picture::open(path, options)?;
+        let opened = ImageFile::open(path, options)?;
         // Before it is decoded: memory is reserved for one of the content's size.
         let (found, expected) = (opened.size(), (size.0 as u64, size.1 as u64));
         if found != expected {
@@ -72,7 +72,7 @@ impl Outputs {
     }
 }
 
-/// Refuses pictures that share a stem: outputs could not be told apart.
+/// Refuses images that share a stem: outputs could not be told apart.
 pub(crate) fn refuse_ambiguous(members: &[Member]) -> Result<(), EvaluateError> {
     let mut taken: BTreeMap<String, &Path> = BTreeMap::new();
     for member in members {

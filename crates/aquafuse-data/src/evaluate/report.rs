@@ -3,9 +3,9 @@
 mod csv;
 mod files;
 mod html;
+mod image;
 mod json;
 mod markdown;
-mod picture;
 
 use aquafuse::image::Image;
 use serde_json::Value;
@@ -15,9 +15,9 @@ use super::{Failed, Summary};
 pub use csv::{items as csv_of_items, tables as csv_of_tables};
 pub use files::{check_name, write};
 pub use html::page as html;
+pub use image::thumbnail;
 pub use json::document as json;
 pub use markdown::{document as markdown, table as markdown_of_table};
-pub use picture::thumbnail;
 
 /// The figures of an evaluation, with what they were made from.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub struct Report {
     pub title: String,
     /// What was measured, a paragraph each.
     pub about: Vec<String>,
-    /// Everything that decides the figures but the pictures.
+    /// Everything that decides the figures but the images.
     pub settings: Value,
     /// The figures.
     pub tables: Vec<Table>,
@@ -36,7 +36,7 @@ pub struct Report {
     pub items: Items,
     /// What failed, by name.
     pub failed: Vec<Failed>,
-    /// Pictures to look at.
+    /// Images to look at.
     pub gallery: Vec<Strip>,
 }
 
@@ -121,13 +121,13 @@ pub struct ItemsRow {
     pub values: Vec<Option<f64>>,
 }
 
-/// Small pictures side by side.
+/// Small images side by side.
 #[derive(Clone, Debug)]
 pub struct Strip {
     /// What they are.
     pub caption: String,
     /// Each with a caption of its own.
-    pub pictures: Vec<(String, Image<u8>)>,
+    pub images: Vec<(String, Image<u8>)>,
 }
 
 impl Cell {

@@ -11,7 +11,7 @@ mod reinhard;
 
 use aquafuse::image::Image;
 
-/// A way to give a picture the colours of another one.
+/// A way to give an image the colours of another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rival {
     /// Mean and deviation of each channel of lαβ (E. Reinhard et al., "Color Transfer between Images", 2001).
@@ -26,7 +26,7 @@ pub enum Rival {
     GrayWorld,
 }
 
-/// What the rivals read of a picture, so that none has to be kept.
+/// What the rivals read of an image, so that none has to be kept.
 #[derive(Clone, Debug)]
 pub struct Palette {
     lab: reinhard::Moments,
@@ -35,7 +35,7 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// Reads a picture.
+    /// Reads an image.
     pub fn of(image: &Image<u8>) -> Self {
         Self {
             lab: reinhard::Moments::of(image),
@@ -59,7 +59,7 @@ impl Rival {
         }
     }
 
-    /// The content's pixels, `own` read of it, with the colours of the picture that `other` was read of.
+    /// The content's pixels, `own` read of it, with the colours of the image that `other` was read of.
     ///
     /// # Examples
     ///
@@ -82,8 +82,8 @@ impl Rival {
         }
     }
 
-    /// [`Rival::transfer`] as a picture: clipped, and rounded to bytes.
-    pub fn picture(self, content: &Image<u8>, own: &Palette, other: &Palette) -> Image<u8> {
+    /// [`Rival::transfer`] as an image: clipped, and rounded to bytes.
+    pub fn image(self, content: &Image<u8>, own: &Palette, other: &Palette) -> Image<u8> {
         let made = self.transfer(content, own, other).into_flattened();
         let (width, height) = content.size();
         Image::<f32>::from_raw(width, height, made).expect("a colour for each pixel").to_samples()

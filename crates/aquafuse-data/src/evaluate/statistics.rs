@@ -14,31 +14,31 @@ const ENDS: [f64; 2] = [0.025, 0.975];
 pub struct Summary {
     /// Values.
     pub count: usize,
-    /// Values without a mean, left out: the decibels of a picture that equals its content.
+    /// Values without a mean, left out: the decibels of an image that equals its content.
     pub left_out: usize,
     /// Their mean.
     pub mean: f64,
     /// Their variance about it, as in the paper's tables: of these values, not of what they were drawn from.
     pub variance: f64,
-    /// Where the mean lies in 95 of 100 samples of as many pictures, drawn from these with replacement (the percentile
-    /// bootstrap). All values of one picture are drawn together, for they are not independent. None of one picture.
+    /// Where the mean lies in 95 of 100 samples of as many images, drawn from these with replacement (the percentile
+    /// bootstrap). All values of one image are drawn together, for they are not independent. None of one image.
     pub interval: Option<[f64; 2]>,
 }
 
 impl Summary {
-    /// Summarises values, a list for each picture; none of no finite value. The interval is that of the same seed and key.
-    pub fn of(pictures: &[Vec<f64>], seed: u64, key: &[&str]) -> Option<Self> {
-        summarise(pictures, Chance::keyed(seed, key))
+    /// Summarises values, a list for each image; none of no finite value. The interval is that of the same seed and key.
+    pub fn of(images: &[Vec<f64>], seed: u64, key: &[&str]) -> Option<Self> {
+        summarise(images, Chance::keyed(seed, key))
     }
 }
 
-/// Summarises values, a list for each picture; none of no finite value.
-pub(crate) fn summarise(pictures: &[Vec<f64>], mut chance: Chance) -> Option<Summary> {
+/// Summarises values, a list for each image; none of no finite value.
+pub(crate) fn summarise(images: &[Vec<f64>], mut chance: Chance) -> Option<Summary> {
     let kept: Vec<Part> =
-        pictures.iter().map(|values| Part::of(values)).filter(|part| part.count > 0.0).collect();
+        images.iter().map(|values| Part::of(values)).filter(|part| part.count > 0.0).collect();
     let all = Part::total(&kept);
     let mean = all.mean()?;
-    let finite = pictures.iter().flatten().filter(|value| value.is_finite());
+    let finite = images.iter().flatten().filter(|value| value.is_finite());
     let squares = finite.clone().fold(0.0, |sum, value| sum + (value - mean) * (value - mean));
     let count = finite.count();
     let mut resampled = || Part::total(kept.iter().filter_map(|_| chance.pick(&kept))).mean();
@@ -47,11 +47,11 @@ pub(crate) fn summarise(pictures: &[Vec<f64>], mut chance: Chance) -> Option<Sum
         means.sort_by(f64::total_cmp);
         ENDS.map(|share| quantile_of_sorted(&means, share))
     });
-    let left_out = pictures.iter().map(Vec::len).fold(0, usize::saturating_add).saturating_sub(count);
+    let left_out = images.iter().map(Vec::len).fold(0, usize::saturating_add).saturating_sub(count);
     Some(Summary { count, left_out, mean, variance: squares / all.count, interval })
 }
 
-/// The finite values of one picture, or of several, summed.
+/// The finite values of one image, or of several, summed.
 #[derive(Clone, Copy, Default)]
 struct Part {
     sum: f64,
@@ -92,8 +92,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn of(pictures: &[Vec<f64>]) -> Option<Summary> {
-        summarise(pictures, Chance::keyed(1, &["test"]))
+    fn of(images: &[Vec<f64>]) -> Option<Summary> {
+        summarise(images, Chance::keyed(1, &["test"]))
     }
 
     #[test]
@@ -104,15 +104,15 @@ mod tests {
     }
 
     #[test]
-    fn one_picture_has_no_interval_however_many_values_it_has() {
+    fn one_image_has_no_interval_however_many_values_it_has() {
         assert_eq!(of(&[vec![1.0, 2.0, 3.0]]).unwrap().interval, None);
     }
 
     #[test]
-    fn values_of_one_picture_stand_and_fall_together() {
-        // Sixteen values either way: of two pictures they tell less than of sixteen.
-        let width = |pictures: &[Vec<f64>]| {
-            let [low, high] = of(pictures).unwrap().interval.unwrap();
+    fn values_of_one_image_stand_and_fall_together() {
+        // Sixteen values either way: of two images they tell less than of sixteen.
+        let width = |images: &[Vec<f64>]| {
+            let [low, high] = of(images).unwrap().interval.unwrap();
             high - low
         };
         let (together, alone) =

@@ -19,7 +19,7 @@ use super::{Conduct, Listener, Message, Palette, Report, Rival};
 use compare::Found;
 use ways::ways;
 
-/// Every method on exchanges of made-up scenes: the three models with depth and water from each source, the rivals, and
+/// Every method on exchanges of synthetic scenes: the three models with depth and water from each source, the rivals, and
 /// the truths themselves.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
@@ -48,12 +48,12 @@ const SCORES: [Score; 9] = [
 /// What is known of one result.
 const ITEM_SCORES: [Score; 5] = [SCORES[0], SCORES[4], SCORES[6], SCORES[7], SCORES[8]];
 
-const ABOUT: &str = "Made-up harbours in Jerlov's waters, half of the contents with open water in view; the reference is \
+const ABOUT: &str = "Synthetic harbours in Jerlov's waters, half of the contents with open water in view; the reference is \
     another place in a water whose veil differs by at least .2 in some channel. Share of the true change: 1 is the truth, 0 \
     the content, below 0 farther from the truth than the content was. Truth A is the same place with only B∞ exchanged, \
     truth B the same place wholly in the other water. Structure kept: SSIM of luma with the content; the truths \
     themselves stand at the end, for a true change takes contrast away or gives it back. Brackets: where the mean lies \
-    in 95 of 100 resamplings of the exchanges. The rivals get the whole reference picture.";
+    in 95 of 100 resamplings of the exchanges. The rivals get the whole reference image.";
 
 /// A row of the table: what is given or told, and who fuses.
 struct Line {

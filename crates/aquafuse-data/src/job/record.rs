@@ -1,7 +1,7 @@
 //! The record of a folder's job: what is begun and what is done, so that a job that was stopped goes on.
 //!
-//! One JSON object a line. The first says what the folder is made with; then each picture has a line when its
-//! output is about to get its name, and one when it has it, or failed. A picture with the first line but not the
+//! One JSON object a line. The first says what the folder is made with; then each image has a line when its
+//! output is about to get its name, and one when it has it, or failed. An image with the first line but not the
 //! second may be there or not: it is made again. A line without its end was being written when the process was
 //! killed, and is cut off. What failed is listed for people; it decides nothing.
 
@@ -18,13 +18,13 @@ use serde_json::Value;
 
 use super::Item;
 use crate::analysis::DepthSource;
+use crate::image_file::FileError;
 use crate::lock::lock;
-use crate::picture::FileError;
 use crate::settings::differences;
 
 /// The name of the record in the folder of a job's outputs.
 pub const RECORD: &str = "aquafuse-job.jsonl";
-/// More than the lines of a million pictures.
+/// More than the lines of a million images.
 const MOST_BYTES: u64 = 1 << 30;
 /// More than any settings or names take; a line's values take up to fifty times its length while it is read.
 const MOST_LINE: usize = 1 << 20;
@@ -106,7 +106,7 @@ impl Source {
         })
     }
 
-    /// Whether it is the same picture with depth come by in the same way, be the files changed or not.
+    /// Whether it is the same image with depth come by in the same way, be the files changed or not.
     fn is_of(&self, other: &Self) -> bool {
         (&self.path, &self.depth) == (&other.path, &other.depth)
     }
@@ -190,7 +190,7 @@ impl Record {
     /// Opens the record in `folder`, or begins one.
     ///
     /// `settings` is everything but the files themselves that decides what the outputs hold. With `overwrite`, a
-    /// record of other settings is begun anew.
+    /// record of other settings is begun again.
     ///
     /// # Errors
     ///
@@ -286,7 +286,7 @@ impl Record {
         if ours || overwrite { Plan::Replace } else { Plan::Foreign }
     }
 
-    /// Makes one output that is no picture of a [`Job`](super::Job), unless it is done; says whether it was.
+    /// Makes one output that is no image of a [`Job`](super::Job), unless it is done; says whether it was.
     ///
     /// `write` is told whether it may replace what is there.
     ///

@@ -73,7 +73,7 @@ fn what_cannot_be_a_pair_is_refused_by_cause() {
         let pair = Pair { name: "p".into(), rgb: path(rgb), depth: path(depth) };
         pair.read(SuppliedKind::Metres, &ReadOptions::default()).unwrap_err().to_string()
     };
-    assert!(said("colour.png", "small.tiff").contains("the map is 4x4, the picture 8x8"));
+    assert!(said("colour.png", "small.tiff").contains("the map is 4x4, the image 8x8"));
     assert!(said("colour.png", "colour.png").contains("one channel"));
     assert!(said("small.tiff", "small.tiff").contains("plain RGB"));
     assert!(said("colour.png", "no.tiff").contains("no depth map"));
@@ -97,7 +97,7 @@ fn limits_hold_for_pairs_and_a_map_of_another_size_is_not_decoded() {
     assert!(other.contains("4000") && other.contains("40"), "{other}");
 }
 
-/// Of memory for one pair more threads read one after the other; what comes out is the same. The pictures are large enough for
+/// Of memory for one pair more threads read one after the other; what comes out is the same. The images are large enough for
 /// work on one to be shared between the threads of a pool.
 #[test]
 fn pairs_are_gathered_in_their_order_within_memory_for_one() {
@@ -109,13 +109,13 @@ fn pairs_are_gathered_in_their_order_within_memory_for_one() {
             let (scene, path) =
                 (Scene::new(seed, size), |name: &str| folder.path().join(format!("{seed}{name}")));
             let image = scene.seen_through(&waters()[0].water).to_samples::<u8>();
-            let picture = Picture::new(image);
-            picture.write(&path(".png"), &crate::picture::WriteOptions::default()).unwrap();
+            let image_file = ImageFile::new(image);
+            image_file.write(&path(".png"), &crate::image_file::WriteOptions::default()).unwrap();
             tiff_of_floats(&path(".tiff"), 512, &scene.depth.distances());
             Pair { name: seed.to_string(), rgb: path(".png"), depth: path(".tiff") }
         })
         .collect();
-    let one = pairs.iter().map(|pair| Picture::open(&pair.rgb, &ReadOptions::default()).unwrap().memory());
+    let one = pairs.iter().map(|pair| ImageFile::open(&pair.rgb, &ReadOptions::default()).unwrap().memory());
     let tight = ReadOptions { most_memory: one.max().unwrap(), ..ReadOptions::default() };
     let scores = |threads: usize, reading: &ReadOptions| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

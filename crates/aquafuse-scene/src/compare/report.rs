@@ -5,10 +5,10 @@ use aquafuse_data::evaluate::report::{
     Cell, Items, ItemsRow, Row, Score, Shown as Figure, Strip, Table, thumbnail,
 };
 use aquafuse_data::evaluate::{EvaluateError, Listener, Lpips, Message, Report, Summary};
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 use serde_json::json;
 
-use super::{normal_deviation, normals_shown, picture};
+use super::{image, normal_deviation, normals_shown};
 use crate::around::Around;
 use crate::camera::Camera;
 use crate::capture::Shown;
@@ -25,12 +25,12 @@ pub struct Model {
     pub medium: Medium<f32>,
 }
 
-/// A scene: pictures that were held back, and what was trained on the others.
+/// A scene: images that were held back, and what was trained on the others.
 #[derive(Clone, Debug)]
 pub struct Side {
     /// What it is called.
     pub name: String,
-    /// The pictures held back.
+    /// The images held back.
     pub held: Vec<Shown>,
     /// What was trained on the others.
     pub model: Model,
@@ -40,7 +40,7 @@ pub struct Side {
 #[derive(Clone, Debug)]
 pub struct Comparison {
     original: Side,
-    /// What was trained on the original's pictures with another seed: how far two runs differ on the same pictures.
+    /// What was trained on the original's images with another seed: how far two runs differ on the same images.
     floor: Option<Model>,
     fused: Vec<Side>,
     lpips: Option<Lpips>,
@@ -61,7 +61,7 @@ pub enum CompareError {
         other: String,
     },
     /// There is nothing to compare by.
-    #[error("no picture of {scene} is compared; lower --hold")]
+    #[error("no image of {scene} is compared; lower --hold")]
     NothingHeld {
         /// The original's name.
         scene: String,
@@ -86,7 +86,7 @@ const RATIOS: [Score; 3] = [
 ];
 
 const ABOUT: [&str; 2] = [
-    "Views that training was not shown: what was trained on the originals beside their pictures, and what was trained on \
+    "Views that training was not shown: what was trained on the originals beside their images, and what was trained on \
      fused ones beside theirs. PSNR of all channels, SSIM of luma. Cells: the mean over views and, in brackets, where it \
      lies in 95 of 100 resamplings of them.",
     "SND is the mean angle between the normals of two surfaces, of 180 degrees, drawn from the distances that splats have \
@@ -104,7 +104,7 @@ impl Comparison {
     ///
     /// # Errors
     ///
-    /// [`CompareError`] when their cameras differ, or no picture was held back.
+    /// [`CompareError`] when their cameras differ, or no image was held back.
     pub fn new(
         original: Side,
         floor: Option<Model>,
@@ -184,16 +184,16 @@ impl Comparison {
         drawn: &Drawing<f32>,
         against: Option<&Drawing<f32>>,
     ) -> Result<Scores, EvaluateError> {
-        let seen = picture(drawn);
+        let seen = image(drawn);
         let lpips = match &self.lpips {
-            Some(network) => Some(network.distance(&seen.to_samples(), &taken.picture.to_samples())?),
+            Some(network) => Some(network.distance(&seen.to_samples(), &taken.image.to_samples())?),
             None => None,
         };
         let deviation = against.map(|original| normal_deviation(&taken.camera, original, drawn));
         let deviation = deviation.filter(|found| found.pixels > 0);
         Ok([
-            psnr(&seen, &taken.picture).ok(),
-            ssim(&seen, &taken.picture).ok().flatten(),
+            psnr(&seen, &taken.image).ok(),
+            ssim(&seen, &taken.image).ok().flatten(),
             lpips,
             deviation.map(|found| 100.0 * found.angle),
             deviation.map(|found| found.cosine),
@@ -272,14 +272,14 @@ impl Comparison {
     fn above(&self, sides: &[Named<'_>]) -> Option<Strip> {
         let cameras: Vec<&Camera> = self.original.held.iter().map(|one| &one.camera).collect();
         let camera = Around::new(&cameras, &self.original.model.splats)?.above();
-        let pictures = sides
+        let images = sides
             .iter()
             .map(|side| {
-                let seen = picture(&draw(side.model, &camera));
+                let seen = image(&draw(side.model, &camera));
                 (side.label.clone(), thumbnail(&seen.to_samples()))
             })
             .collect();
-        Some(Strip { caption: "from above, where no camera was".into(), pictures })
+        Some(Strip { caption: "from above, where no camera was".into(), images })
     }
 }
 
@@ -306,15 +306,15 @@ fn strips(sides: &[Named<'_>], view: usize, drawn: &[Drawing<f32>]) -> [Strip; 3
     let camera = &sides[0].held[view].camera;
     let strip = |what: &str, of: &dyn Fn(usize) -> aquafuse::image::Image<f32>| Strip {
         caption: format!("{}: {what}", name(&sides[0].held[view])),
-        pictures: sides
+        images: sides
             .iter()
             .enumerate()
             .map(|(place, side)| (side.label.clone(), thumbnail(&of(place).to_samples())))
             .collect(),
     };
     [
-        strip("what the camera took", &|place| sides[place].held[view].picture.clone()),
-        strip("what the splats show", &|place| picture(&drawn[place])),
+        strip("what the camera took", &|place| sides[place].held[view].image.clone()),
+        strip("what the splats show", &|place| image(&drawn[place])),
         strip("their surfaces, coloured by the way they face", &|place| normals_shown(camera, &drawn[place])),
     ]
 }

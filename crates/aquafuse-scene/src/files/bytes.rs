@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use aquafuse_data::picture::FileError;
+use aquafuse_data::image_file::FileError;
 
 use super::SceneFileError;
 

@@ -2,17 +2,17 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use aquafuse_data::picture::shown;
+use aquafuse_data::image_file::shown;
 
 use super::{SceneFileError, bytes, colmap_binary, colmap_text, transforms};
 use crate::camera::Camera;
 use crate::lens::Lens;
 use crate::points::Point;
 
-/// A picture and the lens it was taken through.
+/// An image and the lens it was taken through.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taken {
-    /// The picture's name relative to the folder of pictures: it does not lead out of it.
+    /// The image's name relative to the folder of images: it does not lead out of it.
     pub name: PathBuf,
     /// Camera, pose and distortion.
     pub lens: Lens,
@@ -21,7 +21,7 @@ pub struct Taken {
 /// What structure from motion found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cameras {
-    /// Pictures with a pose, sorted by name.
+    /// Images with a pose, sorted by name.
     pub taken: Vec<Taken>,
     /// Points on things; none where the model has none.
     pub points: Vec<Point>,
@@ -62,7 +62,7 @@ pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
 
 fn checked(cameras: Cameras, path: &Path) -> Result<Cameras, SceneFileError> {
     if cameras.taken.is_empty() {
-        let cause = "no picture has a pose. Run structure from motion on more, or on sharper, pictures";
+        let cause = "no image has a pose. Run structure from motion on more, or on sharper, images";
         return Err(SceneFileError::content(path, cause));
     }
     // They are sorted by name.
@@ -74,7 +74,7 @@ fn checked(cameras: Cameras, path: &Path) -> Result<Cameras, SceneFileError> {
     Ok(cameras)
 }
 
-/// The most columns or rows of a picture.
+/// The most columns or rows of an image.
 const MOST_PIXELS: u64 = 1 << 20;
 
 /// A camera's numbers before its pose is known.
@@ -131,7 +131,7 @@ impl Intrinsics {
     ) -> Result<Self, String> {
         let side = |length: u64| usize::try_from(length).ok().filter(|_| (1..=MOST_PIXELS).contains(&length));
         let (Some(width), Some(height)) = (side(width), side(height)) else {
-            return Err(format!("a picture of {width}x{height} pixels; sides are 1 to {MOST_PIXELS}"));
+            return Err(format!("an image of {width}x{height} pixels; sides are 1 to {MOST_PIXELS}"));
         };
         if !focal.iter().all(|f| f.is_finite() && *f > 0.0) {
             return Err(format!("a focal length of {focal:?}, but it is > 0"));
@@ -162,12 +162,12 @@ impl Intrinsics {
     }
 }
 
-/// A picture's name as a path that stays in its folder; a sentence about what is wrong with it otherwise.
+/// An image's name as a path that stays in its folder; a sentence about what is wrong with it otherwise.
 pub(super) fn inside(name: &str) -> Result<PathBuf, String> {
     let path = Path::new(name);
     let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if name.is_empty() || !stays || name.contains('\0') {
-        return Err(format!("a picture named {name:?}, which leads out of its folder"));
+        return Err(format!("an image named {name:?}, which leads out of its folder"));
     }
     Ok(path.components().filter(|part| matches!(part, Component::Normal(_))).collect())
 }

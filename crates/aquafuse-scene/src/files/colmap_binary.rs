@@ -8,8 +8,8 @@ use super::bytes::{self, Bytes};
 use super::cameras::{Cameras, Intrinsics, Taken, inside, model, point};
 use crate::points::Point;
 
-/// The least bytes of a camera (identity, model, width, height, three parameters), a picture (identity, pose, camera,
-/// an empty name, a count) and a point (identity, place, colour, error, a count); and those of a picture's point and of
+/// The least bytes of a camera (identity, model, width, height, three parameters), an image (identity, pose, camera,
+/// an empty name, a count) and a point (identity, place, colour, error, a count); and those of an image's point and of
 /// a step of a point's track.
 const CAMERA: usize = 4 + 4 + 8 + 8 + 3 * 8;
 const IMAGE: usize = 4 + 7 * 8 + 4 + 1 + 8;

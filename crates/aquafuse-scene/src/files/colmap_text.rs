@@ -19,7 +19,7 @@ pub(super) fn read(folder: &Path) -> Result<Cameras, SceneFileError> {
         let bytes = bytes::read(&path)?;
         let text = String::from_utf8(bytes);
         let text =
-            text.map_err(|_| SceneFileError::content(&path, "it is no text. Export the model anew"))?;
+            text.map_err(|_| SceneFileError::content(&path, "it is no text. Export the model again"))?;
         Ok((path, text))
     };
     let (path, text) = parse("cameras.txt")?;
@@ -81,7 +81,7 @@ fn cameras(path: &Path, text: &str) -> Result<BTreeMap<u32, Intrinsics>, SceneFi
         .collect()
 }
 
-/// Two lines a picture; the second, its points, may be empty and is not needed.
+/// Two lines an image; the second, its points, may be empty and is not needed.
 fn images(
     path: &Path,
     text: &str,
@@ -145,7 +145,7 @@ mod tests {
         let known = cameras(path, CAMERAS).unwrap();
         assert_eq!(known[&1].distortion, [-0.0377, 0.0, 0.0, 0.0]);
         assert_eq!(known[&3].focal, [5.0, 6.0]);
-        // The points of the first picture are an empty line, its name has a space.
+        // The points of the first image are an empty line, its name has a space.
         let text = "14 2 0 0 0 .5 1 2 3 a b.jpg\n\n15 1 0 0 0 0 0 0 1 dir/c.jpg\n1 2 3\n";
         let taken = images(path, text, &known).unwrap();
         assert_eq!(taken.len(), 2);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse_data::picture::{FileError, shown};
+use aquafuse_data::image_file::{FileError, shown};
 
 /// A file of a scene could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -51,7 +51,7 @@ pub enum SceneFileError {
     },
 }
 
-const REMEDY: &str = "The file seems damaged, or is of another program: export it anew";
+const REMEDY: &str = "The file seems damaged, or is of another program: export it again";
 
 impl SceneFileError {
     pub(super) fn line(path: &Path, line: usize, cause: impl Into<String>) -> Self {

@@ -52,7 +52,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Taken>, SceneFileErr
     frames
         .map(|((pose, own), number)| {
             pose.taken(own, &shared).map_err(|cause| {
-                SceneFileError::content(path, format!("frame {number}: {cause}. Export the cameras anew"))
+                SceneFileError::content(path, format!("frame {number}: {cause}. Export the cameras again"))
             })
         })
         .collect()
@@ -63,7 +63,7 @@ impl Pose {
         let get = |of: fn(&Numbers) -> Option<f64>| of(own).or_else(|| of(shared));
         let side = |of: fn(&Numbers) -> Option<f64>, name: &str| {
             let length =
-                get(of).ok_or_else(|| format!("neither it nor the file has {name:?}, the picture's size"))?;
+                get(of).ok_or_else(|| format!("neither it nor the file has {name:?}, the image's size"))?;
             whole(length).ok_or_else(|| format!("{name:?} is {length}, no count of pixels"))
         };
         let (width, height) = (side(|n| n.w, "w")?, side(|n| n.h, "h")?);

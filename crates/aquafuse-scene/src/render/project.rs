@@ -15,7 +15,7 @@ pub(crate) const FAINTEST: f64 = 1.0 / 255.0;
 /// Slack in pixels around an ellipse's box, for rounding.
 const SLACK: f64 = 0.01;
 
-/// A splat on the picture.
+/// A splat on the image.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint<T> {
     /// Which splat it is.
@@ -92,9 +92,9 @@ struct Placed<T> {
     length: T,
     turn: [[T; 3]; 3],
     scale: [T; 3],
-    /// The splat's axes times its deviations, on the picture: 2 x 3.
+    /// The splat's axes times its deviations, on the image: 2 x 3.
     axes: [[T; 3]; 2],
-    /// Covariance on the picture, dilated: xx, xy, yy.
+    /// Covariance on the image, dilated: xx, xy, yy.
     covariance: [T; 3],
     determinant: T,
 }
@@ -198,7 +198,7 @@ pub(crate) fn project<T: Scalar>(splat: u32, row: &[T], sight: &Sight<T>) -> Opt
     })
 }
 
-/// What the gradient of one footprint says of its middle's place on the picture.
+/// What the gradient of one footprint says of its middle's place on the image.
 pub(crate) fn drift<T: Scalar>(footprint: &Footprint<T>, sums: &Sums<T>) -> [T; 2] {
     let [xx, xy, yy] = footprint.conic;
     let [_, x, y, ..] = sums.moments;

@@ -1,4 +1,4 @@
-//! Which footprints each tile of the picture has to draw, front to back.
+//! Which footprints each tile of the image has to draw, front to back.
 
 use super::project::Footprint;
 use crate::scalar::Scalar;

@@ -1,6 +1,6 @@
 //! A run on disk: what is written between two steps goes on to the same end, bit by bit.
 //!
-//! Little-endian: a mark, the length of the options and they as JSON, what the pictures come to, then the state field by
+//! Little-endian: a mark, the length of the options and they as JSON, what the images come to, then the state field by
 //! field, each list with its length before it.
 
 use super::adam::Moments;
@@ -19,20 +19,20 @@ const MARK: &[u8; 16] = b"aquafuse scene 2";
 #[non_exhaustive]
 pub enum CheckpointError {
     /// They do not begin as a checkpoint does.
-    #[error("it is no checkpoint of this version; begin anew without it")]
+    #[error("it is no checkpoint of this version; begin again without it")]
     Unknown,
     /// They end too early, or go on where they should end.
-    #[error("it is damaged at byte {at}; begin anew without it")]
+    #[error("it is damaged at byte {at}; begin again without it")]
     Damaged {
         /// Where.
         at: usize,
     },
     /// They belong to a run with other options.
-    #[error("it belongs to a run with other options; give those, or begin anew without it")]
+    #[error("it belongs to a run with other options; give those, or begin again without it")]
     OtherOptions,
-    /// They belong to a run on other pictures, or of other cameras.
-    #[error("it belongs to a run on other pictures; give those, or begin anew without it")]
-    OtherPictures,
+    /// They belong to a run on other images, or of other cameras.
+    #[error("it belongs to a run on other images; give those, or begin again without it")]
+    OtherImages,
 }
 
 impl Trainer {
@@ -59,7 +59,7 @@ impl Trainer {
         bytes
     }
 
-    /// Goes on from a checkpoint of a run with the same options on the same pictures.
+    /// Goes on from a checkpoint of a run with the same options on the same images.
     ///
     /// # Errors
     ///
@@ -77,7 +77,7 @@ impl Trainer {
         }
         let subject = u64::from_le_bytes(reader.take()?);
         if subject != super::subject(&shots) {
-            return Err(CheckpointError::OtherPictures);
+            return Err(CheckpointError::OtherImages);
         }
         let state = reader.state()?;
         let views = shots.len();
@@ -111,7 +111,7 @@ fn put_moments(bytes: &mut Vec<u8>, moments: &Moments) {
     put_list(bytes, &moments.second, |value| value.to_le_bytes());
 }
 
-/// Reads a state for nothing but that, as it stands behind options and pictures: a target of fuzzing.
+/// Reads a state for nothing but that, as it stands behind options and images: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_state(bytes: &[u8]) {
     let _ = Reader { rest: bytes, length: bytes.len() }.state();

@@ -14,7 +14,7 @@ const RESET: f32 = 0.01;
 /// What was seen of each splat since the last look.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Density {
-    /// Sum over views of how far the loss would have its place move, in half pictures.
+    /// Sum over views of how far the loss would have its place move, in half images.
     pub(crate) drift: Vec<f32>,
     /// Views it was seen in.
     pub(crate) seen: Vec<u32>,
@@ -37,7 +37,7 @@ impl Density {
     }
 }
 
-/// Adds splats where places drift, takes faint and huge ones away, and begins to look anew.
+/// Adds splats where places drift, takes faint and huge ones away, and begins to look again.
 pub(super) fn change(state: &mut State, options: &Options, extent: f32) {
     let hot = hottest(state, options);
     let count = state.splats.len();

@@ -1,4 +1,4 @@
-//! How far a drawing is from a picture, and in which direction it would come nearer: L1 and structural similarity.
+//! How far a drawing is from an image, and in which direction it would come nearer: L1 and structural similarity.
 
 use aquafuse::simd::{Work, widest};
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ const TAPS: usize = 2 * REACH + 1;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
-/// A picture to come near to, with what SSIM needs to know of it: reckoned once, used every time the view is shown.
+/// An image to come near to, with what SSIM needs to know of it: computed once, used every time the view is shown.
 #[derive(Clone, Debug)]
 pub struct Target<T> {
     width: usize,
@@ -56,7 +56,7 @@ impl<T: Scalar> Target<T> {
         (self.width, self.height)
     }
 
-    /// The colour at a place between the middles of pixels, which are whole numbers; the place lies in the picture.
+    /// The colour at a place between the middles of pixels, which are whole numbers; the place lies in the image.
     pub(crate) fn between(&self, x: f64, y: f64) -> [T; 3] {
         let (left, top) = (x as usize, y as usize);
         let (right, below) = ((left + 1).min(self.width - 1), (top + 1).min(self.height - 1));
@@ -172,7 +172,7 @@ impl<T: Scalar> Work for Similarity<'_, T> {
         let (channel_mean, channel_square) = (&self.channel.mean[..self.mean.len()], &self.channel.square);
         let channel_square = &channel_square[..self.mean.len()];
         let (square, product) = (&mut self.square[..self.mean.len()], &mut self.product[..self.mean.len()]);
-        // One sum a lane: a single one would be reckoned number by number.
+        // One sum a lane: a single one would be computed number by number.
         let mut sums = [0.0; LANES];
         for i in 0..self.mean.len() {
             let (mx, my) = (self.mean[i], channel_mean[i]);
@@ -271,7 +271,7 @@ fn weigh<'a, T: Scalar>(
 mod tests {
     use super::*;
 
-    fn picture(width: usize, height: usize, seed: u32) -> Vec<[f32; 3]> {
+    fn image(width: usize, height: usize, seed: u32) -> Vec<[f32; 3]> {
         let mut state = seed;
         let mut next = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -289,8 +289,8 @@ mod tests {
     }
 
     #[test]
-    fn a_drawing_that_is_the_picture_has_no_loss() {
-        let pixels = picture(23, 17, 1);
+    fn a_drawing_that_is_the_image_has_no_loss() {
+        let pixels = image(23, 17, 1);
         let (found, _) = loss(&drawn(23, 17, &pixels), &Target::new(23, 17, &pixels), 0.2);
         assert!(found.total.abs() < 1e-12 && (found.ssim - 1.0).abs() < 1e-12, "{found:?}");
     }
@@ -298,8 +298,8 @@ mod tests {
     #[test]
     fn the_gradient_is_that_of_finite_differences() {
         let (width, height) = (19, 14);
-        let target = Target::<f64>::new(width, height, &picture(width, height, 2));
-        let mut drawing = drawn(width, height, &picture(width, height, 3));
+        let target = Target::<f64>::new(width, height, &image(width, height, 2));
+        let mut drawing = drawn(width, height, &image(width, height, 3));
         let (_, gradient) = loss(&drawing, &target, 0.2);
         for i in (0..width * height).step_by(7) {
             for c in 0..3 {

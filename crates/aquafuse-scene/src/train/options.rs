@@ -33,7 +33,7 @@ pub struct Rates {
     pub opacity: f64,
     /// Of the harmonic of degree 0; the others take a twentieth.
     pub colour: f64,
-    /// Of the logit of B∞, which open water in every picture tells, so that it must not wait until splats stand there; the
+    /// Of the logit of B∞, which open water in every image tells, so that it must not wait until splats stand there; the
     /// logarithms of the betas, which only the same thing near and far tells, take a sixth. Not published: ours.
     pub water: f64,
 }
@@ -68,7 +68,7 @@ impl Rates {
 /// When splats are added and taken away.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensityOptions {
-    /// Mean drift of a splat's place on the picture, in half pictures, from which it is doubled.
+    /// Mean drift of a splat's place on the image, in half images, from which it is doubled.
     pub drift: f64,
     /// Splats up to this, in extents of the scene, are doubled where they are; larger ones are split.
     pub small: f64,
@@ -98,7 +98,7 @@ const LEAST_INTERVAL: u32 = 100;
 /// Steps between two resets of opacity, at least: what is reset must grow again first. Published: 3,000 of 30,000.
 const LEAST_RESET: u32 = 3000;
 
-/// When a water is told anew: once distances are about right, and once more when they are better, early enough for colours
+/// When a water is told again: once distances are about right, and once more when they are better, early enough for colours
 /// to follow. Not published: ours.
 const WATER_AT: [f64; 2] = [9_000.0, 18_000.0];
 
@@ -114,7 +114,7 @@ impl Options {
         step > self.time(500.0) && step <= self.time(15_000.0) && step.is_multiple_of(every)
     }
 
-    /// Whether a water that is learned is told anew after this step, from the distances there are by then.
+    /// Whether a water that is learned is told again after this step, from the distances there are by then.
     pub(crate) fn looks_at_water_after(&self, step: u32) -> bool {
         WATER_AT.iter().any(|&time| step == self.time(time))
     }

@@ -1,8 +1,8 @@
-//! The water told anew from the pictures, once the splats know distances.
+//! The water told again from the images, once the splats know distances.
 //!
 //! Steps alone hardly move β: a splat's own colour is free and follows at once, and what is left for β in a step is far less
 //! than what views differ by. But the same thing is seen from near and from far. So a few thousand places are followed
-//! through the pictures, and for each β the colour of each thing that suits it best is known in closed form: what remains
+//! through the images, and for each β the colour of each thing that suits it best is known in closed form: what remains
 //! is a search over two numbers a channel, for the β by which every thing has one colour.
 
 use super::Shot;
@@ -16,7 +16,7 @@ use crate::splats::Splats;
 const ASKED: usize = 24;
 /// Places that are followed, about.
 const PLACES: usize = 4000;
-/// A place is seen where the picture's own distance is that of the place, but for this share.
+/// A place is seen where the image's own distance is that of the place, but for this share.
 const SAME: f64 = 0.03;
 /// Views that must see a place for it to tell anything.
 const VIEWS: usize = 3;
@@ -39,7 +39,7 @@ struct Seen {
     colour: [f32; 3],
 }
 
-/// The water that the pictures tell by the distances that the splats have; none where too little is seen from several places.
+/// The water that the images tell by the distances that the splats have; none where too little is seen from several places.
 ///
 /// B∞ stays as it was learned: open water in every view tells it.
 pub(super) fn told(shots: &[Shot], splats: &Splats<f32>, water: &Water<f32>) -> Option<Water<f32>> {

@@ -1,4 +1,4 @@
-//! The paper's scores of a fused picture, and how much of the true change it makes.
+//! The paper's scores of a fused image, and how much of the true change it makes.
 
 use aquafuse::depth::DepthModel;
 use aquafuse::image::{Encoding, Image, SizeError};
@@ -62,7 +62,7 @@ impl Scores {
     }
 }
 
-/// Mean PSNR; a picture that is its content has no decibels to take the mean of.
+/// Mean PSNR; an image that is its content has no decibels to take the mean of.
 fn decibels(all: &[Scores]) -> String {
     let changed: Vec<f64> = all.iter().map(|one| one.psnr).filter(|psnr| psnr.is_finite()).collect();
     match all.len() - changed.len() {

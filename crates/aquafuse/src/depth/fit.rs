@@ -1,4 +1,4 @@
-//! Fits the coefficients of Eq. 3 to pictures whose depth is known (Eq. 4).
+//! Fits the coefficients of Eq. 3 to images whose depth is known (Eq. 4).
 //!
 //! The laws of [`Eq3`] hold by construction: with `g_k(R) = (e^(kR) - e^k) / (1 - e^k)`, which falls from 1 to 0
 //! for every k, and `h_k(M) = (1 - e^(kM)) / (1 - e^k)`, which rises from 0 to 1,
@@ -7,7 +7,7 @@
 //!
 //! is Eq. 3 with depth spanning `[0, 1]` over the colour cube. Scale and shift of the labels and w are linear
 //! and eliminated in closed form (variable projection, Golub and Pereyra 1973); what is searched is (μ2, μ4), from
-//! several starts. Outliers are held off twice: each colour of a picture is represented by the median of its
+//! several starts. Outliers are held off twice: each colour of an image is represented by the median of its
 //! labels, and colours that disagree with the rest count by Huber's weights (Huber 1964).
 
 mod cells;
@@ -19,13 +19,13 @@ pub use doubt::Doubt;
 
 use super::Eq3;
 use crate::image::{Image, Sample, SizeError};
-use cells::Picture;
+use cells::LabelledImage;
 use search::Search;
 
-/// Gathers pictures with known depth, one at a time, and fits Eq. 3 to them.
+/// Gathers images with known depth, one at a time, and fits Eq. 3 to them.
 ///
-/// A picture is kept as at most 4096 colours, 80 kB, however many pixels it has: ten thousand fit in
-/// memory. Nothing depends on the order in which pictures are added but the order of their scores.
+/// An image is kept as at most 4096 colours, 80 kB, however many pixels it has: ten thousand fit in
+/// memory. Nothing depends on the order in which images are added but the order of their scores.
 ///
 /// # Examples
 ///
@@ -48,13 +48,13 @@ use search::Search;
 #[derive(Clone, Debug, Default)]
 pub struct Fitter {
     options: Options,
-    pictures: Vec<Picture>,
+    images: Vec<LabelledImage>,
 }
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// What the labels of different pictures have in common. Default: nothing but the kind of number.
+    /// What the labels of different images have in common. Default: nothing but the kind of number.
     pub scale: Scale,
     /// What of the labels is fitted to. Default: the distances.
     pub target: Target,
@@ -65,16 +65,16 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { scale: Scale::PerPicture, target: Target::Distances, huber: 0.5 }
+        Self { scale: Scale::PerImage, target: Target::Distances, huber: 0.5 }
     }
 }
 
-/// What the labels of different pictures have in common.
+/// What the labels of different images have in common.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// Each picture has a scale and a shift of its own: relative labels, or metres in different waters.
+    /// Each image has a scale and a shift of its own: relative labels, or metres in different waters.
     #[default]
-    PerPicture,
+    PerImage,
     /// One scale and one shift for all: metres in one water.
     Shared,
 }
@@ -85,7 +85,7 @@ pub enum Target {
     /// Their distances: depth becomes as even as it can be.
     #[default]
     Distances,
-    /// Their order within each picture: each label counts as the share of labels below it. Whatever rising
+    /// Their order within each image: each label counts as the share of labels below it. Whatever rising
     /// function of distance the labels are, the fit is the same, and the rank score is higher.
     Order,
 }
@@ -94,7 +94,7 @@ pub enum Target {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LabelError {
-    /// Picture and labels differ in size.
+    /// Image and labels differ in size.
     #[error(transparent)]
     Size(#[from] SizeError),
     /// Hardly any pixel has a label.
@@ -117,18 +117,18 @@ pub enum LabelError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
-    /// No picture was added.
-    #[error("there is no picture to fit to")]
-    NoPictures,
+    /// No image was added.
+    #[error("there is no image to fit to")]
+    NoImages,
     /// Turned round, the labels would agree better with the laws of the model: depth falls where water
     /// should make it rise.
     #[error(
-        "in the {pictures} pictures depth falls rather than rises as red fades against green and blue; if larger \
+        "in the {images} images depth falls rather than rises as red fades against green and blue; if larger \
          labels are nearer, declare them as inverse depth or disparity"
     )]
     Backwards {
-        /// Pictures.
-        pictures: usize,
+        /// Images.
+        images: usize,
     },
 }
 
@@ -139,10 +139,10 @@ pub struct Fit {
     pub eq3: Eq3,
     /// Mean of the rank scores.
     pub rank_score: f64,
-    /// Spearman's correlation of the model with the labels of each picture, in the order of adding; 0 where
+    /// Spearman's correlation of the model with the labels of each image, in the order of adding; 0 where
     /// the model tells nothing apart.
     pub rank_scores: Vec<f64>,
-    /// Huber's loss, mean over pictures, in units of the labels' spread squared.
+    /// Huber's loss, mean over images, in units of the labels' spread squared.
     pub loss: f64,
     /// The searches, best first.
     pub starts: Vec<Start>,
@@ -162,12 +162,12 @@ pub struct Start {
 }
 
 impl Fitter {
-    /// A fitter without pictures.
+    /// A fitter without images.
     pub fn new(options: Options) -> Self {
-        Self { options, pictures: Vec::new() }
+        Self { options, images: Vec::new() }
     }
 
-    /// Adds a picture with the depth of each of its pixels, row by row; larger is farther, in any unit. What is
+    /// Adds an image with the depth of each of its pixels, row by row; larger is farther, in any unit. What is
     /// no finite number (NaN, say) is a pixel without a label.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ impl Fitter {
         self.add_weighted(image, distances, 1.0)
     }
 
-    /// Adds a picture that counts as `weight` pictures: of three of one place, each a third, so that the place
+    /// Adds an image that counts as `weight` images: of three of one place, each a third, so that the place
     /// counts once. A weight that is no number above 0 counts as nothing.
     ///
     /// # Errors
@@ -190,24 +190,24 @@ impl Fitter {
         weight: f64,
     ) -> Result<(), LabelError> {
         let weight = if weight.is_finite() { weight.max(0.0) } else { 0.0 };
-        self.pictures.push(Picture::gather(image, distances, weight)?);
+        self.images.push(LabelledImage::gather(image, distances, weight)?);
         Ok(())
     }
 
-    /// Adds all pictures of another fitter behind its own: for fitters filled on several threads.
+    /// Adds all images of another fitter behind its own: for fitters filled on several threads.
     pub fn merge(&mut self, other: Self) {
-        self.pictures.extend(other.pictures);
+        self.images.extend(other.images);
     }
 
-    /// Pictures added.
-    pub fn pictures(&self) -> usize {
-        self.pictures.len()
+    /// Images added.
+    pub fn images(&self) -> usize {
+        self.images.len()
     }
 
-    /// Spearman's correlation of a model with the labels of each picture, in the order of adding. Nearly equal
+    /// Spearman's correlation of a model with the labels of each image, in the order of adding. Nearly equal
     /// colours count as equal here, so that it comes out a few hundredths low.
     pub fn rank_scores(&self, eq3: &Eq3) -> Vec<f64> {
-        self.pictures.iter().map(|picture| picture.rank_score(eq3)).collect()
+        self.images.iter().map(|labelled| labelled.rank_score(eq3)).collect()
     }
 
     /// Fits Eq. 3 to what was added.
@@ -216,13 +216,13 @@ impl Fitter {
     ///
     /// [`FitError`] when there is nothing to fit to, or the labels contradict the laws of the model.
     pub fn solve(&self) -> Result<Fit, FitError> {
-        if self.pictures.is_empty() {
-            return Err(FitError::NoPictures);
+        if self.images.is_empty() {
+            return Err(FitError::NoImages);
         }
-        let search = Search::new(&self.pictures, &self.options);
+        let search = Search::new(&self.images, &self.options);
         let (best, starts) = search.run();
         if best.explains_nothing || search.would_rather_be_turned_round(&best) {
-            return Err(FitError::Backwards { pictures: self.pictures.len() });
+            return Err(FitError::Backwards { images: self.images.len() });
         }
         let eq3 = best.terms.eq3();
         let rank_scores = self.rank_scores(&eq3);

@@ -1,4 +1,4 @@
-//! Depth from the layout of an upright picture: what is higher up is farther, corrected by colour.
+//! Depth from the layout of an upright image: what is higher up is farther, corrected by colour.
 
 mod box_mean;
 
@@ -6,7 +6,7 @@ use super::DARK;
 use crate::image::{Image, Sample, TopEdge};
 use box_mean::box_mean;
 
-/// Weights of the three cues: log ratio, likeness to the top, height in the picture. Chosen on the measured
+/// Weights of the three cues: log ratio, likeness to the top, height in the image. Chosen on the measured
 /// pairs of `cargo xtask depth`; height leads, because it is the cue that open sea floor obeys best.
 const WEIGHTS: [f64; 3] = [1.3, 1.0, 2.0];
 /// Added to R + G + B, so that the hue of black is that of grey and not of its noise.
@@ -16,10 +16,10 @@ const BOX_SHARE: usize = 16;
 /// The score at this share of the pixels from either end is 0 or 1: a few odd ones must not set the scale.
 const CUT: f64 = 0.01;
 /// One in cues held as whole numbers. Sums of whole numbers do not depend on their order, so the
-/// mirror image has bit for bit the mirrored depth; 2^16 keeps the sums of squares of any picture in 64 bits.
+/// mirror image has bit for bit the mirrored depth; 2^16 keeps the sums of squares of any image in 64 bits.
 const ONE: f64 = 65536.0;
 
-/// The level of each pixel of a picture whose edge `top` is up.
+/// The level of each pixel of an image whose edge `top` is up.
 pub(super) fn levels<T: Sample>(image: &Image<T>, top: TopEdge) -> Vec<u8> {
     let (width, height) = image.size();
     let seen = Seen { width, height, top };
@@ -58,7 +58,7 @@ fn likeness_to(top: [u8; 3], pixels: &[[u8; 3]]) -> Vec<i32> {
     pixels.iter().map(|&pixel| -(ONE * distance(pixel)).round() as i32).collect()
 }
 
-/// T: the median of each channel over the top tenth of the picture as seen, one row of it at least.
+/// T: the median of each channel over the top tenth of the image as seen, one row of it at least.
 fn top_colour(pixels: &[[u8; 3]], seen: &Seen) -> [u8; 3] {
     let rows = seen.rows_as_seen().div_ceil(10);
     let mut counts = [[0_usize; 256]; 3];
@@ -79,7 +79,7 @@ fn top_colour(pixels: &[[u8; 3]], seen: &Seen) -> [u8; 3] {
     })
 }
 
-/// A picture's size, and which way up it is.
+/// An image's size, and which way up it is.
 struct Seen {
     width: usize,
     height: usize,
@@ -110,7 +110,7 @@ impl Seen {
         }
     }
 
-    /// Height in the picture, n(y): mean 0 and deviation 1 over the picture, largest at the top.
+    /// Height in the image, n(y): mean 0 and deviation 1 over the image, largest at the top.
     fn height_at(&self, i: usize) -> f64 {
         let rows = self.rows_as_seen() as f64;
         if rows < 2.0 {
@@ -144,7 +144,7 @@ impl Standard {
     }
 }
 
-/// Levels of scores: from the first to the last hundredth, clipped. A flat picture is near.
+/// Levels of scores: from the first to the last hundredth, clipped. A flat image is near.
 fn stretch(scores: &[f64]) -> Vec<u8> {
     let mut sorted = scores.to_vec();
     let mut rank = |share: f64| {

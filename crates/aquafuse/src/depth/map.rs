@@ -11,7 +11,7 @@ use crate::simd;
 ///
 /// **0 is at the camera, larger is farther.** Inverse depth and disparity run the other way: turn them
 /// round before they come here. Depth estimated from colour has 256 levels in `[0, 1]` and is kept as
-/// bytes, or 65536 of a picture of more than 8 bits; given depth is kept as floats in its own unit.
+/// bytes, or 65536 of an image of more than 8 bits; given depth is kept as floats in its own unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMap {
     width: usize,
@@ -26,7 +26,7 @@ pub struct DepthMap {
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum DepthKind {
-    /// In `[0, 1]`, without a unit and on its own scale in each picture.
+    /// In `[0, 1]`, without a unit and on its own scale in each image.
     Relative,
     /// Metres.
     Metres,
@@ -240,7 +240,7 @@ impl DepthMap {
         }
     }
 
-    /// Checks that a picture of `size` can be seen through this map.
+    /// Checks that an image of `size` can be seen through this map.
     pub(crate) fn check_fits(&self, size: (usize, usize)) -> Result<(), SizeError> {
         check_same_size(size, self.size())
     }

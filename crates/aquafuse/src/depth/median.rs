@@ -1,7 +1,7 @@
 //! The 7x7 median of bytes or 16-bit words as a network of minima and maxima, the same for every pixel.
 //!
 //! No branch depends on the data, so one run of the network filters many neighbouring pixels at once, and time
-//! does not depend on the picture. Two rows are filtered together, for their windows share six of seven rows:
+//! does not depend on the image. Two rows are filtered together, for their windows share six of seven rows:
 //!
 //! 1. sort each column of the six common rows, once for all windows that share it;
 //! 2. of the 42 values of seven such columns, bring the eight that can still be a median into order
@@ -42,7 +42,7 @@ pub(super) trait Value: Copy + Default + Ord + Send + Sync {
     );
 }
 
-/// Median of the 7x7 neighbourhood of each place of a picture of `width` columns, written to `filtered`.
+/// Median of the 7x7 neighbourhood of each place of an image of `width` columns, written to `filtered`.
 ///
 /// `fill` gives a row of what is filtered. It is asked for each row once a band, near the time it is needed, so
 /// that what is filtered never exists as a whole.

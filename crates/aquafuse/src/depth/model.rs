@@ -9,10 +9,10 @@ use crate::image::{Image, Sample, TopEdge};
 
 /// A way from colour to relative depth.
 ///
-/// All read **encoded** values and give 256 levels in `[0, 1]`, 0 near (pictures of more than 8 bits: 65536, but
+/// All read **encoded** values and give 256 levels in `[0, 1]`, 0 near (images of more than 8 bits: 65536, but
 /// for `Layout`), and fail where red is dead:
 /// everything then looks far. All but `Layout` read `R` and `M = max(G, B)` of one pixel, and never rise with R
-/// nor fall with M; `Layout` reads the whole picture, and no such law holds for a pixel of it.
+/// nor fall with M; `Layout` reads the whole image, and no such law holds for a pixel of it.
 ///
 /// | model | depth | use it |
 /// |---|---|---|
@@ -20,7 +20,7 @@ use crate::image::{Image, Sample, TopEdge};
 /// | [`Ratio`](Self::Ratio) | logarithm of M / R: illumination cancels | in turbid water, and on red things near by |
 /// | [`Ulap`](Self::Ulap) | a line | to compare with |
 /// | [`UDepth`](Self::UDepth) | a line | to compare with |
-/// | [`Layout`](Self::Layout) | height in the picture, corrected by colour | only where the camera looked ahead and was held level |
+/// | [`Layout`](Self::Layout) | height in the image, corrected by colour | only where the camera looked ahead and was held level |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DepthModel {
@@ -31,16 +31,16 @@ pub enum DepthModel {
     /// `0.53214829 + 0.51309827 M - 0.91066194 R`, the underwater light attenuation prior (Song et al. 2018).
     Ulap,
     /// `1 - (0.46353632 + 0.49598983 R - 0.38875134 M)`: the line of UDepth (Yu et al. 2022), whose larger
-    /// values are nearer, turned round.
+    /// values are nearer, inverted.
     UDepth,
     /// `1.3 n(l) + n(c) + 2 n(y)`, stretched from its 1st to its 99th percentile.
     ///
     /// `l` is the ratio before it is clipped at 0, `c` the likeness of a pixel's hue to the median colour of
-    /// the top tenth of the picture, both smoothed by a box of 1/16 of the width; `y` is 1 at the top and 0 at
-    /// the bottom; `n` takes mean and deviation over the picture away.
+    /// the top tenth of the image, both smoothed by a box of 1/16 of the width; `y` is 1 at the top and 0 at
+    /// the bottom; `n` takes mean and deviation over the image away.
     ///
     /// **Wrong for a rolled camera and for one that looks down or up**: it takes for granted that what is
-    /// higher in the picture is farther. [`DepthModel::estimate_seen`] is told which edge is the top.
+    /// higher in the image is farther. [`DepthModel::estimate_seen`] is told which edge is the top.
     Layout,
 }
 
@@ -72,7 +72,7 @@ impl DepthModel {
         Self::ALL.into_iter().find(|model| model.name() == name)
     }
 
-    /// Depth of a picture whose first row is up: the model at each pixel, then the paper's 7x7 median.
+    /// Depth of an image whose first row is up: the model at each pixel, then the paper's 7x7 median.
     ///
     /// # Examples
     ///
@@ -88,7 +88,7 @@ impl DepthModel {
         self.estimate_seen(image, TopEdge::First)
     }
 
-    /// Depth of a picture whose edge `top` is up as seen. Only [`DepthModel::Layout`] asks which it is.
+    /// Depth of an image whose edge `top` is up as seen. Only [`DepthModel::Layout`] asks which it is.
     ///
     /// # Examples
     ///
@@ -130,7 +130,7 @@ impl DepthModel {
         DepthMap::from_levels(width, height, levels).expect("one level a pixel").made_by(*self)
     }
 
-    /// Depth of a picture whose first row is up, before the median.
+    /// Depth of an image whose first row is up, before the median.
     pub fn estimate_unfiltered<T: Sample>(&self, image: &Image<T>) -> DepthMap {
         let (width, height) = image.size();
         let map = DepthMap::from_levels(width, height, self.levels(image, TopEdge::First));

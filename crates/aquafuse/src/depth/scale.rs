@@ -32,7 +32,7 @@ pub struct ScaleError {
 }
 
 impl Default for RelativeScale {
-    /// 10 m: about as far as things stand out in the pictures people take under water.
+    /// 10 m: about as far as things stand out in the images people take under water.
     fn default() -> Self {
         Self { metres_at_one: 10.0 }
     }

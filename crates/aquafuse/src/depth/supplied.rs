@@ -1,6 +1,6 @@
-//! Depth that comes with a picture: raw values of a declared kind, made into a [`DepthMap`].
+//! Depth that comes with an image: raw values of a declared kind, made into a [`DepthMap`].
 //!
-//! Nothing is guessed: the kind is declared, the size must be the picture's, and values that are none are found
+//! Nothing is guessed: the kind is declared, the size must be the image's, and values that are none are found
 //! by one rule ([`SuppliedKind`]), counted, and filled from colour.
 
 mod agreement;
@@ -20,10 +20,10 @@ use crate::image::{Image, SizeError, TopEdge, check_size};
 /// use aquafuse::depth::{Supplied, SuppliedKind};
 /// use aquafuse::image::Image;
 ///
-/// let picture = Image::<u8>::from_raw(4, 1, [[90, 90, 90]; 4].concat())?;
+/// let image = Image::<u8>::from_raw(4, 1, [[90, 90, 90]; 4].concat())?;
 /// let values = vec![500.0, 1000.0, 2000.0, 4000.0];
 /// let map = Supplied::new(4, 1, values, SuppliedKind::Millimetres)?;
-/// let found = map.seen_with(&picture, Default::default())?;
+/// let found = map.seen_with(&image, Default::default())?;
 /// assert_eq!(found.depth.distances(), [0.5, 1.0, 2.0, 4.0]);
 /// assert_eq!(found.report.invalid, 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -56,12 +56,12 @@ pub struct SuppliedReport {
     pub invalid: u64,
     /// All pixels.
     pub pixels: u64,
-    /// Rank correlation, in `[-1, 1]`, of the valid depth with what the picture itself says: colour depth, and
+    /// Rank correlation, in `[-1, 1]`, of the valid depth with what the image itself says: colour depth, and
     /// that the far is higher up. None when one of them has no order.
     pub agreement: Option<f64>,
 }
 
-/// Agreement below this looks like a map turned round. On 26 real pairs maps declared rightly lie at .09 or above, so
+/// Agreement below this looks like a map inverted. On 26 real pairs maps declared rightly lie at .09 or above, so
 /// they stay quiet with room to spare; nearer to 0 more turned maps would be caught, and level or down-looking views
 /// would be blamed.
 const TURNED_ROUND: f64 = -0.2;
@@ -74,27 +74,27 @@ impl SuppliedReport {
 
     /// Whether large values seem to be near although the declared kind says far, or the other way round.
     ///
-    /// A hint to a person: views from above and pictures without red may deserve it wrongly.
+    /// A hint to a person: views from above and images without red may deserve it wrongly.
     pub fn looks_turned_round(&self) -> bool {
         self.agreement.is_some_and(|agreement| agreement < TURNED_ROUND)
     }
 }
 
-/// Supplied depth does not suit its picture or its kind.
+/// Supplied depth does not suit its image or its kind.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SuppliedError {
-    /// The map has another size than the picture.
+    /// The map has another size than the image.
     #[error(
-        "the map is {}x{}, the picture {}x{}{}",
-        .map.0, .map.1, .picture.0, .picture.1,
-        if (map.1, map.0) == *picture { "; turned by 90° it would fit" } else { "" }
+        "the map is {}x{}, the image {}x{}{}",
+        .map.0, .map.1, .image.0, .image.1,
+        if (map.1, map.0) == *image { "; turned by 90° it would fit" } else { "" }
     )]
     Size {
         /// Columns and rows of the map.
         map: (usize, usize),
-        /// Columns and rows of the picture.
-        picture: (usize, usize),
+        /// Columns and rows of the image.
+        image: (usize, usize),
     },
     /// A value is larger than its kind allows.
     #[error("the value at column {x}, row {y} is {value}, but relative depth lies between 0 and 1")]
@@ -148,7 +148,7 @@ impl Supplied {
         self.kind
     }
 
-    /// The depth map of `picture`, of which `top` is the edge that is up as seen.
+    /// The depth map of `image`, of which `top` is the edge that is up as seen.
     ///
     /// Valid values are converted by their kind. Where there is none, depth comes from colour
     /// ([`DepthModel::Ratio`]), taken to the map's unit by a rising curve through the valid pixels; colours farther
@@ -157,9 +157,9 @@ impl Supplied {
     /// # Errors
     ///
     /// [`SuppliedError`] when the sizes differ, relative depth exceeds 1, fewer than 1 % of the pixels (or 100, or
-    /// half of a picture of fewer than 200) are valid, or inverse depth or disparity is all one value.
-    pub fn seen_with(&self, picture: &Image<u8>, top: TopEdge) -> Result<SuppliedDepth, SuppliedError> {
-        let valid = self.valid_in(picture)?;
+    /// half of an image of fewer than 200) are valid, or inverse depth or disparity is all one value.
+    pub fn seen_with(&self, image: &Image<u8>, top: TopEdge) -> Result<SuppliedDepth, SuppliedError> {
+        let valid = self.valid_in(image)?;
         // Colour needs something to be taken to the map's unit by.
         let (count, pixels) = (valid.iter().filter(|valid| **valid).count(), valid.len());
         let least = pixels.div_ceil(100).max(pixels.div_ceil(2).min(100));
@@ -167,9 +167,9 @@ impl Supplied {
             return Err(SuppliedError::TooFewValid { valid: count, pixels, least });
         }
         let mut distances = self.kind.to_distances(&self.values, &valid, self.full_range)?;
-        let colour = DepthModel::Ratio.estimate(picture);
+        let colour = DepthModel::Ratio.estimate(image);
         let levels = colour.levels().unwrap_or_default();
-        let agreement = agreement::with_picture(&distances, &valid, levels, picture.size(), top);
+        let agreement = agreement::with_image(&distances, &valid, levels, image.size(), top);
         let invalid = pixels - count;
         if invalid > 0 {
             let most = if self.kind.is_metric() { f32::MAX } else { 1.0 };
@@ -183,12 +183,12 @@ impl Supplied {
         Ok(SuppliedDepth { depth, report })
     }
 
-    /// The distances of the pixels of `picture`, converted by their kind; NaN where there is no valid value.
+    /// The distances of the pixels of `image`, converted by their kind; NaN where there is no valid value.
     ///
     /// Nothing is filled in, however few are valid: these are labels to fit a depth model to
     /// ([`Fitter`](super::fit::Fitter)), and what colour says must not come back as measured. The conversion is that
-    /// of fusion. What it leaves open for inverse depth and disparity, a scale or a shift of each picture, is what
-    /// a fit picture by picture leaves open as well; only [`Scale::Shared`](super::fit::Scale::Shared) must not be
+    /// of fusion. What it leaves open for inverse depth and disparity, a scale or a shift of each image, is what
+    /// a fit image by image leaves open as well; only [`Scale::Shared`](super::fit::Scale::Shared) must not be
     /// fitted to them.
     ///
     /// # Errors
@@ -202,14 +202,14 @@ impl Supplied {
     /// use aquafuse::depth::{Supplied, SuppliedKind};
     /// use aquafuse::image::Image;
     ///
-    /// let picture = Image::<u8>::from_raw(3, 1, vec![90; 9])?;
-    /// let labels = Supplied::new(3, 1, vec![0.0, 1.5, 2.0], SuppliedKind::Metres)?.labels(&picture)?;
+    /// let image = Image::<u8>::from_raw(3, 1, vec![90; 9])?;
+    /// let labels = Supplied::new(3, 1, vec![0.0, 1.5, 2.0], SuppliedKind::Metres)?.labels(&image)?;
     /// assert!(labels[0].is_nan());
     /// assert_eq!(labels[1..], [1.5, 2.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn labels(&self, picture: &Image<u8>) -> Result<Vec<f32>, SuppliedError> {
-        let valid = self.valid_in(picture)?;
+    pub fn labels(&self, image: &Image<u8>) -> Result<Vec<f32>, SuppliedError> {
+        let valid = self.valid_in(image)?;
         let mut labels = self.kind.to_distances(&self.values, &valid, self.full_range)?;
         for (label, _) in labels.iter_mut().zip(&valid).filter(|(_, valid)| !**valid) {
             *label = f32::NAN;
@@ -217,11 +217,11 @@ impl Supplied {
         Ok(labels)
     }
 
-    /// Which values are valid for a picture: its size must be theirs, and none may be above what its kind allows.
-    fn valid_in(&self, picture: &Image<u8>) -> Result<Vec<bool>, SuppliedError> {
+    /// Which values are valid for an image: its size must be theirs, and none may be above what its kind allows.
+    fn valid_in(&self, image: &Image<u8>) -> Result<Vec<bool>, SuppliedError> {
         let map = (self.width, self.height);
-        if map != picture.size() {
-            return Err(SuppliedError::Size { map, picture: picture.size() });
+        if map != image.size() {
+            return Err(SuppliedError::Size { map, image: image.size() });
         }
         let valid: Vec<bool> = self.values.iter().map(|&value| self.kind.is_valid(value)).collect();
         if self.kind == SuppliedKind::Relative

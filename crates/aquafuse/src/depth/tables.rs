@@ -1,6 +1,6 @@
 //! Depth as the sum of a term in red and a term in the stronger of green and blue: two byte tables.
 //!
-//! Between bytes, for pictures whose values lie closer together, the tables are interpolated.
+//! Between bytes, for images whose values lie closer together, the tables are interpolated.
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
@@ -42,7 +42,7 @@ impl Tables {
         (sum.saturating_add(1 << (FRACTION - 1)) >> FRACTION).clamp(0, 255) as u8
     }
 
-    /// The levels of all colours: for whole pictures, whose every pixel is then one look.
+    /// The levels of all colours: for whole images, whose every pixel is then one look.
     pub(super) fn square(&self) -> Square {
         let level = |place: usize| self.level((place >> 8) as u8, place as u8);
         Square { levels: (0..COLOURS).map(level).collect() }

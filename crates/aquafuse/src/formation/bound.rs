@@ -37,7 +37,7 @@ const SAMPLES: usize = 1 << 15;
 const HALVINGS: usize = 12;
 
 impl<E: Encoding> BoundedRestoration<E> {
-    /// Bounds the restoration of a picture by what comes of it.
+    /// Bounds the restoration of an image by what comes of it.
     ///
     /// - The backscatter of a channel is taken down until at most 1 % of its values would become darker than black;
     /// - the gain of a channel until at most 1 % become brighter than white;
@@ -48,7 +48,7 @@ impl<E: Encoding> BoundedRestoration<E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when picture and depth map differ in size.
+    /// [`SizeError`] when image and depth map differ in size.
     ///
     /// # Examples
     ///

@@ -52,7 +52,7 @@ impl<E: Encoding> Bounded<E> {
     /// - exchange does not strengthen the direct signal; with depth from colour it leaves it as it is and
     ///   exchanges the backscatter alone: β_D is the most fragile of the estimates, and tints near things.
     ///
-    /// One's own water is not glare to itself: fused with its own estimate, a picture is still itself.
+    /// One's own water is not glare to itself: fused with its own estimate, an image is still itself.
     pub fn new(content: &Estimate<E>, reference: &Estimate<E>, options: Options) -> Self {
         let mut bounded = Self {
             content: content.water,

@@ -43,7 +43,7 @@ pub struct Law<E: Encoding = Encoded> {
     depth_factors: Option<DepthFactors>,
     /// α B2∞, which may exceed 1.
     veil: [f32; 3],
-    /// At least 1: less would dim a picture in its own water.
+    /// At least 1: less would dim an image in its own water.
     max_gain: f32,
 }
 
@@ -52,7 +52,7 @@ pub struct Law<E: Encoding = Encoded> {
 /// A gain of 1 is a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// Factors, from 0 to [`Options::max_gain`], so that no order of values is turned round.
+    /// Factors, from 0 to [`Options::max_gain`], so that no order of values is inverted.
     pub gain: [f32; 3],
     /// What is added, in units of `[0, 1]`.
     pub offset: [f32; 3],
@@ -66,7 +66,7 @@ impl Change {
 }
 
 impl<E: Encoding> Law<E> {
-    /// The law that takes a picture from the content's water towards the reference's.
+    /// The law that takes an image from the content's water towards the reference's.
     pub fn new(waters: Waters<'_, E>, options: &Options) -> Self {
         Self {
             model: options.model,
@@ -102,11 +102,11 @@ impl<E: Encoding> Law<E> {
     ///
     /// The bound acts on the gain of both waters together, not on e^τ1 before the reference dims it again:
     /// noise comes out at most that much stronger either way, but a bound on e^τ1 would also dim what
-    /// lies far away in a picture that is fused with its own water.
+    /// lies far away in an image that is fused with its own water.
     ///
     /// A direct signal U1 - B1 below 0 is noise, or the backscatter was taken too bright. It is kept and
-    /// changed as any other: cut off at 0, one's own water would no longer give the picture back, and noise
-    /// around 0 would lighten the picture on average.
+    /// changed as any other: cut off at 0, one's own water would no longer give the image back, and noise
+    /// around 0 would lighten the image on average.
     fn exchange(&self, z: f32) -> Change {
         let own = self.content.backscatter(z);
         let factor = self.reference.depth_factor(z);

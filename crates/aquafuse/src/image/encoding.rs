@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-/// What the values of a picture, or of a water's colour, mean.
+/// What the values of an image, or of a water's colour, mean.
 ///
 /// Sealed: [`Encoded`] and [`Linear`] are all there is.
 pub trait Encoding: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + Sync + 'static {

@@ -1,6 +1,6 @@
-//! Which stored edge of a picture is up.
+//! Which stored edge of an image is up.
 
-/// The stored edge of a picture that is up as seen.
+/// The stored edge of an image that is up as seen.
 ///
 /// Pixels stay in stored order, so for a camera held on its side "the top corners" are not the first
 /// rows. The EXIF orientation tag tells which edge it is.
@@ -28,7 +28,7 @@ impl TopEdge {
         }
     }
 
-    /// The edge across the picture.
+    /// The edge across the image.
     pub(crate) fn opposite(self) -> Self {
         match self {
             Self::First => Self::Last,

@@ -27,13 +27,13 @@ impl DepthRmse {
     }
 }
 
-/// Compares depth estimated again from a fused picture with that of its content.
+/// Compares depth estimated again from a fused image with that of its content.
 ///
 /// Both by `model`, median included; the paper uses Eq. 3.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the pictures differ in size.
+/// [`SizeError`] when the images differ in size.
 ///
 /// # Examples
 ///

@@ -2,13 +2,13 @@
 
 use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
 
-/// Peak signal-to-noise ratio of two pictures in dB, over all pixels and channels.
+/// Peak signal-to-noise ratio of two images in dB, over all pixels and channels.
 ///
-/// `10 log10(1 / MSE)` of values in `[0, 1]`, computed in floating point; infinite for equal pictures.
+/// `10 log10(1 / MSE)` of values in `[0, 1]`, computed in floating point; infinite for equal images.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the pictures differ in size.
+/// [`SizeError`] when the images differ in size.
 ///
 /// # Examples
 ///
@@ -32,7 +32,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_pictures_are_infinitely_alike() {
+    fn equal_images_are_infinitely_alike() {
         let image = Image::<u8>::from_raw(2, 1, vec![7; 6]).unwrap();
         assert_eq!(psnr(&image, &image.to_samples::<u16>()).unwrap(), f64::INFINITY);
     }

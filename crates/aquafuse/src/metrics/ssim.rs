@@ -9,15 +9,15 @@ const REACH: usize = 5;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
-/// Structural similarity index of the luma of two encoded pictures, 1 for equal ones.
+/// Structural similarity index of the luma of two encoded images, 1 for equal ones.
 ///
 /// Z. Wang et al., "Image quality assessment: from error visibility to structural similarity" (2004): a
-/// Gaussian window of 11 x 11, σ 1.5, K1 = .01, K2 = .03, the mean over all windows inside the picture. Luma is
-/// .299 R + .587 G + .114 B of the encoded values. None for pictures smaller than a window.
+/// Gaussian window of 11 x 11, σ 1.5, K1 = .01, K2 = .03, the mean over all windows inside the image. Luma is
+/// .299 R + .587 G + .114 B of the encoded values. None for images smaller than a window.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the pictures differ in size.
+/// [`SizeError`] when the images differ in size.
 ///
 /// # Examples
 ///
@@ -48,10 +48,10 @@ pub fn ssim<T: Sample, U: Sample>(a: &Image<T>, b: &Image<U>) -> Result<Option<f
 
 /// Rows that a window covers.
 const ROWS: usize = 2 * REACH + 1;
-/// Blurred by the window: luma of both pictures, the two squares, the product.
+/// Blurred by the window: luma of both images, the two squares, the product.
 const QUANTITIES: usize = 5;
 
-/// The last rows of what is blurred, along rows already: however large the pictures, nothing else is kept.
+/// The last rows of what is blurred, along rows already: however large the images, nothing else is kept.
 struct Window {
     bell: [f64; ROWS],
     /// Values at every pixel of the row that came last.
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_smaller_than_the_window_has_no_index() {
+    fn an_image_smaller_than_the_window_has_no_index() {
         let image = Image::<u8>::from_raw(10, 20, vec![0; 600]).unwrap();
         assert_eq!(ssim(&image, &image).unwrap(), None);
     }

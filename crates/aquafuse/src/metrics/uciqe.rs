@@ -28,9 +28,9 @@ impl Uciqe {
     }
 }
 
-/// Underwater colour image quality of one picture; see [`Uciqe`] for what is summed.
+/// Underwater colour image quality of one image; see [`Uciqe`] for what is summed.
 ///
-/// It rewards colour and contrast, whether true or not: an oversaturated picture scores high.
+/// It rewards colour and contrast, whether true or not: an oversaturated image scores high.
 ///
 /// # Examples
 ///

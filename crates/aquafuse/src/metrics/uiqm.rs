@@ -15,7 +15,7 @@ use crate::image::{Image, Sample};
 ///   mean over the blocks: the PLIP mean of a number that is no grey level has no meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uiqm {
-    /// UICM, `-.0268 √(μ²_RG + μ²_YB) + .1586 √(σ²_RG + σ²_YB)`; 0 for grey, negative for a picture of one colour.
+    /// UICM, `-.0268 √(μ²_RG + μ²_YB) + .1586 √(σ²_RG + σ²_YB)`; 0 for grey, negative for an image of one colour.
     ///
     /// RG = R - G and YB = (R + G) / 2 - B. The means leave the lowest and the highest tenth out; the
     /// variances are over all pixels, about those means.
@@ -46,7 +46,7 @@ const OPAQUE: f64 = 1026.0;
 /// Share left out of the means at either end.
 const TRIMMED: f64 = 0.1;
 
-/// Underwater image quality of one picture; see [`Uiqm`] for what is summed. None for pictures smaller than a block.
+/// Underwater image quality of one image; see [`Uiqm`] for what is summed. None for images smaller than a block.
 ///
 /// It rewards noise, for noise is sharp.
 ///
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_smaller_than_a_block_has_no_quality() {
+    fn an_image_smaller_than_a_block_has_no_quality() {
         assert_eq!(uiqm(&Image::<u8>::from_raw(9, 20, vec![5; 540]).unwrap()), None);
     }
 

@@ -22,7 +22,7 @@ const ROWS: usize = 2 * RADIUS + 1;
 const KEPT: usize = RADIUS + 1;
 /// Bits behind the point of a value.
 const PART: u32 = 5;
-/// Smooths a picture of `width` columns into `smoothed`.
+/// Smooths an image of `width` columns into `smoothed`.
 pub(super) fn smooth(width: usize, values: &[u8], smoothed: &mut [u8]) {
     smooth_by(Level::best(), width, values, smoothed);
 }

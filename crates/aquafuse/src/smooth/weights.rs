@@ -51,7 +51,7 @@ pub(super) const fn product(a: i16, b: i16) -> i16 {
 pub(super) fn mirrored(place: isize, length: usize) -> usize {
     let last = length as isize - 1;
     let mut place = place;
-    // In a picture smaller than the window the mirror is met more than once.
+    // In an image smaller than the window the mirror is met more than once.
     while !(0..=last).contains(&place) {
         place = if last == 0 {
             0

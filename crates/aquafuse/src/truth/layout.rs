@@ -86,7 +86,7 @@ impl Place {
             Site::Harbour => place.harbour(&mut random, side),
         }
         if view.gaze == Gaze::Down {
-            // The upper edge of the picture then meets the floor some metres away.
+            // The upper edge of the image then meets the floor some metres away.
             place.pitch += random.between(0.42, 0.60);
             place.eye *= random.between(1.0, 2.2);
         }

@@ -1,6 +1,6 @@
 //! Random truth scenes, kept apart from those on which constants are chosen: harbours in Jerlov's waters.
 //!
-//! Constants of the estimators are chosen on reefs in made-up waters; what is tried here shares neither.
+//! Constants of the estimators are chosen on reefs in synthetic waters; what is tried here shares neither.
 
 mod exchange;
 
@@ -21,7 +21,7 @@ const SIZE: Size = Size { width: 240, height: 160 };
 const PLACES: usize = 100;
 /// Seeds of places that nothing else uses.
 const FIRST_SEED: u64 = 70_000;
-/// Black pixels fewer than this share of the picture are too few dark pixels: a cause to fail.
+/// Black pixels fewer than this share of the image are too few dark pixels: a cause to fail.
 const ENOUGH_BLACK: f32 = 0.01;
 /// A red veil fainter than this (encoded), with the direct red of a white thing gone at z95, is dead red.
 const DEAD_VEIL: f32 = 0.02;
@@ -38,7 +38,7 @@ const DEAD_VEIL: f32 = 0.02;
 ///
 /// let trials = Trials::default();
 /// let exchange = trials.exchange::<Encoded>(0);
-/// // The truth is another picture than the content, of the same place.
+/// // The truth is another image than the content, of the same place.
 /// assert_eq!(exchange.truths[0].size(), exchange.content.image.size());
 /// assert_ne!(exchange.truths[0], exchange.content.image.to_unit());
 /// ```
@@ -54,7 +54,7 @@ impl Default for Trials {
     }
 }
 
-/// One picture of known truth.
+/// One image of known truth.
 #[derive(Clone, Debug)]
 pub struct Case<E: Encoding> {
     /// I, the place as seen through air.
@@ -141,7 +141,7 @@ fn depth_of_things(depth: &DepthMap) -> f32 {
     things[things.len() * 95 / 100]
 }
 
-/// The clear colours with small black discs on things, and the share of the picture they cover.
+/// The clear colours with small black discs on things, and the share of the image they cover.
 fn blackened(place: &Scene, share: f32, chance: &mut Random) -> (Vec<[f32; 3]>, f32) {
     let mut clear = place.clear.pixels().to_vec();
     let distances = place.depth.distances();

@@ -11,7 +11,7 @@ pub struct NamedWater {
     pub water: Waterbody,
 }
 
-/// Five made-up waters that span what divers see: blue, green, turbid, clear and deep.
+/// Five synthetic waters that span what divers see: blue, green, turbid, clear and deep.
 ///
 /// The numbers are chosen by eye to be plausible, not measured: red fades first, green water takes blue as
 /// well. All hide what lies at [`OPEN_WATER`](super::OPEN_WATER).

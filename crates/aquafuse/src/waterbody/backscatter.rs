@@ -26,7 +26,7 @@ pub enum BackscatterMethod {
     /// The darkest things of each depth, with a floor, and all three channels together.
     #[default]
     Envelope,
-    /// The paper's: the darkest 1 % of the whole picture is taken to be black, the curve fitted to it.
+    /// The paper's: the darkest 1 % of the whole image is taken to be black, the curve fitted to it.
     Published,
 }
 

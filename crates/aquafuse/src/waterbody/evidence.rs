@@ -4,7 +4,7 @@ use super::{EstimateOptions, Look, Seen, VeilingLight, attenuation, backscatter,
 use crate::depth::DepthMap;
 use crate::image::{Encoding, Image, SizeError};
 
-/// What [`estimate`](super::estimate) read off a picture on its way to the water.
+/// What [`estimate`](super::estimate) read off an image on its way to the water.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evidence {
     /// Ranges of depth with about as many pixels each, near to far.
@@ -31,12 +31,12 @@ pub struct DepthBin {
     pub illumination: [Option<f32>; 3],
 }
 
-/// What [`estimate`](super::estimate) reads with the same arguments, of all pixels: of large pictures that counts
+/// What [`estimate`](super::estimate) reads with the same arguments, of all pixels: of large images that counts
 /// in a thumbnail, which differs by less than the eye sees.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when picture and depth map differ in size.
+/// [`SizeError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///

@@ -1,5 +1,5 @@
 //! From what the fits found to intervals and a verdict. Every number here was measured on truth scenes of
-//! reefs in made-up waters; the tables of `docs/results.md` try them on harbours in Jerlov's waters.
+//! reefs in synthetic waters; the tables of `docs/results.md` try them on harbours in Jerlov's waters.
 
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
@@ -84,7 +84,7 @@ const FROM_COLOUR: Demands = Demands { floor: 0.08, on_curve: 0.25, ln_deviation
 
 /// Depths that span less than this share of z95 are alike.
 const FLAT: f32 = 0.12;
-/// More than this share of the picture at one end of the levels of depth from colour is too much.
+/// More than this share of the image at one end of the levels of depth from colour is too much.
 const SATURATED: f64 = 0.6;
 /// No water scatters as much red as green or blue, nor all three this much (encoded): that is glare.
 const GLARE: f32 = 0.7;

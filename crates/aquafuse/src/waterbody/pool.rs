@@ -1,4 +1,4 @@
-//! One water from many pictures of it.
+//! One water from many images of it.
 
 use super::{Estimate, Intervals, Quality, Reason, Reasons, VeilingLight, Waterbody};
 use crate::image::Encoding;
@@ -9,7 +9,7 @@ use crate::image::Encoding;
 /// frames that saw little nor a few that went wrong count for much. β_D is taken as a whole from the frame
 /// whose B∞ is nearest to the pooled one. An interval is the weighted median of the ends: frames of one
 /// sequence err alike, so more of them do not make it narrower. A reason stands if it holds in more than half
-/// of the frames. β_B and β_D must be per one unit of z; relative depth has one only within a picture.
+/// of the frames. β_B and β_D must be per one unit of z; relative depth has one only within an image.
 ///
 /// # Examples
 ///

@@ -88,7 +88,7 @@ pub struct Derived<E: Encoding = Encoded> {
     pub water: Waterbody<E>,
     /// A white diffuser facing the camera at z = 0, in encoding `E`: the light on the scene.
     ///
-    /// In linear light a picture taken in air, times this, is the clear image as lit down there.
+    /// In linear light an image taken in air, times this, is the clear image as lit down there.
     pub white: [f32; 3],
     /// The greatest errors over the distances fitted.
     pub residual: Residual,
@@ -152,7 +152,7 @@ impl Preset {
     /// The water as a camera sees it, and how closely the fitted coefficients follow the spectrum.
     ///
     /// B∞ is exact. β_B is the least-squares fit of `B∞ (1 - e^(-β_B z))` to the backscatter B in encoding `E`;
-    /// β_D(z) that of `e^(-β_D z)` to what is left of a grey of 18 %, U - B as an estimator reads it off a picture.
+    /// β_D(z) that of `e^(-β_D z)` to what is left of a grey of 18 %, U - B as an estimator reads it off an image.
     /// Both on 64 even distances to the range of the conditions, or to where e^-6 is left of the clearest light.
     /// In linear light U - B does not depend on the water before the grey; encoded, it does: light adds up, its
     /// encoding does not.

@@ -7,9 +7,9 @@ pub enum Verdict {
     /// Nothing speaks against it.
     #[default]
     Good,
-    /// Something does: it may be right, look at the picture.
+    /// Something does: it may be right, look at the image.
     Doubtful,
-    /// The picture does not tell what its water is; the numbers are a guess.
+    /// The image does not tell what its water is; the numbers are a guess.
     Failed,
 }
 
@@ -34,7 +34,7 @@ pub enum Reason {
     DeadRed,
     /// The direct signal does not fade along any curve β_D(z) of the model: L_z of the paper is too large.
     AttenuationNotConverged,
-    /// Given depth looks turned round: near and far exchanged.
+    /// Given depth looks inverted: near and far exchanged.
     InvertedDepth,
 }
 
@@ -63,7 +63,7 @@ impl Reason {
             Self::FewDarkPixels => "too few dark things",
             Self::DeadRed => "hardly any red is left",
             Self::AttenuationNotConverged => "the scene's light fades along no curve of the model",
-            Self::InvertedDepth => "the given depth looks turned round",
+            Self::InvertedDepth => "the given depth looks inverted",
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the estimators read: the colours of a picture counted by depth, in one pass.
+//! What the estimators read: the colours of an image counted by depth, in one pass.
 
 use std::marker::PhantomData;
 
@@ -99,7 +99,7 @@ fn count(levels: &[u8]) -> [u64; LEVELS] {
     std::array::from_fn(|level| turns.iter().map(|turn| u64::from(turn[level])).sum())
 }
 
-/// Parts of a picture that are counted side by side.
+/// Parts of an image that are counted side by side.
 const PARTS: usize = 4;
 
 /// Pixels of each value, by channel.
@@ -123,7 +123,7 @@ fn count_by_bin(
             values[usize::from(value)] += 1;
         }
     };
-    // As in `count`: pixels of four parts of the picture take turns, which are seldom alike.
+    // As in `count`: pixels of four parts of the image take turns, which are seldom alike.
     let part = pixels.len() / PARTS;
     let (rest, rest_of_levels) = (&pixels[PARTS * part..], &levels[PARTS * part..]);
     let parts: [_; PARTS] =

@@ -1,7 +1,7 @@
-//! A large picture thinned out to what is counted in it.
+//! A large image thinned out to what is counted in it.
 //!
 //! Quantiles over depth are read off it, of which half a million pixels tell as much as many millions. Pixels are
-//! left out, not averaged: the noise of a picture and its darkest places stay what they are.
+//! left out, not averaged: the noise of an image and its darkest places stay what they are.
 
 use crate::bands;
 use crate::depth::Quantised;
@@ -9,19 +9,19 @@ use crate::image::{Image, SizeError};
 
 /// Pixels that are kept at least; of fewer than four times as many, none is left out.
 ///
-/// With 500,000, β_B of truth scenes and of the two real pictures that large at hand moved by at most 1 % (one of 44
+/// With 500,000, β_B of truth scenes and of the two real images that large at hand moved by at most 1 % (one of 44
 /// estimates, by [`Ratio`](crate::depth::DepthModel::Ratio), by 4.5 %); with 230,000, five of 48 moved by more than
 /// 2 %, one by 23 %.
 const ENOUGH: usize = 500_000;
 
-/// A picture and its depth in steps, of which a regular grid is kept.
+/// An image and its depth in steps, of which a regular grid is kept.
 pub(super) struct Thumbnail {
     pub(super) image: Image<u8>,
     pub(super) depth: Quantised<'static>,
 }
 
 impl Thumbnail {
-    /// The thumbnail of a large picture; none of one that is small enough as it is.
+    /// The thumbnail of a large image; none of one that is small enough as it is.
     pub(super) fn of(image: &Image<u8>, depth: &Quantised<'_>, scratch: &mut Scratch) -> Option<Self> {
         let stride = (image.width() * image.height() / ENOUGH).isqrt();
         (stride > 1)
@@ -69,7 +69,7 @@ pub(crate) struct Scratch {
 }
 
 /// Places along a side of `length` that are kept: each `stride`-th counted from the nearer end, so that the mirror
-/// image keeps the mirrored ones, and a picture on its side the same.
+/// image keeps the mirrored ones, and an image on its side the same.
 fn kept(length: usize, stride: usize) -> impl Iterator<Item = usize> {
     let near = (0..length.div_ceil(2)).step_by(stride);
     let far = (0..length / 2).step_by(stride).map(move |place| length - 1 - place);
@@ -84,7 +84,7 @@ fn thin<T: Copy>(row: &[T], stride: usize, thinned: &mut [T]) {
     let (to_near, to_far) = thinned.split_at_mut(near.len().div_ceil(stride));
     for (to, from) in [(to_near, near), (to_far, far)] {
         match stride {
-            // Of most large pictures: known to the compiler, it costs a third.
+            // Of most large images: known to the compiler, it costs a third.
             2 => pick::<T, 2>(from, to),
             3 => pick::<T, 3>(from, to),
             4 => pick::<T, 4>(from, to),
@@ -107,7 +107,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn small_pictures_are_kept_whole_and_of_large_ones_enough() {
+    fn small_images_are_kept_whole_and_of_large_ones_enough() {
         for (width, height, thinned) in
             [(1, 1, false), (1414, 1414, false), (1415, 1415, true), (1920, 1080, true), (9000, 500, true)]
         {
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thumbnail_tells_of_the_water_what_the_picture_does() {
+    fn a_thumbnail_tells_of_the_water_what_the_image_does() {
         use crate::depth;
         use crate::truth::{Scene, Size, waters};
         use crate::waterbody::{Estimate, EstimateOptions, Seen, estimate, estimate_from};

@@ -52,7 +52,7 @@ pub enum VeilingLightMethod {
 
 pub(super) use published::read_things;
 
-/// Reads the veiling light of a picture, with all fallbacks: open water in the whole of it, the farthest pixels in the
+/// Reads the veiling light of an image, with all fallbacks: open water in the whole of it, the farthest pixels in the
 /// part that is counted. `given` depth is not from colour.
 pub(super) fn read(whole: Seen<'_>, counted: Seen<'_>, given: bool, options: &EstimateOptions) -> Reading {
     let (Seen { image, levels }, top) = (counted, options.top);

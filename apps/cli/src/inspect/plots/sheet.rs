@@ -1,4 +1,4 @@
-//! The sheet: cells in rows, each with a title, a picture or chart, and a caption.
+//! The sheet: cells in rows, each with a title, an image or chart, and a caption.
 
 use anyhow::{Result, anyhow};
 use aquafuse::image::Image;
@@ -16,10 +16,10 @@ const HEAD: u32 = 48;
 const CELL: (u32, u32) = (416, 376);
 /// Space around what a cell holds.
 const MARGIN: i32 = 12;
-/// The largest picture that a cell holds, and where it begins.
+/// The largest image that a cell holds, and where it begins.
 pub(super) const ROOM: (u32, u32) = (392, 294);
 const TOP: i32 = 30;
-/// From a picture to its caption, and from one line of text to the next.
+/// From an image to its caption, and from one line of text to the next.
 const GAP: i32 = 6;
 const LINE: i32 = 18;
 /// Size of a patch of colour.
@@ -69,7 +69,7 @@ impl Sheet<'_> {
 }
 
 impl<'a> Sheet<'a> {
-    /// Its cells, for pictures of this height.
+    /// Its cells, for images of this height.
     pub(super) fn cells(&self, height: usize) -> Cells<'a> {
         let (_, below) = self.0.split_vertically(HEAD);
         let empty = below.split_evenly((ROWS as usize, COLUMNS as usize)).into_iter();
@@ -93,16 +93,16 @@ impl<'a> Cell<'a> {
         self.area.margin(TOP, LINE + MARGIN + 4, 4, MARGIN)
     }
 
-    /// A picture, which is to fit into [`ROOM`], below the title.
-    pub(super) fn picture(&self, image: &Image<u8>) -> Result<()> {
+    /// An image, which is to fit into [`ROOM`], below the title.
+    pub(super) fn image(&self, image: &Image<u8>) -> Result<()> {
         let (width, height) = (image.width() as u32, image.height() as u32);
         let corner = (MARGIN + (ROOM.0 - width) as i32 / 2, TOP);
-        let picture: Option<BitMapElement<'_, _>> =
+        let image_file: Option<BitMapElement<'_, _>> =
             BitMapElement::with_ref(corner, (width, height), image.as_raw());
-        Ok(self.area.draw(&picture.ok_or_else(|| anyhow!("a picture of another size than it says"))?)?)
+        Ok(self.area.draw(&image_file.ok_or_else(|| anyhow!("an image of another size than it says"))?)?)
     }
 
-    /// What is to be seen, in at most two lines below the picture.
+    /// What is to be seen, in at most two lines below the image.
     pub(super) fn caption(&self, text: &str) -> Result<()> {
         write(&self.area, text, (MARGIN, self.caption), (15, INK), ROOM.0 as i32, 2)
     }
@@ -118,7 +118,7 @@ impl<'a> Cell<'a> {
         write(&self.area, text, (MARGIN, TOP + ROOM.1 as i32 + GAP + LINE), (15, INK), ROOM.0 as i32, 1)
     }
 
-    /// A patch of colour below the picture.
+    /// A patch of colour below the image.
     pub(super) fn swatch(&self, [r, g, b]: [u8; 3]) -> Result<()> {
         let corner = (MARGIN, self.caption + 1);
         let opposite = (corner.0 + SWATCH.0, corner.1 + SWATCH.1);

@@ -1,32 +1,32 @@
-//! A picture and what belongs to its pixels, as small as they are shown, and upright.
+//! An image and what belongs to its pixels, as small as they are shown, and upright.
 
 use anyhow::Result;
 use aquafuse::depth::DepthMap;
 use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore};
 use aquafuse::image::{Image, Sample};
 use aquafuse::waterbody::Estimate;
-use aquafuse_data::picture::{Picture, Pixels};
+use aquafuse_data::image_file::{ImageFile, Pixels};
 use image::{ImageBuffer, Rgb, imageops};
 
 pub(super) struct View<'a> {
-    picture: &'a Picture,
-    /// The picture as shown, but in stored order.
+    image_file: &'a ImageFile,
+    /// The image as shown, but in stored order.
     small: Image<u8>,
 }
 
 impl<'a> View<'a> {
-    /// The picture as large as fits into `room`.
-    pub(super) fn new(picture: &'a Picture, room: (u32, u32)) -> Self {
-        let colours = picture.bytes();
+    /// The image as large as fits into `room`.
+    pub(super) fn new(image_file: &'a ImageFile, room: (u32, u32)) -> Self {
+        let colours = image_file.bytes();
         let (width, height) = (colours.width() as u32, colours.height() as u32);
-        let (across, down) = if picture.metadata.orientation() > 4 { (room.1, room.0) } else { room };
+        let (across, down) = if image_file.metadata.orientation() > 4 { (room.1, room.0) } else { room };
         let scale = (f64::from(across) / f64::from(width)).min(f64::from(down) / f64::from(height));
         let side = |length: u32, most: u32| ((f64::from(length) * scale).round() as u32).clamp(1, most);
         let (across, down) = (side(width, across), side(height, down));
         let large = ImageBuffer::<Rgb<u8>, &[u8]>::from_raw(width, height, colours.as_raw());
         let small = imageops::thumbnail(&large.expect("three samples a pixel"), across, down);
         let small = Image::from_raw(across as usize, down as usize, small.into_raw());
-        Self { picture, small: small.expect("three samples a pixel") }
+        Self { image_file, small: small.expect("three samples a pixel") }
     }
 
     pub(super) fn content(&self) -> Image<u8> {
@@ -43,9 +43,9 @@ impl<'a> View<'a> {
         self.upright(self.with_samples(z.distances().into_iter().flat_map(|z| [u8::from_unit(of(z)); 3])))
     }
 
-    /// White where `mask`, a value for each pixel of the picture, is true; the picture, darkened, elsewhere.
+    /// White where `mask`, a value for each pixel of the image, is true; the image, darkened, elsewhere.
     pub(super) fn mask(&self, mask: &[bool]) -> Image<u8> {
-        let (width, _) = self.picture.pixels.size();
+        let (width, _) = self.image_file.pixels.size();
         let pixels = self.small.pixels().iter().zip(self.places());
         let samples = pixels.flat_map(|(&[r, g, b], (x, y))| match mask[y * width + x] {
             true => [255; 3],
@@ -54,7 +54,7 @@ impl<'a> View<'a> {
         self.upright(self.with_samples(samples))
     }
 
-    /// A depth map of the picture as small as that is shown, in stored order: each place has the distance of
+    /// A depth map of the image as small as that is shown, in stored order: each place has the distance of
     /// one pixel, for a mean over the edge of a thing is no distance.
     pub(super) fn depth(&self, z: &DepthMap) -> DepthMap {
         let (width, height) = self.small.size();
@@ -62,7 +62,7 @@ impl<'a> View<'a> {
         DepthMap::from_distances(width, height, z.kind(), distances).expect("they were distances before")
     }
 
-    /// The picture without its water; `z` is [`View::depth`].
+    /// The image without its water; `z` is [`View::depth`].
     pub(super) fn restored(&self, z: &DepthMap, estimate: &Estimate) -> Result<Image<u8>> {
         let bounded = BoundedRestoration::new(&self.small, z, estimate, &RestoreOptions::default())?;
         Ok(self.upright(restore(&self.small, z, &bounded.water, &bounded.options)?.to_samples()))
@@ -70,7 +70,7 @@ impl<'a> View<'a> {
 
     /// Column and row of the pixel that stands for each place.
     fn places(&self) -> impl Iterator<Item = (usize, usize)> {
-        let ((width, height), (across, down)) = (self.picture.pixels.size(), self.small.size());
+        let ((width, height), (across, down)) = (self.image_file.pixels.size(), self.small.size());
         let at = |i: usize, of: usize, length: usize| (2 * i + 1) * length / (2 * of);
         (0..down).flat_map(move |y| (0..across).map(move |x| (at(x, across, width), at(y, down, height))))
     }
@@ -81,6 +81,6 @@ impl<'a> View<'a> {
     }
 
     fn upright(&self, image: Image<u8>) -> Image<u8> {
-        Pixels::from(image).turned(self.picture.metadata.orientation()).into_bytes()
+        Pixels::from(image).turned(self.image_file.metadata.orientation()).into_bytes()
     }
 }

@@ -8,13 +8,13 @@ pub(super) const STEPS: [&str; 3] = ["features", "matches", "poses"];
 
 /// What is to be done.
 pub(super) struct Job<'a> {
-    /// The folder of pictures.
+    /// The folder of images.
     pub(super) images: &'a Path,
     /// Ours to work in: images.txt is there, database.db and models/ are made.
     pub(super) work: &'a Path,
-    /// Whether one lens took all pictures.
+    /// Whether one lens took all images.
     pub(super) is_one_camera: bool,
-    /// Whether pictures are frames in their order, each matched with its neighbours only.
+    /// Whether images are frames in their order, each matched with its neighbours only.
     pub(super) in_order: bool,
 }
 

@@ -1,10 +1,10 @@
-//! Training by Brush, an engine for graphics cards: an installed program is run on the same pictures and points.
+//! Training by Brush, an engine for graphics cards: an installed program is run on the same images and points.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, anyhow};
-use aquafuse_data::picture::{FileError, Picture, WriteOptions};
+use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions};
 use aquafuse_scene::files::{Cameras, Taken, read_ply, write_cameras};
 use aquafuse_scene::lens::Lens;
 use aquafuse_scene::medium::Medium;
@@ -84,7 +84,7 @@ impl Engine for Brush {
     }
 }
 
-/// Exactly the pictures that we would train on, straight and of their size, as a scene of its own.
+/// Exactly the images that we would train on, straight and of their size, as a scene of its own.
 fn write(task: &Task<'_>, scene: &Path) -> Result<(), Failure> {
     let [images, model] = ["images", "sparse/0"].map(|name| scene.join(name));
     output::make_folder(&images)?;
@@ -92,7 +92,7 @@ fn write(task: &Task<'_>, scene: &Path) -> Result<(), Failure> {
     let mut taken = Vec::with_capacity(task.trained_on.len());
     for (number, one) in task.trained_on.iter().enumerate() {
         let name = PathBuf::from(format!("{number:05}.png"));
-        Picture::new(one.picture.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
+        ImageFile::new(one.image.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
         taken.push(Taken { name, lens: Lens { camera: one.camera.clone(), distortion: [0.0; 4] } });
     }
     let cameras = Cameras { taken, points: task.taken.points.clone(), model: PathBuf::new() };

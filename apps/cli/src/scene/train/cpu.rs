@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use aquafuse::image::Encoded;
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::picture::{FileError, Picture, shown, write_bytes};
+use aquafuse_data::image_file::{FileError, ImageFile, shown, write_bytes};
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::capture::Shown;
 use aquafuse_scene::lens::Lens;
@@ -48,7 +48,7 @@ fn trainer(task: &Task<'_>) -> Result<Trainer, Failure> {
         .iter()
         .map(|one| Shot {
             camera: one.camera.clone(),
-            target: Target::new(one.camera.width, one.camera.height, one.picture.pixels()),
+            target: Target::new(one.camera.width, one.camera.height, one.image.pixels()),
         })
         .collect();
     let path = task.beside(CHECKPOINT);
@@ -98,11 +98,11 @@ fn steps(trainer: &mut Trainer, task: &Task<'_>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where a water begins to be learned: what the pictures tell, pooled, in the scene's unit.
+/// Where a water begins to be learned: what the images tell, pooled, in the scene's unit.
 fn first_guess(shown: &[&Shown], points: &[points::Point], extent: f64) -> Result<Water<f32>, Failure> {
     let (mut estimates, mut distances) = (Vec::new(), Vec::new());
     for one in shown {
-        let whole = Picture::new(one.picture.to_samples::<u8>());
+        let whole = ImageFile::new(one.image.to_samples::<u8>());
         let found = analyse::<Encoded>(&whole, &DepthSource::default())?;
         let lens = Lens { camera: one.camera.clone(), distortion: [0.0; 4] };
         let known = unit_of(&found.depth, &lens, points);
@@ -111,7 +111,7 @@ fn first_guess(shown: &[&Shown], points: &[points::Point], extent: f64) -> Resul
         distances.push(depth.percentile(0.5));
         estimates.push(water_of(&whole, &depth).map_err(Failure::work)?);
     }
-    let pooled = aquafuse::waterbody::pool(&estimates)
-        .ok_or_else(|| Failure::usage(anyhow!("there is no picture")))?;
+    let pooled =
+        aquafuse::waterbody::pool(&estimates).ok_or_else(|| Failure::usage(anyhow!("there is no image")))?;
     Ok(to_learn(&pooled, median(&mut distances).unwrap_or(1.0)))
 }

@@ -12,14 +12,14 @@ use crate::scene::splats_file::Trained;
 pub(super) struct Task<'a> {
     /// All of it.
     pub(super) taken: &'a Capture,
-    /// The pictures that are not held back.
+    /// The images that are not held back.
     pub(super) trained_on: &'a [&'a Shown],
     pub(super) options: Options,
     pub(super) sh_degree: u8,
     pub(super) learns_water: bool,
     /// FILE.ply, not written yet.
     pub(super) output: &'a Path,
-    /// Begin anew, whatever a run before has left.
+    /// Begin again, whatever a run before has left.
     pub(super) overwrite: bool,
     pub(super) quiet: bool,
 }

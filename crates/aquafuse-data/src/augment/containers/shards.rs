@@ -12,7 +12,7 @@ use super::{Held, written};
 use crate::dataset::shards::{Group, Member, groups};
 use crate::dataset::{join, split};
 use crate::digest::{Hashed, hexadecimal};
-use crate::picture::{FileError, ReadOptions, one_line, open_file, write_atomically};
+use crate::image_file::{FileError, ReadOptions, one_line, open_file, write_atomically};
 use crate::treatment::Space;
 
 impl<E: Space> Maker<'_, E> {
@@ -80,20 +80,20 @@ impl<E: Space> Maker<'_, E> {
         container: &mut Container,
     ) -> Result<Vec<Member>, FileError> {
         let ambiguous = |cause| FileError::Damaged { path: input.join(&group.key), cause };
-        let Some(picture) = group.picture().map_err(ambiguous)? else { return Ok(Vec::new()) };
+        let Some(image) = group.image().map_err(ambiguous)? else { return Ok(Vec::new()) };
         let (folder, stem) = split(&group.key);
         let named = |suffix: &str, extension: &str| join(folder, &format!("{stem}{suffix}.{extension}"));
         let draws = join(&container.key, &group.key);
         let held = Held {
-            key: format!("{draws}.{}", picture.extension()),
+            key: format!("{draws}.{}", image.extension()),
             draws,
-            name: input.join(&picture.path),
-            bytes: picture.bytes.clone(),
+            name: input.join(&image.path),
+            bytes: image.bytes.clone(),
         };
-        let own = written(picture.extension());
+        let own = written(image.extension());
         let variants = self.vary(held, container, &|suffix| named(suffix, own))?;
         let of_one = |variant: super::Varied| {
-            let member = |member: &Member| match member.path == picture.path {
+            let member = |member: &Member| match member.path == image.path {
                 true => member.with(named(&variant.suffix, own), variant.bytes.clone()),
                 false => member.with(named(&variant.suffix, member.extension()), member.bytes.clone()),
             };
@@ -103,8 +103,8 @@ impl<E: Space> Maker<'_, E> {
     }
 }
 
-/// The picture of a key, SHARD/NAME.EXTENSION, in a shard: its name there, and its bytes.
-pub(super) fn picture_of(
+/// The image of a key, SHARD/NAME.EXTENSION, in a shard: its name there, and its bytes.
+pub(super) fn image_of(
     shard: &Path,
     key: &str,
     options: &ReadOptions,

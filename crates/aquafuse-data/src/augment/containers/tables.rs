@@ -1,4 +1,4 @@
-//! One table of Parquet, row by row: every variant is a row of its own, equal to its picture's but for the picture.
+//! One table of Parquet, row by row: every variant is a row of its own, equal to its image's but for the image.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,32 +15,32 @@ use super::{Held, written};
 use crate::dataset::tables::{Cell, Table, binary, cell, texts};
 use crate::dataset::{join, split, stem};
 use crate::digest::{Hashed, sha256_of};
-use crate::picture::{FileError, Format, ReadOptions, one_line, open_file, write_atomically};
+use crate::image_file::{FileError, Format, ReadOptions, one_line, open_file, write_atomically};
 use crate::treatment::Space;
 
 /// Bytes of rows that are written as a group, so that no reader needs more.
 const GROUP: usize = 32 << 20;
 
-/// A row to write: which of those read it equals, and what stands in the place of its picture.
+/// A row to write: which of those read it equals, and what stands in the place of its image.
 struct Row {
     of: u64,
     instead: Option<(String, Vec<u8>)>,
 }
 
 impl Row {
-    /// Its bytes, where `pictures` has those of the row that it equals.
-    fn bytes<'a>(&'a self, pictures: &'a StructArray) -> Option<&'a [u8]> {
+    /// Its bytes, where `images` has those of the row that it equals.
+    fn bytes<'a>(&'a self, images: &'a StructArray) -> Option<&'a [u8]> {
         match &self.instead {
             Some((_, bytes)) => Some(bytes),
-            None => cell(pictures, 0)?.bytes,
+            None => cell(images, 0)?.bytes,
         }
     }
 
-    /// Its picture's name, likewise.
-    fn name<'a>(&'a self, pictures: &'a StructArray) -> Option<&'a str> {
+    /// Its image's name, likewise.
+    fn name<'a>(&'a self, images: &'a StructArray) -> Option<&'a str> {
         match &self.instead {
             Some((name, _)) => Some(name),
-            None => cell(pictures, 0)?.name,
+            None => cell(images, 0)?.name,
         }
     }
 }
@@ -110,7 +110,7 @@ impl<E: Space> Maker<'_, E> {
                 all.push(Row { of, instead: None });
             }
             let number = first.saturating_add(of);
-            let found = table.pictures(rows).and_then(|pictures| cell(pictures, row(of)));
+            let found = table.images(rows).and_then(|images| cell(images, row(of)));
             let key = join(&container.key, &number.to_string());
             let Some(found) = found else { continue };
             match self.variants(found, &key, number, input, container) {
@@ -124,7 +124,7 @@ impl<E: Space> Maker<'_, E> {
         all
     }
 
-    /// The variants of the picture of one row, with their names.
+    /// The variants of the image of one row, with their names.
     fn variants(
         &self,
         found: Cell<'_>,
@@ -136,7 +136,7 @@ impl<E: Space> Maker<'_, E> {
         let name = input.join(number.to_string());
         let none = || FileError::Damaged {
             path: name.clone(),
-            cause: "the row only names its picture; put the files into the table first".into(),
+            cause: "the row only names its image; put the files into the table first".into(),
         };
         let bytes = found.bytes.ok_or_else(none)?;
         let own_name = found.name.map_or("", |called| split(called).1);
@@ -164,21 +164,21 @@ fn as_read(table: &Table) -> WriterProperties {
     WriterProperties::builder()
         .set_compression(table.compression)
         .set_key_value_metadata(Some(notes))
-        // Pictures are neither alike nor in an order.
+        // Images are neither alike nor in an order.
         .set_column_dictionary_enabled(bytes.clone(), false)
         .set_column_statistics_enabled(bytes, EnabledStatistics::None)
         .build()
 }
 
-/// A row equal to one that was read but for its picture.
+/// A row equal to one that was read but for its image.
 fn with(table: &Table, rows: &RecordBatch, one: &Row) -> Result<RecordBatch, ArrowError> {
     let taken = rows.slice(row(one.of), 1);
-    let Some(pictures) = table.pictures(&taken) else { return Ok(taken) };
-    let (fields, mut arrays, nulls) = pictures.clone().into_parts();
+    let Some(images) = table.images(&taken) else { return Ok(taken) };
+    let (fields, mut arrays, nulls) = images.clone().into_parts();
     for (field, array) in fields.iter().zip(&mut arrays) {
         let replaced: Option<ArrayRef> = match field.name().as_str() {
-            "bytes" => Some(binary(field.data_type(), &[one.bytes(pictures)])),
-            "path" => texts(field.data_type(), &[one.name(pictures)]),
+            "bytes" => Some(binary(field.data_type(), &[one.bytes(images)])),
+            "path" => texts(field.data_type(), &[one.name(images)]),
             _ => None,
         };
         if let Some(replaced) = replaced {
@@ -192,8 +192,8 @@ fn with(table: &Table, rows: &RecordBatch, one: &Row) -> Result<RecordBatch, Arr
     RecordBatch::try_new(taken.schema(), columns)
 }
 
-/// The picture of a key, TABLE/ROW, in a table: its name there, and its bytes.
-pub(super) fn picture_of(
+/// The image of a key, TABLE/ROW, in a table: its name there, and its bytes.
+pub(super) fn image_of(
     path: &Path,
     key: &str,
     options: &ReadOptions,
@@ -205,8 +205,7 @@ pub(super) fn picture_of(
     while let Some(rows) = table.next()? {
         let after = first.saturating_add(rows.num_rows());
         if wanted < after {
-            let found =
-                table.pictures(&rows).and_then(|pictures| cell(pictures, wanted.saturating_sub(first)));
+            let found = table.images(&rows).and_then(|images| cell(images, wanted.saturating_sub(first)));
             let bytes = found.and_then(|cell| cell.bytes);
             return Ok(bytes.map(|bytes| (PathBuf::from(wanted.to_string()), bytes.to_vec())));
         }

@@ -22,15 +22,15 @@ use super::{files, job, making, run};
 use crate::augment::{replay, verify};
 use crate::dataset::Layout;
 use crate::dataset::tables::{Table, binary, cell, texts};
-use crate::picture::{ReadOptions, open_file};
+use crate::image_file::{ReadOptions, open_file};
 
 const NOTE: &str = r#"{"info": {"features": {"image": {"_type": "Image"}}}}"#;
 
-/// A table of three pictures, a row that only names one, a row without one, and two columns beside them.
+/// A table of three images, a row that only names one, a row without one, and two columns beside them.
 fn table(root: &Path, bytes: &DataType) {
     fs::create_dir_all(root).unwrap();
-    let pictures: Vec<Vec<u8>> = (0..3).map(super::picture).collect();
-    let mut held: Vec<Option<&[u8]>> = pictures.iter().map(|bytes| Some(bytes.as_slice())).collect();
+    let image_files: Vec<Vec<u8>> = (0..3).map(super::image_file).collect();
+    let mut held: Vec<Option<&[u8]>> = image_files.iter().map(|bytes| Some(bytes.as_slice())).collect();
     held.extend([None, None]);
     let fields = Fields::from(vec![
         Field::new("bytes", bytes.clone(), true),
@@ -78,7 +78,7 @@ fn rows(path: &Path) -> Vec<Row> {
         let labels = rows.column_by_name("label").unwrap().as_string::<i32>();
         let boxes = rows.column_by_name("boxes").unwrap().as_list::<i32>();
         for row in 0..rows.num_rows() {
-            let found = cell(table.pictures(&rows).unwrap(), row);
+            let found = cell(table.images(&rows).unwrap(), row);
             let label = (!labels.is_null(row)).then(|| labels.value(row).to_owned());
             let boxes = boxes.value(row).as_primitive::<Int64Type>().values().to_vec();
             let name = found.and_then(|found| found.name).map(str::to_owned);
@@ -97,10 +97,10 @@ fn tables_are_multiplied_row_by_row_and_keep_every_other_column() {
         let mut job = job(&root, &out);
         job.conduct.manifest_table = true;
         assert_eq!(job.dataset.layout, Layout::Parquet);
-        // The row that only names its picture fails, and is carried over, as is the one without.
+        // The row that only names its image fails, and is carried over, as is the one without.
         assert_eq!(run(&job).failed, 1);
         let manifest = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
-        assert!(manifest.contains("the row only names its picture"), "{manifest}");
+        assert!(manifest.contains("the row only names its image"), "{manifest}");
         let (before, after) = (rows(&root.join("train-0.parquet")), rows(&out.join("train-0.parquet")));
         assert_eq!(after.len(), 5 + 3 * job.recipe.per_image as usize);
         let names: Vec<&str> = after.iter().filter_map(|row| row.0.as_deref()).collect();
@@ -148,11 +148,11 @@ fn a_manifest_is_a_table_too_and_is_no_data_set() {
 
     fs::remove_file(out.join("train-0.parquet")).unwrap();
     let again = crate::dataset::Dataset::open(&out, None, &ReadOptions::default());
-    assert!(again.unwrap_err().to_string().contains("holds no pictures"));
+    assert!(again.unwrap_err().to_string().contains("holds no images"));
 }
 
 #[test]
-fn tables_that_are_damaged_or_hold_no_pictures_are_refused_by_name() {
+fn tables_that_are_damaged_or_hold_no_images_are_refused_by_name() {
     let place = tempfile::tempdir().unwrap();
     let (root, out) = (place.path().join("set"), place.path().join("out"));
     table(&root, &DataType::Binary);
@@ -162,14 +162,14 @@ fn tables_that_are_damaged_or_hold_no_pictures_are_refused_by_name() {
         fs::write(&path, &whole[..cut]).unwrap();
         assert_eq!((run(&job(&root, &out)).failed, files(&out).len()), (1, 1), "cut at {cut}");
     }
-    let plain = texts(&DataType::Utf8, &[Some("no picture")]).unwrap();
+    let plain = texts(&DataType::Utf8, &[Some("no image")]).unwrap();
     let rows = RecordBatch::try_from_iter([("image", plain)]).unwrap();
     let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
     writer.write(&rows).unwrap();
     writer.close().unwrap();
     run(&job(&root, &out));
     let manifest = fs::read_to_string(out.join("manifest.jsonl")).unwrap();
-    assert!(manifest.contains("it has no column of pictures"), "{manifest}");
+    assert!(manifest.contains("it has no column of images"), "{manifest}");
 }
 
 #[test]
@@ -195,8 +195,8 @@ fn a_page_that_says_it_unpacks_to_more_than_is_allowed_is_refused() {
     let noise: Vec<u8> = (0_u32..100_000).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     let fields = Fields::from(vec![Field::new("bytes", DataType::Binary, true)]);
     let bytes = binary(&DataType::Binary, &[Some(&noise)]);
-    let pictures: ArrayRef = Arc::new(StructArray::new(fields, vec![bytes], None));
-    let rows = RecordBatch::try_from_iter([("image", pictures)]).unwrap();
+    let image_files: ArrayRef = Arc::new(StructArray::new(fields, vec![bytes], None));
+    let rows = RecordBatch::try_from_iter([("image", image_files)]).unwrap();
     let path = place.path().join("a.parquet");
     let properties =
         WriterProperties::builder().set_compression(Compression::SNAPPY).set_dictionary_enabled(false);
@@ -235,11 +235,11 @@ fn a_row_with_a_list_that_takes_more_memory_than_is_allowed_is_refused() {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("a.parquet");
     let fields = Fields::from(vec![Field::new("bytes", DataType::Binary, true)]);
-    let picture = binary(&DataType::Binary, &[Some(&super::picture(0))]);
-    let picture: ArrayRef = Arc::new(StructArray::new(fields, vec![picture], None));
+    let image_file = binary(&DataType::Binary, &[Some(&super::image_file(0))]);
+    let image_file: ArrayRef = Arc::new(StructArray::new(fields, vec![image_file], None));
     for values in lists {
         let kind = values.data_type().clone();
-        let rows = RecordBatch::try_from_iter([("image", picture.clone()), ("of", list(values))]).unwrap();
+        let rows = RecordBatch::try_from_iter([("image", image_file.clone()), ("of", list(values))]).unwrap();
         let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
         writer.write(&rows).unwrap();
         writer.close().unwrap();

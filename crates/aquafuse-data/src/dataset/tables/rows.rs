@@ -1,4 +1,4 @@
-//! The rows of a table, and the pictures in them.
+//! The rows of a table, and the images in them.
 
 use std::fs::File;
 use std::io::ErrorKind;
@@ -20,9 +20,9 @@ use parquet::file::reader::ChunkReader;
 
 use super::{footer, memory};
 use crate::barrier::behind;
-use crate::picture::{FileError, ReadOptions, one_line};
+use crate::image_file::{FileError, ReadOptions, one_line};
 
-/// Rows that are read at once: pictures are large.
+/// Rows that are read at once: images are large.
 const ROWS: usize = 4;
 
 /// A table, row by row.
@@ -30,14 +30,14 @@ pub(crate) struct Table {
     path: PathBuf,
     reader: ParquetRecordBatchReader,
     pub(crate) schema: SchemaRef,
-    /// Which column holds the pictures.
+    /// Which column holds the images.
     pub(crate) column: usize,
     pub(crate) compression: Compression,
     /// What programs have written about the table beside its schema.
     pub(crate) notes: Vec<KeyValue>,
 }
 
-/// The picture of a row, in its bytes or as a file elsewhere.
+/// The image of a row, in its bytes or as a file elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell<'a> {
     pub(crate) bytes: Option<&'a [u8]>,
@@ -79,7 +79,7 @@ impl Table {
                 return Err(FileError::TooLarge { path: path.to_owned(), cause });
             }
         }
-        // Rows of pictures take bytes; a few bytes can say that they are millions of rows with nothing in them.
+        // Rows of images take bytes; a few bytes can say that they are millions of rows with nothing in them.
         let rows =
             metadata.row_groups().iter().map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
         let rows = rows.fold(0, u64::saturating_add);
@@ -109,17 +109,17 @@ impl Table {
         next.transpose().map_err(|error| damaged(one_line(&error.to_string())))
     }
 
-    /// The column of pictures of some rows.
-    pub(crate) fn pictures<'a>(&self, rows: &'a RecordBatch) -> Option<&'a StructArray> {
+    /// The column of images of some rows.
+    pub(crate) fn images<'a>(&self, rows: &'a RecordBatch) -> Option<&'a StructArray> {
         rows.columns().get(self.column)?.as_struct_opt()
     }
 }
 
 const FELL: &str = "its reader fell over it";
 
-/// The column of pictures: the one there is, or the one of this name.
+/// The column of images: the one there is, or the one of this name.
 fn column(schema: &SchemaRef) -> Result<usize, String> {
-    let is_picture = |field: &Field| match field.data_type() {
+    let is_image = |field: &Field| match field.data_type() {
         DataType::Struct(fields) => fields.iter().any(|field| {
             let binary =
                 matches!(field.data_type(), DataType::Binary | DataType::LargeBinary | DataType::BinaryView);
@@ -131,27 +131,27 @@ fn column(schema: &SchemaRef) -> Result<usize, String> {
         .fields()
         .iter()
         .enumerate()
-        .filter(|(_, field)| is_picture(field))
+        .filter(|(_, field)| is_image(field))
         .map(|(column, field)| (column, field.name().as_str()))
         .collect();
     match found[..] {
         [(column, _)] => Ok(column),
-        [] => Err("it has no column of pictures: structs with `bytes`, as Hugging Face's Image".into()),
+        [] => Err("it has no column of images: structs with `bytes`, as Hugging Face's Image".into()),
         [(_, one), (_, other), ..] => {
             found.iter().find(|(_, name)| *name == "image").map(|(column, _)| *column).ok_or_else(|| {
-                format!("{one} and {other} may both be the pictures; call the right column image")
+                format!("{one} and {other} may both be the images; call the right column image")
             })
         }
     }
 }
 
-/// The picture in a row of a column of pictures, if there is one.
-pub(crate) fn cell(pictures: &StructArray, row: usize) -> Option<Cell<'_>> {
-    if pictures.is_null(row) {
+/// The image in a row of a column of images, if there is one.
+pub(crate) fn cell(images: &StructArray, row: usize) -> Option<Cell<'_>> {
+    if images.is_null(row) {
         return None;
     }
-    let bytes = pictures.column_by_name("bytes").and_then(|bytes| bytes_at(bytes, row));
-    let name = pictures.column_by_name("path").and_then(|names| text_at(names, row));
+    let bytes = images.column_by_name("bytes").and_then(|bytes| bytes_at(bytes, row));
+    let name = images.column_by_name("path").and_then(|names| text_at(names, row));
     (bytes.is_some() || name.is_some()).then_some(Cell { bytes, name })
 }
 
@@ -204,9 +204,9 @@ pub(crate) fn try_parse(name: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let options = ReadOptions { most_memory: 1 << 16, ..ReadOptions::default() };
     let mut table = Table::of(name, bytes::Bytes::copy_from_slice(bytes), &options)?;
     while let Some(rows) = table.next()? {
-        let pictures = table.pictures(&rows);
+        let images = table.images(&rows);
         for row in 0..rows.num_rows() {
-            let _ = pictures.and_then(|pictures| cell(pictures, row));
+            let _ = images.and_then(|images| cell(images, row));
         }
     }
     Ok(())

@@ -101,7 +101,7 @@ struct Line {
 }
 
 impl Line {
-    /// The line with the least squares, of those that do not fall: a map turned round gets no credit.
+    /// The line with the least squares, of those that do not fall: a map inverted gets no credit.
     fn through(x: impl Iterator<Item = f64> + Clone, y: impl Iterator<Item = f64> + Clone) -> Self {
         let count = x.clone().count().max(1) as f64;
         let mean_x = x.clone().fold(0.0, |sum, value| sum + value) / count;

@@ -1,9 +1,9 @@
-//! The best and the worst results, to look at. They are made once more: no picture is kept while others are scored.
+//! The best and the worst results, to look at. They are made once more: no image is kept while others are scored.
 
 use super::{Fusion, Reference, Scored};
 use crate::evaluate::report::{Strip, thumbnail};
+use crate::image_file::{Format, ImageFile, Pixels};
 use crate::memory::Budget;
-use crate::picture::{Format, Picture, Pixels};
 use crate::treatment::Space;
 
 /// Results shown at either end.
@@ -20,7 +20,7 @@ impl Fusion {
         let mut sorted: Vec<&Scored> = results.iter().filter(|one| one.method == 0).collect();
         sorted.sort_by(|a, b| b.likeness.ssim.total_cmp(&a.likeness.ssim));
         let best = first_of_each_content(sorted.iter().copied());
-        // With few contents both ends would be the same pictures.
+        // With few contents both ends would be the same images.
         let is_best = |one: &&Scored| best.iter().any(|other| other.content == one.content);
         let mut worst = first_of_each_content(sorted.iter().rev().copied().filter(|one| !is_best(one)));
         worst.reverse();
@@ -39,28 +39,28 @@ impl Fusion {
     ) -> Option<Strip> {
         let (member, other) = (self.contents.get(one.content)?, self.references.get(one.reference)?);
         let reference = references.get(one.reference)?.as_ref()?;
-        let shown = Picture::open(&other.path, &self.conduct.reading).ok()?;
+        let shown = ImageFile::open(&other.path, &self.conduct.reading).ok()?;
         let room = budget.reserve(shown.memory());
         let seen = thumbnail(&shown.decode().ok()?.upright().pixels.into_bytes());
         drop(room);
-        let opened = Picture::open(&member.path, &self.conduct.reading).ok()?;
+        let opened = ImageFile::open(&member.path, &self.conduct.reading).ok()?;
         let beside = opened.pixels().saturating_mul(self.bytes_a_pixel::<E>());
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside).ok()?);
         let content = self.read_content::<E>(opened.decode().ok()?).ok()?;
-        let turn = content.picture.metadata.orientation();
+        let turn = content.image.metadata.orientation();
         let upright = |pixels: Pixels| thumbnail(&pixels.turned(turn).into_bytes());
-        let mut pictures = vec![
-            (member.name.clone(), upright(content.picture.pixels.clone())),
+        let mut images = vec![
+            (member.name.clone(), upright(content.image.pixels.clone())),
             (format!("water of {}", other.name), seen),
         ];
         for way in &self.methods {
             let Ok(made) = self.make(way, member, other, &content, reference) else { continue };
-            pictures.push((way.name().to_owned(), upright(made.into())));
+            images.push((way.name().to_owned(), upright(made.into())));
         }
         let scores = one.likeness;
         let caption =
             format!("{heading}: SSIM {:.3}, depth RMSE {:.1} %", scores.ssim, scores.depth.percent());
-        Some(Strip { caption, pictures })
+        Some(Strip { caption, images })
     }
 }
 

@@ -1,4 +1,4 @@
-//! How much a picture looks like its content, by the paper's scores.
+//! How much an image looks like its content, by the paper's scores.
 
 use aquafuse::depth::DepthModel;
 use aquafuse::image::Image;
@@ -18,7 +18,7 @@ pub(super) struct Likeness {
 }
 
 impl Likeness {
-    /// Compares a picture with its content, of the same size; none where they are too small for SSIM.
+    /// Compares an image with its content, of the same size; none where they are too small for SSIM.
     pub(super) fn of(content: &Image<u8>, made: &Image<u8>) -> Option<Self> {
         const SAME: &str = "results have the size of their content";
         Some(Self {

@@ -36,11 +36,11 @@ impl Fusion {
         gallery: Vec<Strip>,
     ) -> Report {
         failed.sort();
-        // A picture that is both content and reference fails as both.
+        // An image that is both content and reference fails as both.
         failed.dedup();
         Report {
             command: "evaluate fusion",
-            title: "Fused pictures beside their contents".into(),
+            title: "Fused images beside their contents".into(),
             about: vec![ABOUT.into()],
             settings: self.described::<E>(),
             tables: vec![self.table(results)],

@@ -11,11 +11,11 @@ use rten::{Model, NodeId, RunOptions, ThreadPool, Value};
 use crate::barrier;
 use crate::digest::sha256;
 use crate::evaluate::EvaluateError;
-use crate::picture::{FileError, one_line, open_file};
+use crate::image_file::{FileError, one_line, open_file};
 
 /// The network of LPIPS with its weights.
 ///
-/// Two inputs of 1 x 3 x height x width, RGB from -1 to 1, and one output of one number, 0 for equal pictures.
+/// Two inputs of 1 x 3 x height x width, RGB from -1 to 1, and one output of one number, 0 for equal images.
 #[derive(Clone)]
 pub struct Lpips {
     path: PathBuf,
@@ -23,7 +23,7 @@ pub struct Lpips {
     model: Arc<Model>,
     inputs: [NodeId; 2],
     output: NodeId,
-    /// One thread: pictures are shared out already, and sums then do not depend on how many there are.
+    /// One thread: images are shared out already, and sums then do not depend on how many there are.
     alone: Arc<ThreadPool>,
 }
 
@@ -63,11 +63,11 @@ impl Lpips {
         serde_json::json!({ "file": self.path.to_string_lossy(), "sha256": self.sha256 })
     }
 
-    /// The distance of two pictures of one size.
+    /// The distance of two images of one size.
     ///
     /// # Errors
     ///
-    /// [`EvaluateError`] when the network cannot take pictures of their size.
+    /// [`EvaluateError`] when the network cannot take images of their size.
     pub fn distance(&self, a: &Image<u8>, b: &Image<u8>) -> Result<f64, EvaluateError> {
         let unfit =
             |cause: String| EvaluateError::NoLpips { path: self.path.clone(), cause: one_line(&cause) };
@@ -76,8 +76,7 @@ impl Lpips {
         let inputs = vec![(first, input(a)), (second, input(b))];
         let inputs = inputs.into_iter().map(|(node, value)| (node, value.into())).collect();
         let run = || self.model.run_n(inputs, [self.output], Some(options));
-        let ended =
-            barrier::behind(run).ok_or_else(|| unfit("it gave up on pictures of this size".into()))?;
+        let ended = barrier::behind(run).ok_or_else(|| unfit("it gave up on images of this size".into()))?;
         let [output] = ended.map_err(|error| unfit(error.to_string()))?;
         let values = output.as_tensor_view::<f32>().map(|values| values.iter().copied().collect::<Vec<_>>());
         match values.as_deref() {

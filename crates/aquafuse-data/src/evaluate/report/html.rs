@@ -1,10 +1,10 @@
-//! HTML: one page that needs nothing else, with plots, and pictures to look at.
+//! HTML: one page that needs nothing else, with plots, and images to look at.
 
 mod plot;
 
 use std::fmt::Write;
 
-use super::picture::data_uri;
+use super::image::data_uri;
 use super::{Report, Shown, Strip, Table, markdown};
 
 const STYLE: &str = "\
@@ -102,7 +102,7 @@ fn strips(text: &mut String, gallery: &[Strip]) {
     text.push_str("<h2>Pictures</h2>\n");
     for strip in gallery {
         let _ = writeln!(text, "<p>{}</p>\n<div class=\"strip\">", escaped(&strip.caption));
-        for (caption, image) in &strip.pictures {
+        for (caption, image) in &strip.images {
             let (width, height) = image.size();
             let caption = escaped(caption);
             let _ = writeln!(

@@ -18,7 +18,7 @@ struct Document<'a> {
     failed: &'a [Failed],
 }
 
-/// The whole report but its pictures. A number that is infinite is null.
+/// The whole report but its images. A number that is infinite is null.
 pub fn document(report: &Report) -> String {
     let document = Document {
         schema: 1,

@@ -32,7 +32,7 @@ fn report() -> Report {
         failed: vec![Failed { name: "x.png".into(), error: "it is <empty>".into() }],
         gallery: vec![Strip {
             caption: "best".into(),
-            pictures: vec![("a".into(), Image::from_raw(8, 8, vec![90; 192]).unwrap())],
+            images: vec![("a".into(), Image::from_raw(8, 8, vec![90; 192]).unwrap())],
         }],
     }
 }

@@ -33,7 +33,7 @@ fn units(image: &Image<u8>) -> Vec<[f32; 3]> {
 
 proptest! {
     #[test]
-    fn a_picture_given_its_own_colours_is_itself(pixels in pixels()) {
+    fn an_image_given_its_own_colours_is_itself(pixels in pixels()) {
         let image = image(&pixels);
         for rival in Rival::ALL {
             for (made, pixel) in transferred(rival, &image, &image).iter().zip(units(&image)) {
@@ -117,7 +117,7 @@ proptest! {
 }
 
 #[test]
-fn a_flat_picture_takes_the_mean_and_nothing_breaks() {
+fn a_flat_image_takes_the_mean_and_nothing_breaks() {
     let (flat, other) = (image(&[[90, 90, 90]; 9]), image(&[[10, 60, 110], [30, 80, 130]]));
     for rival in Rival::ALL {
         for values in [transferred(rival, &flat, &other), transferred(rival, &other, &flat)] {

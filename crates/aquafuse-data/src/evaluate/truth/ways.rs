@@ -73,8 +73,7 @@ impl Way {
 
     /// The estimate of a case's water; none where the truth is given.
     fn water<E: Encoding>(&self, case: &Case<E>) -> Option<Estimate<E>> {
-        let told =
-            |options| estimate(&case.image, &self.depth(case), &options).expect("a map of this picture");
+        let told = |options| estimate(&case.image, &self.depth(case), &options).expect("a map of this image");
         self.water.map(told)
     }
 }

@@ -73,7 +73,7 @@ fn what_was_begun_over_somebodys_file_is_theirs_until_it_has_its_name() {
 }
 
 #[test]
-fn a_picture_of_the_same_name_from_another_folder_does_not_take_its_place() {
+fn an_image_of_the_same_name_from_another_folder_does_not_take_its_place() {
     let (folder, known) = done("a.png");
     let elsewhere = folder.path().join("elsewhere");
     write(&elsewhere, "another dive");

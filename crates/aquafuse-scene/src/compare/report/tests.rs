@@ -12,7 +12,7 @@ fn side(name: &str, seed: u64, water: usize) -> Side {
     let held = views.iter().enumerate().map(|(i, view)| Shown {
         name: format!("{i}.png").into(),
         camera: view.camera.clone(),
-        picture: view.seen_through(&water),
+        image: view.seen_through(&water),
     });
     Side {
         name: name.into(),
@@ -57,9 +57,9 @@ fn a_scene_in_another_water_has_the_surfaces_of_the_original() {
     assert!(number(&report, 1, 0, 2).unwrap() < 1e-4);
     assert!(number(&report, 0, 0, 0).unwrap() > 10.0);
     assert_eq!(report.items.rows.len(), 3 * 4);
-    // Two views three times, and one from above; a picture of each side.
+    // Two views three times, and one from above; an image of each side.
     assert_eq!(report.gallery.len(), 2 * 3 + 1);
-    assert!(report.gallery.iter().all(|strip| strip.pictures.len() == 3));
+    assert!(report.gallery.iter().all(|strip| strip.images.len() == 3));
 }
 
 #[test]

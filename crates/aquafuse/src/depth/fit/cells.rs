@@ -1,4 +1,4 @@
-//! A picture with known depth as what its colours tell: sufficient for every step of the fit.
+//! An image with known depth as what its colours tell: sufficient for every step of the fit.
 
 use std::cmp::Ordering;
 
@@ -14,14 +14,14 @@ const LEAST: usize = 30;
 /// Distance of the quartiles of a normal distribution of deviation 1.
 const QUARTILES_OF_NORMAL: f64 = 1.349;
 
-/// What is kept of one picture.
+/// What is kept of one image.
 #[derive(Clone, Debug)]
-pub(super) struct Picture {
+pub(super) struct LabelledImage {
     /// Colours that occur, in order of their cell.
     pub(super) cells: Vec<Cell>,
     /// Labelled pixels.
     pub(super) count: f64,
-    /// How many pictures it counts as.
+    /// How many images it counts as.
     pub(super) weight: f64,
     /// Distance of the quartiles of the labels, scaled so that it is the deviation if they are normally
     /// distributed: up to a quarter of them may be wrong.
@@ -50,7 +50,7 @@ fn place(byte: u8) -> usize {
     ((f64::from(byte) / 256.0).sqrt() * SIDE as f64) as usize
 }
 
-impl Picture {
+impl LabelledImage {
     pub(super) fn gather<T: Sample>(
         image: &Image<T>,
         distances: &[f32],
@@ -77,7 +77,7 @@ impl Picture {
         if labelled.len() < LEAST {
             return Err(LabelError::Few { found: labelled.len(), least: LEAST });
         }
-        // By label and then by colour, so that equal pictures give equal sums.
+        // By label and then by colour, so that equal images give equal sums.
         labelled.sort_unstable_by(|a, b| a.z.total_cmp(&b.z).then((a.red, a.max).cmp(&(b.red, b.max))));
         let quantile = |share: f64| labelled[(share * (labelled.len() - 1) as f64) as usize].z;
         let ends = (quantile(0.0), quantile(1.0));
@@ -112,7 +112,7 @@ impl Picture {
         if norm > 0.0 { covariation / norm } else { 0.0 }
     }
 
-    /// An order of pictures that depends on nothing but what they hold.
+    /// An order of images that depends on nothing but what they hold.
     pub(super) fn canonical_order(&self, other: &Self) -> Ordering {
         let key = |cell: &Cell| (cell.count, cell.red.to_bits(), cell.max.to_bits(), cell.z.to_bits());
         self.cells.iter().map(key).cmp(other.cells.iter().map(key)).then(self.weight.total_cmp(&other.weight))

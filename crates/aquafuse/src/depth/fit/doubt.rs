@@ -24,10 +24,10 @@ pub enum Doubt {
         /// Whether it is the term in red.
         red: bool,
     },
-    /// In these many pictures depth falls as the model rises.
+    /// In these many images depth falls as the model rises.
     Backwards {
-        /// Pictures.
-        pictures: usize,
+        /// Images.
+        images: usize,
     },
 }
 
@@ -50,9 +50,9 @@ impl Doubt {
                 doubts.push(Self::Steep { red });
             }
         }
-        let pictures = rank_scores.iter().filter(|&&score| score < 0.0).count();
-        if pictures > 0 {
-            doubts.push(Self::Backwards { pictures });
+        let images = rank_scores.iter().filter(|&&score| score < 0.0).count();
+        if images > 0 {
+            doubts.push(Self::Backwards { images });
         }
         doubts
     }
@@ -71,11 +71,8 @@ impl fmt::Display for Doubt {
             Self::Steep { red } => {
                 write!(f, "{} is a step: hardly any colours are told apart by it", term(red))
             }
-            Self::Backwards { pictures } => {
-                write!(
-                    f,
-                    "in {pictures} pictures depth falls where the model rises: are their labels turned round?"
-                )
+            Self::Backwards { images } => {
+                write!(f, "in {images} images depth falls where the model rises: are their labels inverted?")
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The search for the exponents, with all that is linear eliminated.
 
-use super::cells::{Cell, Picture};
+use super::cells::{Cell, LabelledImage};
 use super::terms::{Table, Terms, bounded};
 use super::{Options, Scale, Start, Target};
 
@@ -15,13 +15,13 @@ const ROUNDS: usize = 10;
 /// Deviation of numbers spread evenly over `[0, 1]`: 1 / sqrt(12).
 const SPREAD_OF_RANKS: f64 = 0.288_675;
 
-/// Labels of all pictures, ready to be fitted to.
+/// Labels of all images, ready to be fitted to.
 pub(super) struct Search {
     points: Vec<Point>,
     /// Ends in `points` of those that share scale and shift.
     groups: Vec<usize>,
     huber: f64,
-    pictures: f64,
+    images: f64,
 }
 
 /// A cell with its label in units of the labels' spread.
@@ -29,7 +29,7 @@ struct Point {
     red: f32,
     max: f32,
     z: f64,
-    /// Share of its picture, times the weight of that.
+    /// Share of its image, times the weight of that.
     share: f64,
 }
 
@@ -37,42 +37,37 @@ struct Point {
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     pub(super) terms: Terms,
-    /// Huber's loss, mean over pictures.
+    /// Huber's loss, mean over images.
     pub(super) loss: f64,
     /// No group's labels rise with the model.
     pub(super) explains_nothing: bool,
 }
 
 impl Search {
-    pub(super) fn new(pictures: &[Picture], options: &Options) -> Self {
+    pub(super) fn new(images: &[LabelledImage], options: &Options) -> Self {
         // Sums depend on their order in the last bit, and the result must not depend on the order of adding.
-        let mut ordered: Vec<&Picture> = pictures.iter().collect();
+        let mut ordered: Vec<&LabelledImage> = images.iter().collect();
         ordered.sort_by(|a, b| a.canonical_order(b));
-        let common = ordered.iter().map(|picture| picture.spread).sum::<f64>() / ordered.len() as f64;
-        let label = |picture: &Picture, cell: &Cell| match (options.target, options.scale) {
-            (Target::Distances, Scale::PerPicture) => f64::from(cell.z) / picture.spread,
+        let common = ordered.iter().map(|image| image.spread).sum::<f64>() / ordered.len() as f64;
+        let label = |image: &LabelledImage, cell: &Cell| match (options.target, options.scale) {
+            (Target::Distances, Scale::PerImage) => f64::from(cell.z) / image.spread,
             (Target::Distances, Scale::Shared) => f64::from(cell.z) / common,
-            (Target::Order, _) => f64::from(cell.rank) / (SPREAD_OF_RANKS * picture.count),
+            (Target::Order, _) => f64::from(cell.rank) / (SPREAD_OF_RANKS * image.count),
         };
         let (mut points, mut groups) = (Vec::new(), Vec::new());
-        for picture in &ordered {
-            points.extend(picture.cells.iter().map(|cell| Point {
+        for image in &ordered {
+            points.extend(image.cells.iter().map(|cell| Point {
                 red: cell.red,
                 max: cell.max,
-                z: label(picture, cell),
-                share: picture.weight * f64::from(cell.count) / picture.count,
+                z: label(image, cell),
+                share: image.weight * f64::from(cell.count) / image.count,
             }));
             groups.push(points.len());
         }
         if options.scale == Scale::Shared {
             groups = vec![points.len()];
         }
-        Self {
-            points,
-            groups,
-            huber: options.huber,
-            pictures: ordered.iter().map(|picture| picture.weight).sum(),
-        }
+        Self { points, groups, huber: options.huber, images: ordered.iter().map(|image| image.weight).sum() }
     }
 
     /// Searches from every start; the best, and all in order of their loss.
@@ -83,7 +78,7 @@ impl Search {
         (searches.swap_remove(0).0, starts)
     }
 
-    /// Whether labels turned round would be explained better than they are.
+    /// Whether labels inverted would be explained better than they are.
     pub(super) fn would_rather_be_turned_round(mut self, found: &Found) -> bool {
         self.points.iter_mut().for_each(|point| point.z = -point.z);
         let searches = [STARTS[0], found.terms.exponents].map(|from| self.from(from).0);
@@ -157,7 +152,7 @@ impl Search {
         }
         let terms = Terms { weight_of_red: linear.weight_of_red, exponents: exponents.map(bounded) };
         let explains_nothing = linear.lines.iter().all(|line| line.scale <= 0.0);
-        (next, Found { terms, loss: loss / self.pictures, explains_nothing })
+        (next, Found { terms, loss: loss / self.images, explains_nothing })
     }
 
     /// The best w, scales and shifts for given exponents and weights.
@@ -251,7 +246,7 @@ impl Moments {
 
     fn scale(&self, w: f64) -> f64 {
         let (variance, covariance) = self.of_depth(w);
-        // A picture of one colour says nothing, and depth must not fall as labels rise.
+        // An image of one colour says nothing, and depth must not fall as labels rise.
         if variance > 1e-12 { (covariance / variance).max(0.0) } else { 0.0 }
     }
 

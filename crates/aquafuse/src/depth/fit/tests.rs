@@ -7,7 +7,7 @@ use proptest::prelude::*;
 /// A known model in the normal form: d(R = 1, M = 0) = 0, d(0, 1) = 1.
 const KNOWN: Eq3 = Eq3::OURS;
 
-/// A picture with the colours of a place seen through the water of this number.
+/// An image with the colours of a place seen through the water of this number.
 fn picture(seed: u64) -> Image<u8> {
     let waters = waters();
     let water = &waters[seed as usize % waters.len()].water;
@@ -34,7 +34,7 @@ fn even(seed: u64) -> impl Iterator<Item = f32> {
     })
 }
 
-/// The largest difference of two models over the colours that pictures hold.
+/// The largest difference of two models over the colours that images hold.
 fn apart(a: &Eq3, b: &Eq3) -> f64 {
     let colours = (0..=10).flat_map(|r| (r..=10).map(move |m| (f64::from(r) / 10.0, f64::from(m) / 10.0)));
     colours.map(|(r, m)| (a.depth(r, m) - b.depth(r, m)).abs()).fold(0.0, f64::max)
@@ -52,7 +52,7 @@ fn fitted(options: Options, label: impl Fn(u64, Vec<f32>) -> Vec<f32>) -> Fit {
 
 #[test]
 fn a_known_model_is_found_again_from_clean_labels() {
-    for scale in [Scale::Shared, Scale::PerPicture] {
+    for scale in [Scale::Shared, Scale::PerImage] {
         let fit = fitted(Options { scale, ..Options::default() }, |_, z| z);
         assert!(apart(&fit.eq3, &KNOWN) < 0.01, "{scale:?}: {fit:?}");
         assert!(
@@ -74,7 +74,7 @@ fn noise_is_averaged_out() {
 }
 
 #[test]
-fn a_scale_and_a_shift_of_each_picture_change_nothing() {
+fn a_scale_and_a_shift_of_each_image_change_nothing() {
     let of_their_own = |seed: u64, z: Vec<f32>| -> Vec<f32> {
         z.iter().map(|z| (1.0 + seed as f32) * z + 10.0 * (seed % 3) as f32).collect()
     };
@@ -93,7 +93,7 @@ fn a_fifth_of_wrong_labels_hardly_moves_the_fit() {
         z.iter().zip(even(seed)).map(|(&z, chance)| if chance < 0.2 { 5.0 } else { z }).collect()
     });
     assert!(apart(&scattered.eq3, &KNOWN) < 0.03, "{scattered:?}");
-    // A block of each picture that is wrong as a whole, a fifth of it.
+    // A block of each image that is wrong as a whole, a fifth of it.
     let shifted = |seed: u64, z: Vec<f32>| -> Vec<f32> {
         let (left, top) = (7 * seed as usize % 53, 5 * seed as usize % 35);
         let inside = |i: usize| (left..left + 43).contains(&(i % 96)) && (top..top + 28).contains(&(i / 96));
@@ -117,7 +117,7 @@ fn the_order_of_labels_is_learnt_whatever_their_unit() {
 }
 
 #[test]
-fn a_picture_in_two_halves_counts_as_one() {
+fn an_image_in_two_halves_counts_as_one() {
     let weighted = |copies: &[f64]| {
         let mut fitter = Fitter::default();
         for seed in 0..3 {
@@ -135,7 +135,7 @@ fn a_picture_in_two_halves_counts_as_one() {
 }
 
 #[test]
-fn the_order_of_pictures_changes_no_bit() {
+fn the_order_of_images_changes_no_bit() {
     let mut fitters = [Fitter::default(), Fitter::default(), Fitter::default()];
     let orders: [&[u64]; 2] = [&[0, 1, 2, 3, 4], &[3, 0, 4, 2, 1]];
     for (fitter, order) in fitters.iter_mut().zip(orders) {
@@ -166,7 +166,7 @@ fn what_is_kept_does_not_grow_with_the_pixels() {
                 &even(2).take(size * size).collect::<Vec<_>>(),
             )
             .unwrap();
-        let kept = &fitter.pictures[0].cells;
+        let kept = &fitter.images[0].cells;
         assert!(kept.len() <= 4096 && kept.capacity() <= 4096 && size_of_val(&kept[0]) == 20);
     }
 }
@@ -187,17 +187,17 @@ fn labels_of_a_linear_model_are_reported_and_their_coefficients_bounded() {
 #[test]
 fn labels_the_wrong_way_round_are_refused() {
     let mut fitter = Fitter::default();
-    assert_eq!(fitter.solve(), Err(FitError::NoPictures));
+    assert_eq!(fitter.solve(), Err(FitError::NoImages));
     let image = picture(1);
     let nearness: Vec<f32> = depth_of(&image, &KNOWN).iter().map(|z| 1.0 - z).collect();
     fitter.add(&image, &nearness).unwrap();
-    assert_eq!(fitter.solve(), Err(FitError::Backwards { pictures: 1 }));
+    assert_eq!(fitter.solve(), Err(FitError::Backwards { images: 1 }));
     // Among right ones, it is told.
     for seed in 2..5 {
         let image = picture(seed);
         fitter.add(&image, &depth_of(&image, &KNOWN)).unwrap();
     }
-    assert_eq!(fitter.solve().unwrap().doubts, [Doubt::Backwards { pictures: 1 }]);
+    assert_eq!(fitter.solve().unwrap().doubts, [Doubt::Backwards { images: 1 }]);
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn labels_that_say_nothing_are_refused() {
     assert_eq!(fitter.add(&image, &labels), Err(LabelError::Few { found: 1, least: 30 }));
     labels.fill(2.0);
     assert_eq!(fitter.add(&image, &labels), Err(LabelError::Flat { value: 2.0 }));
-    assert_eq!(fitter.pictures(), 0);
+    assert_eq!(fitter.images(), 0);
 }
 
 #[test]
@@ -221,7 +221,7 @@ fn the_rank_score_of_the_cells_is_that_of_the_pixels() {
     let mut fitter = Fitter::default();
     fitter.add(&image, &labels).unwrap();
     let plain = crate::metrics::spearman(&depth_of(&image, &KNOWN), &labels).unwrap();
-    let [found] = fitter.rank_scores(&KNOWN)[..] else { panic!("one picture has one score") };
+    let [found] = fitter.rank_scores(&KNOWN)[..] else { panic!("one image has one score") };
     assert!((found - plain).abs() < 0.01, "{found} and {plain}");
 }
 

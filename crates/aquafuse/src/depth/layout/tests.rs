@@ -38,7 +38,7 @@ proptest! {
     }
 
     #[test]
-    fn a_picture_stored_on_its_side_has_the_depth_of_the_upright_one(image in picture()) {
+    fn an_image_stored_on_its_side_has_the_depth_of_the_upright_one(image in picture()) {
         let (width, height) = image.size();
         let upright = DepthModel::Layout.estimate(&image);
         // Stored so that column 0 is the top, the last column is, the last row is.
@@ -57,7 +57,7 @@ proptest! {
 }
 
 #[test]
-fn a_picture_of_one_colour_is_ordered_by_height_alone() {
+fn an_image_of_one_colour_is_ordered_by_height_alone() {
     let image = Image::<u8>::from_raw(40, 101, vec![90; 40 * 101 * 3]).unwrap();
     let levels = levels(&image, TopEdge::First);
     let rows: Vec<u8> = levels.chunks(40).map(|row| row[0]).collect();

@@ -1,4 +1,4 @@
-//! Whether supplied depth agrees with the picture it is to belong to.
+//! Whether supplied depth agrees with the image it is to belong to.
 
 use crate::image::TopEdge;
 use crate::metrics::{ranks, spearman};
@@ -8,8 +8,8 @@ const PLACES: usize = 20_000;
 /// Weight of the row against colour: on real pairs it is the steadier of the two (colour fails where red is dead).
 const ROW: f64 = 2.0;
 
-/// Rank correlation of valid distances with rank of colour depth + 2 x rank of height in the picture as seen.
-pub(super) fn with_picture(
+/// Rank correlation of valid distances with rank of colour depth + 2 x rank of height in the image as seen.
+pub(super) fn with_image(
     distances: &[f32],
     valid: &[bool],
     levels: &[u8],

@@ -20,7 +20,7 @@ use super::SuppliedError;
 /// not: with b unknown, 1 / v would be ruled by b just where the water is thickest. Turning the values round keeps
 /// their order and a bound, and understates how far the far end is.
 /// A disparity of 0 would be infinitely far, but matchers write it where they found nothing, near or far, so colour
-/// decides. A network's 0 is the end of its stretch to 8 or 16 bits: often a fifth of a picture, and its open water.
+/// decides. A network's 0 is the end of its stretch to 8 or 16 bits: often a fifth of an image, and its open water.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]

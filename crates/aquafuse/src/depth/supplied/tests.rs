@@ -3,8 +3,8 @@ use proptest::prelude::*;
 
 const SIDE: usize = 24;
 
-/// A picture whose colour depth rises with the row from the bottom, and the level of each pixel.
-fn picture() -> Image<u8> {
+/// An image whose colour depth rises with the row from the bottom, and the level of each pixel.
+fn image() -> Image<u8> {
     let pixel = |y: usize| [200 - 8 * y as u8, 100, 100 + 4 * y as u8];
     let rows = (0..SIDE).flat_map(|y| [pixel(SIDE - 1 - y); SIDE].concat());
     Image::from_raw(SIDE, SIDE, rows.collect()).unwrap()
@@ -16,7 +16,7 @@ fn distances() -> Vec<f32> {
 }
 
 fn seen(values: Vec<f32>, kind: SuppliedKind) -> Result<SuppliedDepth, SuppliedError> {
-    Supplied::new(SIDE, SIDE, values, kind).unwrap().seen_with(&picture(), TopEdge::First)
+    Supplied::new(SIDE, SIDE, values, kind).unwrap().seen_with(&image(), TopEdge::First)
 }
 
 fn kind() -> impl Strategy<Value = SuppliedKind> {
@@ -44,10 +44,10 @@ proptest! {
     #[test]
     fn labels_are_the_valid_distances_of_fusion_and_nothing_else(values in anything(), kind in kind()) {
         let map = Supplied::new(SIDE, SIDE, values.clone(), kind).unwrap();
-        let Ok(labels) = map.labels(&picture()) else { return Ok(()) };
+        let Ok(labels) = map.labels(&image()) else { return Ok(()) };
         let invalid = values.iter().map(|&value| !kind.is_valid(value));
         prop_assert!(labels.iter().zip(invalid).all(|(label, invalid)| label.is_nan() == invalid));
-        let Ok(seen) = map.seen_with(&picture(), TopEdge::First) else { return Ok(()) };
+        let Ok(seen) = map.seen_with(&image(), TopEdge::First) else { return Ok(()) };
         let known = labels.iter().zip(seen.depth.distances()).filter(|(label, _)| !label.is_nan());
         prop_assert!(known.into_iter().all(|(label, z)| *label == z));
     }
@@ -121,7 +121,7 @@ proptest! {
     ) {
         let punched: Vec<f32> = values.iter().zip(&holes).map(|(z, hole)| if *hole { -1.0 } else { *z }).collect();
         let z = seen(punched, SuppliedKind::Relative).unwrap().depth;
-        let colour = DepthModel::Ratio.estimate(&picture());
+        let colour = DepthModel::Ratio.estimate(&image());
         let mut filled: Vec<(f32, f32)> = (0..SIDE * SIDE)
             .filter(|&i| holes[i])
             .map(|i| (colour.at(i % SIDE, i / SIDE), z.at(i % SIDE, i / SIDE)))
@@ -135,7 +135,7 @@ proptest! {
 fn a_map_keeps_more_than_twelve_bits() {
     let values: Vec<f32> = (0..SIDE * SIDE).map(|i| 1.0 + i as f32).collect();
     let map = Supplied::new(SIDE, SIDE, values, SuppliedKind::Relative).unwrap().with_full_range(65535.0);
-    let z = map.seen_with(&picture(), TopEdge::First).unwrap().depth.distances();
+    let z = map.seen_with(&image(), TopEdge::First).unwrap().depth.distances();
     assert!(z.windows(2).all(|pair| pair[0] < pair[1]));
     assert_eq!(z[65], 66.0 / 65535.0);
 }
@@ -194,9 +194,9 @@ fn relative_depth_above_one_and_a_map_without_order_are_refused() {
 #[test]
 fn a_map_of_another_size_is_refused() {
     let map = Supplied::new(2, 3, vec![1.0; 6], SuppliedKind::Metres).unwrap();
-    let picture = Image::from_raw(3, 2, vec![9; 18]).unwrap();
-    let said = map.seen_with(&picture, TopEdge::First).unwrap_err().to_string();
-    assert_eq!(said, "the map is 2x3, the picture 3x2; turned by 90° it would fit");
+    let image = Image::from_raw(3, 2, vec![9; 18]).unwrap();
+    let said = map.seen_with(&image, TopEdge::First).unwrap_err().to_string();
+    assert_eq!(said, "the map is 2x3, the image 3x2; turned by 90° it would fit");
 }
 
 #[test]
@@ -204,7 +204,7 @@ fn a_map_turned_round_is_told_whichever_edge_is_up() {
     let turned: Vec<f32> = distances().iter().map(|z| 20.0 - z).collect();
     let report = |values: &[f32], top| {
         let map = Supplied::new(SIDE, SIDE, values.to_vec(), SuppliedKind::Metres).unwrap();
-        map.seen_with(&picture(), top).unwrap().report
+        map.seen_with(&image(), top).unwrap().report
     };
     assert!(!report(&distances(), TopEdge::First).looks_turned_round());
     assert!(report(&turned, TopEdge::First).looks_turned_round());
@@ -217,7 +217,7 @@ fn a_map_turned_round_is_told_whichever_edge_is_up() {
 fn a_map_without_any_valid_value_has_no_labels_and_is_no_depth() {
     for kind in SuppliedKind::ALL {
         let map = Supplied::new(SIDE, SIDE, vec![f32::NAN; SIDE * SIDE], kind).unwrap();
-        assert!(map.labels(&picture()).unwrap().iter().all(|label| label.is_nan()));
-        assert!(matches!(map.seen_with(&picture(), TopEdge::First), Err(SuppliedError::TooFewValid { .. })));
+        assert!(map.labels(&image()).unwrap().iter().all(|label| label.is_nan()));
+        assert!(matches!(map.seen_with(&image(), TopEdge::First), Err(SuppliedError::TooFewValid { .. })));
     }
 }

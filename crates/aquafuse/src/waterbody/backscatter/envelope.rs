@@ -3,7 +3,7 @@
 use super::super::statistics::Statistics;
 use crate::image::Encoding;
 
-/// Quantile of a bin that stands for its darkest things. Black things are rare, less than 1 % of many pictures;
+/// Quantile of a bin that stands for its darkest things. Black things are rare, less than 1 % of many images;
 /// of 400 pixels this is the second darkest.
 const DARK: f64 = 0.004;
 /// How many standard deviations noise alone moves that quantile down where all of a bin has one colour, and

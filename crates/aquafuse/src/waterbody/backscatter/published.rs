@@ -2,13 +2,13 @@
 
 use crate::image::{Encoding, Image};
 
-/// Share of the picture that is taken for black. The paper says 1-5 %; fewest are blackest.
+/// Share of the image that is taken for black. The paper says 1-5 %; fewest are blackest.
 const DARKEST: f64 = 0.01;
 /// Residuals beyond this (encoded) count linearly.
 const NOISE: f32 = 0.03;
 
 /// ln(β_B z95) per channel: of `taus`, the one whose curve `B∞ (1 - e^(-τ z))` is nearest to the darkest 1 % of
-/// the whole picture, robustly.
+/// the whole image, robustly.
 ///
 /// `z` is what each level of depth is in units of z95; levels without one are left out.
 pub(super) fn optical_depth<E: Encoding>(

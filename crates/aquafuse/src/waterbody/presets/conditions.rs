@@ -10,7 +10,7 @@ pub enum White {
     /// Balanced for daylight, exposed at depth: the brightest channel of the diffuser is at the white level. The
     /// default.
     ///
-    /// So are pictures with a strobe, and about so are those of cameras that balance themselves: what water they
+    /// So are images with a strobe, and about so are those of cameras that balance themselves: what water they
     /// show is blue or green. Balanced further, every water is nearly grey.
     #[default]
     Daylight,

@@ -66,7 +66,7 @@ impl Exact {
         }
     }
 
-    /// U - B, as estimators read it off a picture.
+    /// U - B, as estimators read it off an image.
     fn direct(&self) -> f64 {
         self.grey - self.backscatter
     }

@@ -1,13 +1,13 @@
-//! The corners of a picture, where open water is looked for when nothing far has its colour.
+//! The corners of an image, where open water is looked for when nothing far has its colour.
 
 use super::histogram::Histogram;
 use super::hue::is_bluish_green;
 use crate::image::{Image, TopEdge};
 
-/// Side of a corner as a share of the picture's side.
+/// Side of a corner as a share of the image's side.
 const CORNER_SHARE: f64 = 0.20;
 
-/// Bluish-green colours of the two corners, 20 % x 20 % of the picture each, at the edge that is up.
+/// Bluish-green colours of the two corners, 20 % x 20 % of the image each, at the edge that is up.
 pub(super) fn corners(image: &Image<u8>, edge: TopEdge) -> Histogram {
     let inside = in_corners(image.size(), edge);
     let mut histogram = Histogram::default();
@@ -21,7 +21,7 @@ pub(super) fn corners(image: &Image<u8>, edge: TopEdge) -> Histogram {
     histogram
 }
 
-/// Whether a column and row of a picture of this size lie in one of the two corners at this edge.
+/// Whether a column and row of an image of this size lie in one of the two corners at this edge.
 pub(super) fn in_corners((width, height): (usize, usize), edge: TopEdge) -> impl Fn(usize, usize) -> bool {
     let side = |length: usize| (length as f64 * CORNER_SHARE).ceil() as usize;
     let (columns, rows) = (side(width), side(height));

@@ -1,4 +1,4 @@
-//! Open water in a picture: smooth, bluish-green, and of one colour.
+//! Open water in an image: smooth, bluish-green, and of one colour.
 //!
 //! The farthest pixels need not be water: depth from colour takes bright sand for far where red is dead,
 //! and turbid water for near. But open water is smooth, and much of it has one colour, wherever it is.
@@ -17,7 +17,7 @@ use super::reading::{ROUNDING, Reading, VeilingLightSource};
 /// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
 /// enough to fit between things.
 const CELLS: usize = 48;
-/// Cells whose values spread (standard deviation, bytes) no more than this are smooth in any picture;
+/// Cells whose values spread (standard deviation, bytes) no more than this are smooth in any image;
 /// noisy cameras are forgiven as much as their smoothest tenth needs.
 const SMOOTH: f32 = 1.5;
 const SMOOTHEST: f64 = 0.10;
@@ -76,7 +76,7 @@ pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
     })
 }
 
-/// A small rectangle of the picture.
+/// A small rectangle of the image.
 struct Cell {
     mean: [f32; 3],
     /// The largest standard deviation of the three channels, bytes.
@@ -104,7 +104,7 @@ fn purity(cells: &[Cell], alike: &[usize], water: &[f32; 3], as_smooth: f32) -> 
     pure as f64 / f64::from(all.max(1))
 }
 
-/// The largest spread of a smooth cell of this picture.
+/// The largest spread of a smooth cell of this image.
 fn smoothness(cells: &[Cell]) -> f32 {
     let mut spreads: Vec<f32> = cells.iter().map(|cell| cell.spread).collect();
     let tenth = (cells.len() as f64 * SMOOTHEST) as usize;
@@ -171,7 +171,7 @@ fn for_neighbours(
     }
 }
 
-/// The picture in cells whose borders are mirrored with it.
+/// The image in cells whose borders are mirrored with it.
 struct Grid {
     columns: Vec<usize>,
     rows: Vec<usize>,

@@ -8,7 +8,7 @@ use super::reading::{ROUNDING, Reading, VeilingLightSource};
 use crate::depth::LEVELS;
 use crate::image::{Image, TopEdge};
 
-/// Share of the picture the paper takes from the far end. Less follows noise, more reaches objects.
+/// Share of the image the paper takes from the far end. Less follows noise, more reaches objects.
 const FARTHEST_SHARE: f64 = 0.05;
 /// With no more usable pixels than this the paper no longer trusts the far end.
 const FEW_PIXELS: u64 = 100;
@@ -67,10 +67,10 @@ fn read_by(
     }
 }
 
-/// Colours of whole depth levels from the far end until 5 % of the picture's pixels are in, and the nearest of
+/// Colours of whole depth levels from the far end until 5 % of the image's pixels are in, and the nearest of
 /// these levels.
 ///
-/// It stops at the median depth: what is nearer than half of the picture is not far, whatever its colour,
+/// It stops at the median depth: what is nearer than half of the image is not far, whatever its colour,
 /// and a bluish fish must not pass for the water. (Without the stop the corners could never be reached:
 /// they hold no pixel that the far end would not have taken first.)
 fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) -> (u8, Histogram) {
@@ -104,7 +104,7 @@ mod tests {
     const WATER: [u8; 3] = [10, 100, 150];
     const PAINT: [u8; 3] = [200, 250, 10];
 
-    /// A 40 x 40 picture painted by place, with depth by place.
+    /// A 40 x 40 image painted by place, with depth by place.
     fn paint(
         colour: impl Fn(usize, usize) -> [u8; 3],
         z: impl Fn(usize, usize) -> u8,

@@ -2,7 +2,7 @@
 
 use super::places::Places;
 
-/// Noise of a picture without a smooth place to measure it, in bytes: that of rounding.
+/// Noise of an image without a smooth place to measure it, in bytes: that of rounding.
 pub(super) const ROUNDING: f32 = 0.3;
 
 /// Where the veiling light was read.
@@ -19,16 +19,16 @@ pub enum VeilingLightSource {
     BottomCorners,
     /// None of these: the farthest pixels whatever their colour.
     Unfiltered,
-    /// No picture: the water is known from elsewhere.
+    /// No image: the water is known from elsewhere.
     Given,
 }
 
-/// What was read off a picture.
+/// What was read off an image.
 pub(in crate::waterbody) struct Reading {
     /// Encoded colour in `[0, 1]`.
     pub(in crate::waterbody) rgb: [f32; 3],
     pub(in crate::waterbody) source: VeilingLightSource,
-    /// Share of the picture it is the median of.
+    /// Share of the image it is the median of.
     pub(in crate::waterbody) share: f64,
     /// The pixels it was read from.
     pub(in crate::waterbody) places: Places,

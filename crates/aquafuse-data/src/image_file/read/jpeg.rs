@@ -14,7 +14,7 @@ use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::super::pixels::Layers;
 use super::{Decoded, Fault, Pixels, XMP};
 
-/// Scans of a progressive picture; more is an attack on our time.
+/// Scans of a progressive image; more is an attack on our time.
 const MOST_SCANS: usize = 50;
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
@@ -39,7 +39,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
                 let mut scanned = [0];
                 reader.read_exact(&mut scanned)?;
                 let side = |high, low| u64::from(u16::from_be_bytes([high, low]));
-                // All of the picture's coefficients are held where they come in more than one scan; grey is tripled.
+                // All of the image's coefficients are held where they come in more than one scan; grey is tripled.
                 let in_scans = marker == PROGRESSIVE || scanned[0] < components;
                 let coefficients = if in_scans { u64::from(components).saturating_mul(2) } else { 0 };
                 let beside = coefficients.saturating_add(u64::from(components == 1));
@@ -166,7 +166,7 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
         ));
     }
     // Without the mark of the end the decoder can tell data that is missing from data that is there: where it
-    // meets a mark it takes zeros for the rest. Of a progressive picture it wants to see the mark.
+    // meets a mark it takes zeros for the rest. Of a progressive image it wants to see the mark.
     let strictly = marks.before_end.filter(|_| !marks.progressive).unwrap_or(bytes);
     let cause = match (try_decode(strictly, true), marks.before_end) {
         (Ok(_), _) if marks.lacks_data() => "there are more blocks of pixels than bits in it".into(),

@@ -1,4 +1,4 @@
-//! Laws about whole pictures: estimation included.
+//! Laws about whole images: estimation included.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
@@ -62,7 +62,7 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
 }
 
 #[test]
-fn the_laws_hold_on_pictures_whose_depth_factors_are_a_table() {
+fn the_laws_hold_on_images_whose_depth_factors_are_a_table() {
     let waters = waters();
     let told = |image: &Image<u8>| {
         let z = depth::estimate(image);
@@ -101,7 +101,7 @@ fn water_only_in_the_top_corners() -> Image<u8> {
 }
 
 #[test]
-fn a_picture_fused_with_itself_or_at_ninety_degrees_is_the_picture() {
+fn an_image_fused_with_itself_or_at_ninety_degrees_is_the_image() {
     let waters = waters();
     let (content, reference) = (picture(1, &waters[0]), picture(2, &waters[2]));
     let ((z, water), (_, other)) = (estimated(&content), estimated(&reference));
@@ -218,7 +218,7 @@ fn sizes_that_differ_are_an_error() {
 }
 
 #[test]
-fn a_picture_of_one_pixel_has_water_too() {
+fn an_image_of_one_pixel_has_water_too() {
     let content = Image::<u8>::from_raw(1, 1, vec![10, 20, 30]).unwrap();
     let (z, water) = estimated(&content);
     assert!(water.backscatter_coefficient.iter().all(|b| b.is_finite() && *b >= 0.0));
@@ -248,7 +248,7 @@ fn with_depth_given_the_veil_is_read_and_the_growth_where_it_shows() {
 }
 
 #[test]
-fn the_unit_of_depth_cancels_from_estimation_to_picture() {
+fn the_unit_of_depth_cancels_from_estimation_to_image() {
     let waters = waters();
     let scene = Scene::new(2, SIZE);
     let image: Image<u8> = scene.seen_through(&waters[1].water).to_samples();
@@ -264,7 +264,7 @@ fn the_unit_of_depth_cancels_from_estimation_to_picture() {
     for unit in [1000.0, 0.37] {
         let (other_fused, other_restored) = made(unit);
         let steps = fused.as_raw().iter().zip(other_fused.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
-        assert!(steps <= Some(1), "a picture differs by {steps:?} in units of {unit}");
+        assert!(steps <= Some(1), "an image differs by {steps:?} in units of {unit}");
         let worst = restored.as_raw().iter().zip(other_restored.as_raw()).map(|(a, b)| (a - b).abs());
         assert!(worst.fold(0.0, f32::max) < 0.02, "restoration knows the unit {unit}");
     }

@@ -1,18 +1,18 @@
-//! What a picture may ask for, told from its header before memory is taken.
+//! What an image may ask for, told from its header before memory is taken.
 
 use std::num::Saturating;
 
 use super::Format;
 use crate::memory::Budget;
 
-/// How pictures are read.
+/// How images are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// The most pixels a picture may have. Default: 268,435,456, a square of 16,384.
+    /// The most pixels an image may have. Default: 268,435,456, a square of 16,384.
     pub most_pixels: u64,
-    /// The most memory that work on one picture may take, in bytes, as far as its header tells. Default: 2 GiB.
+    /// The most memory that work on one image may take, in bytes, as far as its header tells. Default: 2 GiB.
     pub most_memory: u64,
-    /// Take a file that was cut short for what is left of it; [`Picture::damage`](super::Picture::damage) then
+    /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::Image::damage) then
     /// says so. By default that is an error.
     pub lenient: bool,
 }
@@ -29,13 +29,13 @@ impl ReadOptions {
         Budget::new(self.most_memory)
     }
 
-    /// The most bytes of a file that goes along with pictures: what is made of its text takes at most thrice as many beside.
+    /// The most bytes of a file that goes along with images: what is made of its text takes at most thrice as many beside.
     pub(crate) fn most_beside(&self) -> u64 {
         self.most_memory / 4
     }
 }
 
-/// What a header says of a picture's pixels.
+/// What a header says of an image's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size {
     pub(crate) width: u64,
@@ -52,7 +52,7 @@ pub(crate) struct Size {
 
 /// What the estimators' view takes of a pixel of more than 8 bits: colour and depth in bytes.
 const VIEW: Saturating<u64> = Saturating(4);
-/// What the encoder of WebP takes of a pixel: its own four samples, and as much again for the coded picture.
+/// What the encoder of WebP takes of a pixel: its own four samples, and as much again for the coded image.
 const WEBP: Saturating<u64> = Saturating(8);
 /// Tables, buffers, the program itself and what allocators keep.
 const OVERHEAD: Saturating<u64> = Saturating(16 << 20);
@@ -83,7 +83,7 @@ impl Size {
         let copies = copy_if(self.channels == 4) + copy_if(self.sample > 1);
         let encoder = match format {
             Format::WebP => WEBP,
-            // The compressed picture, which may be as large.
+            // The compressed image, which may be as large.
             Format::Png => kept,
             _ => Saturating(0),
         };

@@ -14,7 +14,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     if decoder.has_animation() {
         return Err(Fault::Unsupported(
             "an animation".into(),
-            "Save the frame you mean as a picture of its own",
+            "Save the frame you mean as an image of its own",
         ));
     }
     // Lossless is decoded to four samples first.
@@ -25,7 +25,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     Ok(Size { beside: size.beside.saturating_add(4), tables, ..size })
 }
 
-/// Bytes of the tables that decoding takes, of the picture or of its opacity.
+/// Bytes of the tables that decoding takes, of the image or of its opacity.
 fn tables(reader: &mut (impl BufRead + Seek), width: u64, height: u64) -> io::Result<u64> {
     let mut head = [0; 12];
     reader.read_exact(&mut head)?;

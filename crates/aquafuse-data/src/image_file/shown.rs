@@ -12,7 +12,7 @@ use std::path::Path;
 /// # Examples
 ///
 /// ```
-/// use aquafuse_data::picture::shown;
+/// use aquafuse_data::image_file::shown;
 ///
 /// assert_eq!(shown("two\nlines.png".as_ref()).to_string(), "two\\nlines.png");
 /// ```

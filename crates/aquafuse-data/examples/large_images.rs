@@ -1,22 +1,22 @@
-//! Writes pictures of 24 megapixels, `large_pictures FOLDER COUNT`: waves of colour with grain, as large as those of
+//! Writes images of 24 megapixels, `large_images FOLDER COUNT`: waves of colour with grain, as large as those of
 //! today's cameras. What is in them does not matter, for it is memory that is measured.
 
 use std::error::Error;
 use std::path::Path;
 
 use aquafuse::image::Image;
-use aquafuse_data::picture::{Picture, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 
 const WIDTH: usize = 6000;
 const HEIGHT: usize = 4000;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, count] = &arguments[..] else { return Err("usage: large_pictures FOLDER COUNT".into()) };
+    let [folder, count] = &arguments[..] else { return Err("usage: large_images FOLDER COUNT".into()) };
     std::fs::create_dir_all(folder)?;
     for seed in 0..count.parse()? {
         let path = Path::new(folder).join(format!("{seed}.jpg"));
-        Picture::new(made(seed)).write(&path, &WriteOptions { overwrite: true, quality: 90 })?;
+        ImageFile::new(made(seed)).write(&path, &WriteOptions { overwrite: true, quality: 90 })?;
     }
     Ok(())
 }

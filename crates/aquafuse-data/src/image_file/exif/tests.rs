@@ -91,7 +91,7 @@ fn fields_that_point_to_the_same_bytes_do_not_grow_without_end() {
 }
 
 #[test]
-fn the_resolution_of_a_picture_on_its_side_is_exchanged() {
+fn the_resolution_of_an_image_on_its_side_is_exchanged() {
     let resolution = Resolution { density: (300.0, 150.0), unit: ResolutionUnit::Inch };
     let ratio = |value: u32| [value.to_ne_bytes(), 1_u32.to_ne_bytes()].concat();
     let field = |tag, value| Field { tag, kind: Type::RATIONAL, bytes: ratio(value) };

@@ -1,8 +1,8 @@
-//! Picture formats: told by content when reading, by name when writing.
+//! Image formats: told by content when reading, by name when writing.
 
 use std::path::Path;
 
-/// A picture format.
+/// An image format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// PNG: 8 and 16 bits, palettes, transparency.
@@ -21,7 +21,7 @@ pub enum Format {
 
 /// What the names of the files we write end in.
 pub const WRITTEN: &str = ".png, .jpg, .jpeg, .tif, .tiff or .webp";
-/// What the names of the pictures of a folder end in.
+/// What the names of the images of a folder end in.
 pub const LISTED: &str = ".png, .jpg, .jpeg, .tif, .tiff, .webp or .bmp";
 
 impl Format {
@@ -57,7 +57,7 @@ impl Format {
         }
     }
 
-    /// Whether files of this name are among the pictures of a folder. A GIF is as often a drawing or an
+    /// Whether files of this name are among the images of a folder. A GIF is as often a drawing or an
     /// animation: it is read where it is named itself.
     pub fn listed(path: &Path) -> bool {
         Self::of(path).is_some_and(|format| format != Self::Gif)

@@ -1,6 +1,6 @@
-//! How many groups of prefix codes a lossless picture has: its decoder makes tables for each, of kilobytes for a few bytes.
+//! How many groups of prefix codes a lossless image has: its decoder makes tables for each, of kilobytes for a few bytes.
 //!
-//! Each block of the picture names its group in an image of its own, and whatever number is the largest there is how many
+//! Each block of the image names its group in an image of its own, and whatever number is the largest there is how many
 //! there are. What stands before it is read, and nothing is kept: copies and remembered colours repeat numbers that were seen.
 //! RFC 9649, 3.4 to 3.7.
 
@@ -17,7 +17,7 @@ const DISTANCES: usize = 40;
 const ORDER: [usize; 19] = [17, 18, 0, 1, 2, 3, 4, 5, 16, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 const LONGEST: usize = 15;
 
-/// Bytes of the tables of a picture of this size, whose stream begins with its transforms.
+/// Bytes of the tables of an image of this size, whose stream begins with its transforms.
 ///
 /// # Errors
 ///
@@ -60,7 +60,7 @@ pub(super) fn memory(stream: impl BufRead, width: u64, height: u64) -> io::Resul
     Ok(groups.saturating_mul(of_one))
 }
 
-/// The largest number, red and green together, in an image that helps to decode the picture.
+/// The largest number, red and green together, in an image that helps to decode the image.
 fn largest<R: Read>(bits: &mut Bits<R>, width: u64, height: u64) -> io::Result<u32> {
     let green = LITERALS.saturating_add(LENGTHS as usize).saturating_add(remembered(bits)?);
     let [green, red, blue, alpha, distance] =
@@ -231,7 +231,7 @@ fn wrong() -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::{Picture, ReadOptions, WriteOptions};
+    use crate::image_file::{ImageFile, ReadOptions, WriteOptions};
     use aquafuse::image::Image;
 
     /// Numbers in so many bits each, the lowest first.
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_picture_with_tables_of_gigabytes_is_refused_from_its_header() {
+    fn a_small_image_with_tables_of_gigabytes_is_refused_from_its_header() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.webp");
         let size = stream(&[(0x2f, 8), (3, 14), (3, 14), (0, 1), (0, 3)]);
@@ -274,7 +274,7 @@ mod tests {
         let length = |bytes: usize| u32::try_from(bytes).unwrap().to_le_bytes();
         let body = [b"WEBPVP8L", &length(chunk.len())[..], &chunk].concat();
         std::fs::write(&path, [b"RIFF", &length(body.len())[..], &body].concat()).unwrap();
-        let refused = Picture::open(&path, &ReadOptions::default()).err().unwrap().to_string();
+        let refused = ImageFile::open(&path, &ReadOptions::default()).err().unwrap().to_string();
         assert!(refused.contains("--max-memory"), "{refused}");
     }
 
@@ -283,7 +283,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.webp");
         let image: Image<u8> = Image::from_raw(5, 3, (0..45).collect()).unwrap();
-        Picture::new(image).write(&path, &WriteOptions::default()).unwrap();
+        ImageFile::new(image).write(&path, &WriteOptions::default()).unwrap();
         let written = std::fs::read(&path).unwrap();
         let chunk = written.windows(4).position(|name| name == b"VP8L").unwrap();
         assert_eq!(memory(&written[chunk + 13..], 5, 3).unwrap() / GROUP, 1);

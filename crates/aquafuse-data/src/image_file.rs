@@ -1,4 +1,4 @@
-//! Picture files: what is read, and what is written back with it.
+//! Image files: what is read, and what is written back with it.
 
 mod atomic;
 mod error;
@@ -30,12 +30,12 @@ pub(crate) use shown::one_line;
 pub use shown::shown;
 pub(crate) use write::{encode_grey16, whole};
 
-/// A picture with what its file said about it.
+/// An image with what its file said about it.
 ///
 /// Pixels stay in stored order: the EXIF orientation is kept as data, and written back, so that boxes and
-/// masks made for the file stay true. [`Picture::upright`] turns them on request.
+/// masks made for the file stay true. [`ImageFile::upright`] turns them on request.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct ImageFile {
     /// The pixels, encoded.
     pub pixels: Pixels,
     /// What travels with them.
@@ -60,8 +60,8 @@ impl Default for WriteOptions {
     }
 }
 
-impl Picture {
-    /// A picture that did not come from a file.
+impl ImageFile {
+    /// An image that did not come from a file.
     pub fn new(pixels: impl Into<Pixels>) -> Self {
         Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None }
     }
@@ -79,7 +79,7 @@ impl Picture {
         Self::open(path, &ReadOptions::default())?.decode()
     }
 
-    /// Reads a picture's header and holds it against the limits; [`Opened::decode`] does the rest.
+    /// Reads an image's header and holds it against the limits; [`Opened::decode`] does the rest.
     ///
     /// # Errors
     ///
@@ -97,7 +97,7 @@ impl Picture {
         read::open_bytes(name, bytes, options)
     }
 
-    /// Reads a picture whose file is in memory already; errors call it `name`.
+    /// Reads an image whose file is in memory already; errors call it `name`.
     ///
     /// # Errors
     ///
@@ -106,25 +106,25 @@ impl Picture {
     /// # Examples
     ///
     /// ```
-    /// use aquafuse_data::picture::{Picture, ReadOptions};
+    /// use aquafuse_data::image_file::{ImageFile, ReadOptions};
     ///
     /// let bitmap = b"BM:\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x18\0\0\0\0\0\x04\0\0\0\
     ///     \0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\xa0\x78\x14\0";
-    /// let picture = Picture::from_bytes("upload.bmp".as_ref(), bitmap, &ReadOptions::default())?;
-    /// assert_eq!(picture.bytes().pixels(), [[0x14, 0x78, 0xa0]]);
-    /// # Ok::<(), aquafuse_data::picture::FileError>(())
+    /// let image = ImageFile::from_bytes("upload.bmp".as_ref(), bitmap, &ReadOptions::default())?;
+    /// assert_eq!(image.bytes().pixels(), [[0x14, 0x78, 0xa0]]);
+    /// # Ok::<(), aquafuse_data::image_file::FileError>(())
     /// ```
     pub fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Self, FileError> {
         read::from_bytes(name, bytes, options)
     }
 
-    /// Writes the picture in the format its extension names, whole or not at all.
+    /// Writes the image in the format its extension names, whole or not at all.
     ///
     /// PNG and TIFF hold 16 bits, TIFF floats too; the others hold bytes. JPEG holds no transparency.
     ///
     /// # Errors
     ///
-    /// [`FileError`] when the name has another extension, the format cannot hold the picture, the file exists and
+    /// [`FileError`] when the name has another extension, the format cannot hold the image, the file exists and
     /// may not be replaced, or the system refuses; whatever stood at `path` is then still there.
     pub fn write(&self, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
         self.stage(path, options)?.persist()
@@ -139,7 +139,7 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// [`FileError`] when the name has another extension, or the format cannot hold the picture.
+    /// [`FileError`] when the name has another extension, or the format cannot hold the image.
     pub fn encode(&self, path: &Path, quality: u8) -> Result<Vec<u8>, FileError> {
         write::encode(self, path, quality)
     }
@@ -154,7 +154,7 @@ impl Picture {
         TopEdge::from_exif(self.metadata.orientation())
     }
 
-    /// The picture turned as its EXIF orientation asks for, which is then 1.
+    /// The image turned as its EXIF orientation asks for, which is then 1.
     pub fn upright(self) -> Self {
         let orientation = self.metadata.orientation();
         let pixels = self.pixels.turned(orientation);

@@ -1,4 +1,4 @@
-//! Picture files against Pillow, OpenCV and tifffile: they read ours, we read theirs, and what a camera wrote beside
+//! Image files against Pillow, OpenCV and tifffile: they read ours, we read theirs, and what a camera wrote beside
 //! the pixels survives.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use aquafuse::image::Sample;
-use aquafuse_data::picture::{Layers, Picture, Pixels, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, Layers, Pixels, WriteOptions};
 
-const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent_pictures.py");
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent_images.py");
 const WRITTEN: [&str; 4] = ["png", "jpg", "webp", "tif"];
 
 fn python() -> Option<OsString> {
@@ -45,11 +45,11 @@ fn interleaved<T: Sample>(layers: &Layers<T>, bytes: impl Fn(T) -> Vec<u8>) -> V
     values.flat_map(bytes).collect()
 }
 
-fn write_npy(path: &Path, picture: &Picture) {
-    let (width, height) = picture.pixels.size();
+fn write_npy(path: &Path, image_file: &ImageFile) {
+    let (width, height) = image_file.pixels.size();
     let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({height}, {width}, 3), }}");
     let padded = format!("{header:<117}\n");
-    let file = [b"\x93NUMPY\x01\0v\0", padded.as_bytes(), picture.bytes().as_raw()].concat();
+    let file = [b"\x93NUMPY\x01\0v\0", padded.as_bytes(), image_file.bytes().as_raw()].concat();
     std::fs::write(path, file).unwrap();
 }
 
@@ -69,8 +69,8 @@ fn we_read_what_others_write() {
     for path in files(folder.path()) {
         let name = path.file_name().unwrap().to_str().unwrap();
         let (size, expected) = npy(&folder.path().join(format!("{name}.npy")));
-        let picture = Picture::read(&path).unwrap();
-        let (found_size, found) = match &picture.pixels {
+        let image_file = ImageFile::read(&path).unwrap();
+        let (found_size, found) = match &image_file.pixels {
             Pixels::Bytes(layers) => (1, interleaved(layers, |value| vec![value])),
             Pixels::Words(layers) => (2, interleaved(layers, |value| value.to_le_bytes().to_vec())),
             Pixels::Floats(layers) => (4, interleaved(layers, |value| value.to_le_bytes().to_vec())),
@@ -97,12 +97,12 @@ fn what_a_camera_wrote_survives_from_every_format_into_every_other() {
     run(&python, "write", folder.path());
     for from in WRITTEN {
         let ours = tempfile::tempdir().unwrap();
-        let picture = Picture::read(&folder.path().join(format!("carried.{from}"))).unwrap();
-        assert!(picture.metadata.left_out.is_empty());
-        write_npy(&ours.path().join("ours.npy"), &picture);
+        let image_file = ImageFile::read(&folder.path().join(format!("carried.{from}"))).unwrap();
+        assert!(image_file.metadata.left_out.is_empty());
+        write_npy(&ours.path().join("ours.npy"), &image_file);
         for to in WRITTEN {
             let path = ours.path().join(format!("ours_from_{from}.{to}"));
-            picture.write(&path, &WriteOptions { quality: 100, ..Default::default() }).unwrap();
+            image_file.write(&path, &WriteOptions { quality: 100, ..Default::default() }).unwrap();
         }
         run(&python, "check", ours.path());
     }
@@ -117,19 +117,19 @@ fn eight_orientations_look_the_same_in_a_viewer_as_stored_and_upright() {
     let smooth = |i: usize| [(i % 24 * 10) as u8, (i / 24 * 15) as u8, samples[0]];
     let image =
         aquafuse::image::Image::<u8>::from_raw(24, 16, (0..24 * 16).flat_map(smooth).collect()).unwrap();
-    let seen = Picture::new(image);
+    let seen = ImageFile::new(image);
     write_npy(&folder.path().join("upright.npy"), &seen);
     for orientation in 1..=8_u8 {
         // What undoes it: turned so, it is stored as the orientation says.
         let undone = [1, 2, 3, 4, 5, 8, 7, 6][usize::from(orientation) - 1];
-        let mut stored = Picture::new(seen.bytes().into_owned());
+        let mut stored = ImageFile::new(seen.bytes().into_owned());
         stored.pixels = stored.pixels.turned(undone);
         let exif = [&b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"[..], &[orientation], &[0; 7]].concat();
         stored.metadata.exif = Some(exif);
         for extension in WRITTEN {
             let path = folder.path().join(format!("{orientation}.{extension}"));
             stored.write(&path, &WriteOptions::default()).unwrap();
-            assert_eq!(Picture::read(&path).unwrap().upright().pixels.size(), (24, 16));
+            assert_eq!(ImageFile::read(&path).unwrap().upright().pixels.size(), (24, 16));
         }
     }
     run(&python, "orientations", folder.path());

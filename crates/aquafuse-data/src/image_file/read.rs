@@ -1,4 +1,4 @@
-//! From file to picture: look at the header, reserve memory, decode.
+//! From file to image: look at the header, reserve memory, decode.
 
 mod bmp;
 mod gif;
@@ -17,10 +17,10 @@ use ::image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
 use super::limits::Size;
 use super::pixels::Layers;
-use super::{FileError, Format, Metadata, Picture, Pixels, ReadOptions, one_line};
+use super::{FileError, Format, ImageFile, Metadata, Pixels, ReadOptions, one_line};
 use crate::barrier;
 
-/// A picture file whose header was read and found within the limits; its pixels are not decoded yet.
+/// An image file whose header was read and found within the limits; its pixels are not decoded yet.
 #[derive(Debug)]
 pub struct Opened {
     path: PathBuf,
@@ -38,7 +38,7 @@ enum Held {
     Memory(Vec<u8>),
 }
 
-/// A picture as a decoder gives it.
+/// An image as a decoder gives it.
 struct Decoded {
     pixels: Pixels,
     metadata: Metadata,
@@ -111,7 +111,7 @@ pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
     Ok((File::open(path).map_err(cannot_read)?, about.len()))
 }
 
-/// All of a file that goes along with pictures, which need not hold anything.
+/// All of a file that goes along with images, which need not hold anything.
 pub(crate) fn read_beside(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, FileError> {
     let most = options.most_beside();
     let (file, length) = match open_file(path) {
@@ -120,7 +120,7 @@ pub(crate) fn read_beside(path: &Path, options: &ReadOptions) -> Result<Vec<u8>,
     };
     if length > most {
         let cause = format!(
-            "it has {length} bytes, and files that go along with pictures may have {most}, a quarter of --max-memory"
+            "it has {length} bytes, and files that go along with images may have {most}, a quarter of --max-memory"
         );
         return Err(FileError::TooLarge { path: path.to_owned(), cause });
     }
@@ -199,12 +199,12 @@ fn check_memory(size: Size, memory: u64, options: &ReadOptions) -> Result<u64, F
 }
 
 impl Opened {
-    /// The most memory that reading and analysing the picture takes, in bytes, as far as the header tells.
+    /// The most memory that reading and analysing the image takes, in bytes, as far as the header tells.
     pub fn memory(&self) -> u64 {
         self.size.memory(self.length)
     }
 
-    /// The most memory that the picture takes until it is written in a format, with `beside` bytes for what is
+    /// The most memory that the image takes until it is written in a format, with `beside` bytes for what is
     /// read with it.
     ///
     /// # Errors
@@ -215,7 +215,7 @@ impl Opened {
         check_memory(self.size, memory, &self.options).map_err(|fault| fault.named(&self.path))
     }
 
-    /// Pixels of the picture.
+    /// Pixels of the image.
     pub fn pixels(&self) -> u64 {
         self.size.pixels()
     }
@@ -225,17 +225,17 @@ impl Opened {
         (self.size.width, self.size.height)
     }
 
-    /// Decodes the picture.
+    /// Decodes the image.
     ///
     /// # Errors
     ///
     /// [`FileError`] when the file is damaged, was cut short, or changed since it was opened.
-    pub fn decode(self) -> Result<Picture, FileError> {
+    pub fn decode(self) -> Result<ImageFile, FileError> {
         self.decode_seeing(|_| {})
     }
 
-    /// Decodes the picture, and shows the bytes of its file.
-    pub(crate) fn decode_seeing(mut self, see: impl FnOnce(&[u8])) -> Result<Picture, FileError> {
+    /// Decodes the image, and shows the bytes of its file.
+    pub(crate) fn decode_seeing(mut self, see: impl FnOnce(&[u8])) -> Result<ImageFile, FileError> {
         self.decoded(see).map_err(|fault| fault.named(&self.path))
     }
 
@@ -244,7 +244,7 @@ impl Opened {
         self.size.memory_of_pixels()
     }
 
-    fn decoded(&mut self, see: impl FnOnce(&[u8])) -> Result<Picture, Fault> {
+    fn decoded(&mut self, see: impl FnOnce(&[u8])) -> Result<ImageFile, Fault> {
         let bytes = match &mut self.file {
             Held::Memory(bytes) => std::mem::take(bytes),
             Held::Disk(file) => {
@@ -263,12 +263,12 @@ impl Opened {
     }
 }
 
-pub(super) fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Picture, FileError> {
+pub(super) fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<ImageFile, FileError> {
     open_bytes(name, bytes.to_owned(), options)?.decode()
 }
 
 /// Decodes behind the barrier.
-fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<Picture, Fault> {
+fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<ImageFile, Fault> {
     let decoded = barrier::behind(|| match format {
         Format::Png => png::decode(bytes, lenient),
         Format::Jpeg => jpeg::decode(bytes, lenient),
@@ -279,7 +279,7 @@ fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<Picture, Fault>
     });
     let Decoded { pixels, metadata, damage } =
         decoded.unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))?;
-    Ok(Picture { pixels, metadata, damage })
+    Ok(ImageFile { pixels, metadata, damage })
 }
 
 /// Size and kind of pixels as a decoder of `image` tells them.

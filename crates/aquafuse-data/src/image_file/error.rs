@@ -35,7 +35,7 @@ pub enum FileError {
     },
     /// The content is none of our formats.
     #[error(
-        "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is a picture, convert it first",
+        "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is an image, convert it first",
         shown(path)
     )]
     UnknownFormat {
@@ -72,28 +72,28 @@ pub enum FileError {
         /// What to do.
         remedy: &'static str,
     },
-    /// A depth map does not suit its picture or what it was declared to be.
+    /// A depth map does not suit its image or what it was declared to be.
     #[error("cannot use {} as depth: {error}. {}", shown(path), unfit_remedy(error, *turned))]
     UnfitDepth {
         /// The depth map.
         path: PathBuf,
         /// What is wrong.
         error: SuppliedError,
-        /// Whether the picture is turned by its EXIF orientation.
+        /// Whether the image is turned by its EXIF orientation.
         turned: bool,
     },
-    /// No file, or more than one, is the depth map of a picture.
+    /// No file, or more than one, is the depth map of an image.
     #[error(
         "{} holds {found} depth maps named as {}; put exactly one .png, .tif, .tiff, .exr, .npy or .pfm of that \
          name there",
         shown(folder),
-        shown(picture)
+        shown(image)
     )]
     NoDepthBeside {
         /// Where was looked.
         folder: PathBuf,
-        /// The picture.
-        picture: PathBuf,
+        /// The image.
+        image: PathBuf,
         /// How many were found.
         found: usize,
     },
@@ -108,7 +108,7 @@ pub enum FileError {
     /// There is less of the file than it says.
     #[error(
         "cannot decode {}: it was cut short ({cause}). Get a whole copy of it; if there is none, --lenient takes what is \
-         left of a picture",
+         left of an image",
         shown(path)
     )]
     CutShort {
@@ -117,7 +117,7 @@ pub enum FileError {
         /// What the decoder said.
         cause: String,
     },
-    /// The picture is larger than we take on.
+    /// The image is larger than we take on.
     #[error("cannot decode {}: {cause}. Raise the limit, scale it down or cut it into parts", shown(path))]
     TooLarge {
         /// The file.
@@ -147,8 +147,8 @@ pub enum FileError {
     },
     /// The outputs in a folder were made with other settings than asked for now.
     #[error(
-        "{} holds pictures that were made with other settings ({differences}); give another output, or --overwrite \
-         to make them anew",
+        "{} holds images that were made with other settings ({differences}); give another output, or --overwrite \
+         to make them again",
         shown(folder)
     )]
     OtherSettings {
@@ -183,7 +183,7 @@ fn remedy(error: &std::io::Error) -> &'static str {
     match error.kind() {
         std::io::ErrorKind::NotFound => "Check the name",
         std::io::ErrorKind::PermissionDenied => "Ask for the right to read it",
-        std::io::ErrorKind::IsADirectory => "Name a picture in it instead",
+        std::io::ErrorKind::IsADirectory => "Name an image in it instead",
         _ => "Check that it is a file on a disk that works",
     }
 }
@@ -191,12 +191,12 @@ fn remedy(error: &std::io::Error) -> &'static str {
 /// What to do about a depth map that does not suit.
 fn unfit_remedy(error: &SuppliedError, turned: bool) -> &'static str {
     match error {
-        SuppliedError::Size { map, picture } if turned && (map.1, map.0) == *picture => {
-            "The picture is turned by its EXIF orientation when seen, and the map was made for that: turn the map \
-             back to the order in which the picture is stored"
+        SuppliedError::Size { map, image } if turned && (map.1, map.0) == *image => {
+            "The image is turned by its EXIF orientation when seen, and the map was made for that: turn the map \
+             back to the order in which the image is stored"
         }
         SuppliedError::Size { .. } => {
-            "Depth belongs to single pixels: scale the map to the picture's size yourself, by nearest neighbour"
+            "Depth belongs to single pixels: scale the map to the image's size yourself, by nearest neighbour"
         }
         SuppliedError::AboveOne { .. } => {
             "Divide the map by its largest distance, or declare what it is: metres, millimetres, inverse or disparity"

@@ -2,7 +2,7 @@
 //!
 //! JPEG, PNG and WebP hold EXIF as a block, which is a TIFF file without pixels; in a TIFF file it is part of the
 //! file's own directory. Between blocks it travels byte for byte, but for two fields changed in place. Into and out
-//! of TIFF the fields are written anew: all of the main, the EXIF, the GPS and the interoperability directory.
+//! of TIFF the fields are written again: all of the main, the EXIF, the GPS and the interoperability directory.
 
 use std::io::Cursor;
 use std::ops::Range;
@@ -318,7 +318,7 @@ pub(super) fn set_upright(bytes: &mut [u8]) {
     }
 }
 
-/// Exchanges the resolutions across and down, for a picture that is turned onto its side.
+/// Exchanges the resolutions across and down, for an image that is turned onto its side.
 pub(super) fn exchange_resolution(bytes: &mut [u8]) {
     let offsets = Block::new(bytes).and_then(|block| {
         let offset = |tag: u16| {
@@ -334,7 +334,7 @@ pub(super) fn exchange_resolution(bytes: &mut [u8]) {
     }
 }
 
-/// Takes the link to the thumbnail away: it shows the picture as it was.
+/// Takes the link to the thumbnail away: it shows the image as it was.
 pub(super) fn unlink_thumbnail(bytes: &mut [u8]) {
     // It stands behind the entries.
     let link = Block::new(bytes).and_then(|block| Some(block.directory(block.main()?)?.end));

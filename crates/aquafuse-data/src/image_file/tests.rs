@@ -43,8 +43,8 @@ fn gradient() -> Image<u8> {
 fn a_png_comes_back_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    Picture::new(gradient()).write(&path, &WriteOptions::default()).unwrap();
-    assert_eq!(Picture::read(&path).unwrap().pixels, gradient().into());
+    ImageFile::new(gradient()).write(&path, &WriteOptions::default()).unwrap();
+    assert_eq!(ImageFile::read(&path).unwrap().pixels, gradient().into());
 }
 
 #[test]
@@ -54,14 +54,14 @@ fn a_jpeg_keeps_its_colour_at_every_pixel() {
     let image = Image::<u8>::from_raw(16, 16, samples).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.jpg");
-    Picture::new(image.clone()).write(&path, &WriteOptions { quality: 100, ..Default::default() }).unwrap();
-    let back = Picture::read(&path).unwrap().pixels.into_bytes();
+    ImageFile::new(image.clone()).write(&path, &WriteOptions { quality: 100, ..Default::default() }).unwrap();
+    let back = ImageFile::read(&path).unwrap().pixels.into_bytes();
     let worst = back.as_raw().iter().zip(image.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(worst < Some(8), "off by {worst:?}");
 }
 
-/// A picture of each kind of samples, with opacity or without.
-fn kinds() -> Vec<Picture> {
+/// An image of each kind of samples, with opacity or without.
+fn kinds() -> Vec<ImageFile> {
     let words: Vec<u16> = (0..16 * 8 * 3).map(|i| (i * 170) as u16).collect();
     let words = Layers { image: Image::from_raw(16, 8, words).unwrap(), alpha: None };
     let alpha = Some((0..128).map(|i| i * 511).collect());
@@ -77,7 +77,7 @@ fn kinds() -> Vec<Picture> {
         }),
         Pixels::Floats(floats),
     ]
-    .map(Picture::new)
+    .map(ImageFile::new)
     .into()
 }
 
@@ -85,19 +85,19 @@ fn kinds() -> Vec<Picture> {
 fn every_kind_of_pixels_comes_back_from_tiff_and_the_others_hold_what_they_can() {
     let folder = tempfile::tempdir().unwrap();
     let options = WriteOptions { overwrite: true, ..Default::default() };
-    let back = |picture: &Picture, name: &str| {
-        picture.write(&folder.path().join(name), &options).unwrap();
-        Picture::read(&folder.path().join(name)).unwrap().pixels
+    let back = |image_file: &ImageFile, name: &str| {
+        image_file.write(&folder.path().join(name), &options).unwrap();
+        ImageFile::read(&folder.path().join(name)).unwrap().pixels
     };
-    for picture in kinds() {
-        assert_eq!(back(&picture, "a.tif"), picture.pixels);
-        let (bytes, words) = match &picture.pixels {
+    for image_file in kinds() {
+        assert_eq!(back(&image_file, "a.tif"), image_file.pixels);
+        let (bytes, words) = match &image_file.pixels {
             Pixels::Bytes(layers) => (layers.clone(), None),
             Pixels::Words(layers) => (layers.to_samples(), Some(layers.clone())),
             Pixels::Floats(layers) => (layers.to_samples(), Some(layers.to_samples())),
         };
-        assert_eq!(back(&picture, "a.webp"), Pixels::Bytes(bytes.clone()));
-        assert_eq!(back(&picture, "a.png"), words.map_or(Pixels::Bytes(bytes), Pixels::Words));
+        assert_eq!(back(&image_file, "a.webp"), Pixels::Bytes(bytes.clone()));
+        assert_eq!(back(&image_file, "a.png"), words.map_or(Pixels::Bytes(bytes), Pixels::Words));
     }
 }
 
@@ -110,7 +110,7 @@ fn transparency_is_refused_by_jpeg_not_lost() {
 }
 
 #[test]
-fn profile_exif_and_resolution_travel_with_the_picture() {
+fn profile_exif_and_resolution_travel_with_the_image() {
     let folder = tempfile::tempdir().unwrap();
     let resolution = |unit, density| Some(Resolution { density: (density, 2.0 * density), unit });
     for (name, resolution) in [
@@ -126,11 +126,11 @@ fn profile_exif_and_resolution_travel_with_the_picture() {
             resolution,
             left_out: Vec::new(),
         };
-        let picture = Picture { metadata: metadata.clone(), ..Picture::new(gradient()) };
-        picture
+        let image_file = ImageFile { metadata: metadata.clone(), ..ImageFile::new(gradient()) };
+        image_file
             .write(&folder.path().join(name), &WriteOptions { overwrite: true, ..Default::default() })
             .unwrap();
-        let back = Picture::read(&folder.path().join(name)).unwrap();
+        let back = ImageFile::read(&folder.path().join(name)).unwrap();
         assert_eq!(back.metadata, metadata, "{name}");
         assert_eq!(back.top_edge(), TopEdge::Left);
         assert_eq!(back.pixels.size(), (16, 8), "pixels stay in stored order");
@@ -148,10 +148,12 @@ fn what_a_tiff_says_of_itself_survives_every_format() {
         resolution,
         left_out: Vec::new(),
     };
-    Picture { metadata, ..Picture::new(gradient()) }.write(&path("0.tif"), &WriteOptions::default()).unwrap();
+    ImageFile { metadata, ..ImageFile::new(gradient()) }
+        .write(&path("0.tif"), &WriteOptions::default())
+        .unwrap();
     for (from, to) in [("0.tif", "1.jpg"), ("1.jpg", "2.png"), ("2.png", "3.webp"), ("3.webp", "4.tiff")] {
-        Picture::read(&path(from)).unwrap().write(&path(to), &WriteOptions::default()).unwrap();
-        let metadata = Picture::read(&path(to)).unwrap().metadata;
+        ImageFile::read(&path(from)).unwrap().write(&path(to), &WriteOptions::default()).unwrap();
+        let metadata = ImageFile::read(&path(to)).unwrap().metadata;
         assert_eq!((metadata.orientation(), metadata.icc_profile), (8, Some(profile(b"RGB "))), "{to}");
     }
     // Resolution is one of a TIFF's own fields, and so of the EXIF it becomes.
@@ -176,7 +178,7 @@ fn eight_orientations_look_the_same_upright() {
         let image = Image::from_raw(width, 6 / width, values.iter().flat_map(|&v| [v; 3]).collect()).unwrap();
         let pixels = Pixels::Bytes(Layers { image, alpha: Some(values.to_vec()) });
         let metadata = Metadata { exif: Some(exif(orientation)), ..Metadata::default() };
-        let upright = Picture { metadata, ..Picture::new(pixels) }.upright();
+        let upright = ImageFile { metadata, ..ImageFile::new(pixels) }.upright();
         let Pixels::Bytes(Layers { image, alpha }) = upright.pixels else { panic!("bytes stay bytes") };
         assert_eq!((image.size(), alpha), ((3, 2), Some(vec![1, 2, 3, 4, 5, 6])), "{orientation}");
         assert_eq!(image.pixels()[5], [6; 3]);
@@ -185,25 +187,25 @@ fn eight_orientations_look_the_same_upright() {
 }
 
 #[test]
-fn a_grey_picture_is_read_as_rgb() {
+fn a_grey_image_is_read_as_rgb() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("grey.png");
     let file = std::fs::File::create(&path).unwrap();
     let mut encoder = PngEncoder::new(file);
     encoder.set_icc_profile(profile(b"GRAY")).unwrap();
     encoder.write_image(&[10, 20], 2, 1, ExtendedColorType::L8).unwrap();
-    let picture = Picture::read(&path).unwrap();
-    assert_eq!(picture.bytes().pixels(), [[10; 3], [20; 3]]);
-    assert_eq!(picture.metadata.icc_profile, None, "a profile for grey is wrong for RGB");
-    assert_eq!(picture.metadata.left_out.len(), 1, "and that is said");
+    let image_file = ImageFile::read(&path).unwrap();
+    assert_eq!(image_file.bytes().pixels(), [[10; 3], [20; 3]]);
+    assert_eq!(image_file.metadata.icc_profile, None, "a profile for grey is wrong for RGB");
+    assert_eq!(image_file.metadata.left_out.len(), 1, "and that is said");
 }
 
 #[test]
 fn refusals_name_the_file_the_cause_and_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    let message = |name: &str| Picture::read(&path(name)).unwrap_err().to_string();
-    std::fs::write(path("note.txt"), "no picture").unwrap();
+    let message = |name: &str| ImageFile::read(&path(name)).unwrap_err().to_string();
+    std::fs::write(path("note.txt"), "no image").unwrap();
     std::fs::write(path("empty.png"), "").unwrap();
     let mut cut = Vec::new();
     PngEncoder::new(&mut cut).write_image(&[9; 3 * 64 * 64], 64, 64, ExtendedColorType::Rgb8).unwrap();
@@ -214,7 +216,7 @@ fn refusals_name_the_file_the_cause_and_what_to_do() {
     std::fs::write(path("bomb.png"), png(20000, 20000, 2, &[(b"IDAT", &[0; 9])])).unwrap();
     for (name, cause, remedy) in [
         ("missing.png", "No such file", "Check the name"),
-        ("folder.png", "directory", "Name a picture in it"),
+        ("folder.png", "directory", "Name an image in it"),
         ("palette.png", "cannot decode", "get a whole copy"),
         ("bomb.png", "20000x20000", "scale it down"),
         ("note.txt", "none of PNG, JPEG", "convert it"),
@@ -231,12 +233,12 @@ fn a_file_that_exists_is_not_replaced_unasked() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     std::fs::write(&path, "mine").unwrap();
-    let picture = Picture::new(gradient());
-    let refused = picture.write(&path, &WriteOptions::default()).unwrap_err();
+    let image_file = ImageFile::new(gradient());
+    let refused = image_file.write(&path, &WriteOptions::default()).unwrap_err();
     assert!(matches!(refused, FileError::Exists { .. }), "{refused}");
     assert_eq!(std::fs::read(&path).unwrap(), b"mine");
-    picture.write(&path, &WriteOptions { overwrite: true, ..Default::default() }).unwrap();
-    assert!(Picture::read(&path).is_ok());
+    image_file.write(&path, &WriteOptions { overwrite: true, ..Default::default() }).unwrap();
+    assert!(ImageFile::read(&path).is_ok());
 }
 
 #[test]
@@ -258,7 +260,7 @@ fn a_written_file_is_as_open_as_the_umask_allows() {
     let folder = tempfile::tempdir().unwrap();
     let (plain, ours) = (folder.path().join("plain"), folder.path().join("a.png"));
     std::fs::write(&plain, "x").unwrap();
-    Picture::new(gradient()).write(&ours, &WriteOptions::default()).unwrap();
+    ImageFile::new(gradient()).write(&ours, &WriteOptions::default()).unwrap();
     let mode = |path: &Path| path.metadata().unwrap().permissions().mode();
     assert_eq!(mode(&ours), mode(&plain));
 }
@@ -267,17 +269,17 @@ fn a_written_file_is_as_open_as_the_umask_allows() {
 fn exif_too_large_for_a_jpeg_is_refused_not_cut() {
     let folder = tempfile::tempdir().unwrap();
     let metadata = Metadata { exif: Some(vec![0; 65528]), ..Metadata::default() };
-    let picture = Picture { metadata, ..Picture::new(gradient()) };
-    let refused = picture.write(&folder.path().join("a.jpg"), &WriteOptions::default()).unwrap_err();
+    let image_file = ImageFile { metadata, ..ImageFile::new(gradient()) };
+    let refused = image_file.write(&folder.path().join("a.jpg"), &WriteOptions::default()).unwrap_err();
     assert!(refused.to_string().contains("write .png"), "{refused}");
-    assert!(picture.write(&folder.path().join("a.png"), &WriteOptions::default()).is_ok());
+    assert!(image_file.write(&folder.path().join("a.png"), &WriteOptions::default()).is_ok());
 }
 
 #[test]
 fn an_unknown_extension_is_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.gif");
-    let refused = Picture::new(gradient()).write(&path, &WriteOptions::default()).unwrap_err();
+    let refused = ImageFile::new(gradient()).write(&path, &WriteOptions::default()).unwrap_err();
     assert!(refused.to_string().contains(WRITTEN));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -288,10 +290,10 @@ fn a_jpeg_under_another_name_is_known_by_its_content() {
     let path = folder.path().join("really_a_jpeg.png");
     let file = std::fs::File::create(&path).unwrap();
     JpegEncoder::new(file).write_image(&[128; 3 * 64], 8, 8, ExtendedColorType::Rgb8).unwrap();
-    assert_eq!(Picture::read(&path).unwrap().pixels.size(), (8, 8));
+    assert_eq!(ImageFile::read(&path).unwrap().pixels.size(), (8, 8));
 }
 
-/// Every format we make, of one picture.
+/// Every format we make, of one image.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
     let folder = tempfile::tempdir().unwrap();
     let samples: Vec<u8> = (0..48 * 40 * 3).map(|i| (i * i / 7) as u8).collect();
@@ -300,7 +302,7 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
         .into_iter()
         .map(|name| {
             let path = folder.path().join(name);
-            Picture::new(image.clone()).write(&path, &WriteOptions::default()).unwrap();
+            ImageFile::new(image.clone()).write(&path, &WriteOptions::default()).unwrap();
             (name, std::fs::read(path).unwrap())
         })
         .collect();
@@ -320,7 +322,7 @@ fn no_file_cut_anywhere_is_taken_for_whole() {
         let path = folder.path().join(name);
         let read = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
-            Picture::read(&path)
+            ImageFile::read(&path)
         };
         assert!(read(&whole).is_ok(), "{name}");
         for cut in (1..whole.len()).step_by(whole.len() / 97 + 1).chain(whole.len() - 8..whole.len()) {
@@ -331,20 +333,20 @@ fn no_file_cut_anywhere_is_taken_for_whole() {
 }
 
 #[test]
-fn what_is_left_of_a_picture_is_taken_on_request_and_the_output_says_so() {
+fn what_is_left_of_an_image_is_taken_on_request_and_the_output_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let lenient = ReadOptions { lenient: true, ..Default::default() };
     for (name, whole) in files().into_iter().filter(|(name, _)| *name != "a.tif") {
         let path = folder.path().join(name);
         std::fs::write(&path, &whole[..whole.len() * 3 / 4]).unwrap();
-        let Ok(picture) = Picture::open(&path, &lenient).unwrap().decode() else {
+        let Ok(image_file) = ImageFile::open(&path, &lenient).unwrap().decode() else {
             assert!(matches!(name, "a.webp" | "a.bmp" | "a.gif"), "{name} decodes as far as it goes");
             continue;
         };
-        let damage = picture.damage.clone().unwrap();
+        let damage = image_file.damage.clone().unwrap();
         for output in ["out.png", "out.jpg", "out.webp", "out.tif"] {
             let output = folder.path().join(output);
-            picture.write(&output, &WriteOptions { overwrite: true, ..Default::default() }).unwrap();
+            image_file.write(&output, &WriteOptions { overwrite: true, ..Default::default() }).unwrap();
             let bytes = std::fs::read(&output).unwrap();
             let told = format!("made by aquafuse from a damaged file: {damage}");
             assert!(bytes.windows(told.len()).any(|window| window == told.as_bytes()), "{name}");
@@ -358,16 +360,16 @@ fn what_is_too_large_is_refused_from_the_header() {
     let path = folder.path().join("large.png");
     let header_only = png(30_000, 30_000, 2, &[]);
     std::fs::write(&path, header_only).unwrap();
-    let message = |options: ReadOptions| Picture::open(&path, &options).unwrap_err().to_string();
+    let message = |options: ReadOptions| ImageFile::open(&path, &options).unwrap_err().to_string();
     assert!(message(ReadOptions::default()).contains("--max-pixels"));
     let pixels = ReadOptions { most_pixels: u64::MAX, ..Default::default() };
     assert!(message(pixels).contains("--max-memory"));
     let all = ReadOptions { most_memory: u64::MAX, ..pixels };
-    assert!(Picture::open(&path, &all).unwrap().memory() > 30_000 * 30_000 * 6);
+    assert!(ImageFile::open(&path, &all).unwrap().memory() > 30_000 * 30_000 * 6);
 }
 
 #[test]
-fn a_file_beside_pictures_has_a_quarter_of_memory_at_most_and_may_be_empty() {
+fn a_file_beside_images_has_a_quarter_of_memory_at_most_and_may_be_empty() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("labels.txt");
     let file = std::fs::File::create(&path).unwrap();
@@ -377,7 +379,7 @@ fn a_file_beside_pictures_has_a_quarter_of_memory_at_most_and_may_be_empty() {
     assert_eq!(read_beside(&path, &options).unwrap(), [0; 1_000]);
     file.set_len(1_001).unwrap();
     let said = read_beside(&path, &options).unwrap_err().to_string();
-    assert!(said.contains("labels.txt: it has 1001 bytes, and files that go along with pictures may have 1000, a quarter of --max-memory"), "{said}");
+    assert!(said.contains("labels.txt: it has 1001 bytes, and files that go along with images may have 1000, a quarter of --max-memory"), "{said}");
 }
 
 #[test]
@@ -404,7 +406,7 @@ fn floats_that_are_no_encoded_values_are_refused() {
         let mut encoder = ::tiff::encoder::TiffEncoder::new(&mut file).unwrap();
         encoder.write_image::<::tiff::encoder::colortype::RGB32Float>(1, 1, &[0.5, value, 0.5]).unwrap();
         std::fs::write(&path, file.into_inner()).unwrap();
-        let refused = Picture::read(&path).unwrap_err().to_string();
+        let refused = ImageFile::read(&path).unwrap_err().to_string();
         assert!(refused.contains("Scale it to 0 to 1"), "{refused}");
     }
 }
@@ -415,11 +417,11 @@ fn what_does_not_travel_is_named() {
     let path = folder.path().join("a.png");
     let data = [0x78, 1, 1, 4, 0, 0xfb, 0xff, 0, 1, 2, 3, 0, 0x0e, 0, 7];
     std::fs::write(&path, png(1, 1, 2, &[(b"tEXt", b"Comment\0reef"), (b"IDAT", &data)])).unwrap();
-    assert_eq!(Picture::read(&path).unwrap().metadata.left_out, ["its texts"]);
+    assert_eq!(ImageFile::read(&path).unwrap().metadata.left_out, ["its texts"]);
     let mut jpeg = Vec::new();
     JpegEncoder::new(&mut jpeg).write_image(&[128; 3 * 64], 8, 8, ExtendedColorType::Rgb8).unwrap();
     let xmp = b"\xff\xe1\0\x25http://ns.adobe.com/xap/1.0/\0<x/>  ";
     jpeg.splice(2..2, xmp.iter().copied());
-    let read = Picture::from_bytes("a.jpg".as_ref(), &jpeg, &ReadOptions::default()).unwrap();
+    let read = ImageFile::from_bytes("a.jpg".as_ref(), &jpeg, &ReadOptions::default()).unwrap();
     assert_eq!(read.metadata.left_out, ["its XMP"]);
 }

@@ -1,4 +1,4 @@
-//! The pixels of a picture, as fine as its file holds them.
+//! The pixels of an image, as fine as its file holds them.
 
 use std::borrow::Cow;
 
@@ -88,7 +88,7 @@ impl Pixels {
         each!(self, layers => model.estimate_seen(&layers.image, top))
     }
 
-    /// The picture, smoothed; opacity is left as it is.
+    /// The image, smoothed; opacity is left as it is.
     pub fn smoothed(self, smoothing: Smoothing) -> Self {
         fn layers<T: Sample>(Layers { image, alpha }: Layers<T>, smoothing: Smoothing) -> Layers<T> {
             Layers { image: smoothing.apply(image), alpha }
@@ -100,7 +100,7 @@ impl Pixels {
         }
     }
 
-    /// The picture turned as an EXIF orientation of 1 to 8 asks for; other values turn nothing.
+    /// The image turned as an EXIF orientation of 1 to 8 asks for; other values turn nothing.
     pub fn turned(self, orientation: u8) -> Self {
         match self {
             Self::Bytes(layers) => Self::Bytes(layers.turned(orientation)),

@@ -2,9 +2,9 @@
 
 use super::*;
 
-/// A strip of JPEG is unpacked to its own size, whatever the picture's is.
+/// A strip of JPEG is unpacked to its own size, whatever the image's is.
 #[test]
-fn jpeg_within_tiff_is_refused_for_pictures_and_for_depth() {
+fn jpeg_within_tiff_is_refused_for_images_and_for_depth() {
     let mut strip = Vec::new();
     JpegEncoder::new(&mut strip).write_image(&[9; 512 * 512], 512, 512, ExtendedColorType::L8).unwrap();
     let fields: [(u16, u32); 8] = [
@@ -27,7 +27,7 @@ fn jpeg_within_tiff_is_refused_for_pictures_and_for_depth() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tiff");
     std::fs::write(&path, file).unwrap();
-    let said = Picture::read(&path).unwrap_err().to_string();
+    let said = ImageFile::read(&path).unwrap_err().to_string();
     assert!(said.contains("a TIFF compressed as JPEG. Save it with LZW"), "{said}");
     let said = crate::depth_file::read(&path, aquafuse::depth::SuppliedKind::Metres).unwrap_err().to_string();
     assert!(said.contains("the compression of JPEG"), "{said}");
@@ -35,7 +35,7 @@ fn jpeg_within_tiff_is_refused_for_pictures_and_for_depth() {
 
 /// Pieces may all be the same one of the file, so that a small file makes much work.
 #[test]
-fn a_tiff_of_too_many_strips_is_refused_for_pictures_and_for_depth() {
+fn a_tiff_of_too_many_strips_is_refused_for_images_and_for_depth() {
     let file = |rows: u32| {
         let places = 8 + 2 + 9 * 12 + 4;
         let lengths = places + 4 * rows;
@@ -63,9 +63,9 @@ fn a_tiff_of_too_many_strips_is_refused_for_pictures_and_for_depth() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tiff");
     std::fs::write(&path, file(1_000)).unwrap();
-    assert_eq!(Picture::read(&path).unwrap().pixels.size(), (1, 1_000));
+    assert_eq!(ImageFile::read(&path).unwrap().pixels.size(), (1, 1_000));
     std::fs::write(&path, file(300_000)).unwrap();
-    let said = Picture::read(&path).unwrap_err().to_string();
+    let said = ImageFile::read(&path).unwrap_err().to_string();
     assert!(said.contains("a TIFF of 300000 strips or tiles (262144 are allowed). Save it"), "{said}");
     let said = crate::depth_file::read(&path, aquafuse::depth::SuppliedKind::Metres).unwrap_err().to_string();
     assert!(said.contains("a TIFF of 300000 strips"), "{said}");
@@ -79,10 +79,10 @@ fn a_gif_whose_frame_is_larger_than_its_screen_is_refused() {
     // A screen of 2 x 2, two colours, a frame of 2 x 2 of the first one.
     let mut file = b"GIF89a\x02\0\x02\0\x80\0\0\x10\x20\x30\xff\xff\xff\x2c\0\0\0\0\x02\0\x02\0\0\x02\x03\x04\0\x05\0\x3b".to_vec();
     std::fs::write(&path, &file).unwrap();
-    assert_eq!(Picture::read(&path).unwrap().pixels.size(), (2, 2));
+    assert_eq!(ImageFile::read(&path).unwrap().pixels.size(), (2, 2));
     file[26] = 0xff;
     std::fs::write(&path, &file).unwrap();
-    let said = Picture::read(&path).unwrap_err().to_string();
+    let said = ImageFile::read(&path).unwrap_err().to_string();
     assert!(said.contains("its first frame has more pixels than its screen"), "{said}");
 }
 
@@ -92,5 +92,5 @@ fn a_pipe_is_refused_and_not_waited_for() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe.png");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    assert!(matches!(Picture::read(&pipe), Err(FileError::NoFile { .. })));
+    assert!(matches!(ImageFile::read(&pipe), Err(FileError::NoFile { .. })));
 }

@@ -1,4 +1,4 @@
-//! Small pictures, and pictures as text.
+//! Small images, and images as text.
 
 use ::image::RgbImage;
 use ::image::imageops::{FilterType, resize};
@@ -7,19 +7,19 @@ use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
 use crate::base64;
 
-/// The most columns and rows of a small picture.
+/// The most columns and rows of a small image.
 const ROOM: [u32; 2] = [216, 162];
 const QUALITY: u8 = 88;
 
-/// The picture, as large as fits side by side with others on a page.
+/// The image, as large as fits side by side with others on a page.
 pub fn thumbnail(image: &Image<u8>) -> Image<u8> {
     let sides = [image.width(), image.height()].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
     let [wide, high] = sides.map(f64::from);
     let scale = (f64::from(ROOM[0]) / wide).min(f64::from(ROOM[1]) / high).min(1.0);
-    let Some(picture) = RgbImage::from_raw(sides[0], sides[1], image.as_raw().to_vec()) else {
+    let Some(image_file) = RgbImage::from_raw(sides[0], sides[1], image.as_raw().to_vec()) else {
         return image.clone();
     };
-    let small = resize(&picture, scaled(wide, scale), scaled(high, scale), FilterType::Triangle);
+    let small = resize(&image_file, scaled(wide, scale), scaled(high, scale), FilterType::Triangle);
     let (width, height) = (small.width() as usize, small.height() as usize);
     Image::from_raw(width, height, small.into_raw()).expect("as many pixels as it was made with")
 }
@@ -29,14 +29,14 @@ fn scaled(side: f64, scale: f64) -> u32 {
     ((side * scale).round() as u32).max(1)
 }
 
-/// The picture as a JPEG that stands in a page by itself.
+/// The image as a JPEG that stands in a page by itself.
 pub(super) fn data_uri(image: &Image<u8>) -> String {
     let [width, height] = [image.width(), image.height()].map(|side| u16::try_from(side).unwrap_or(u16::MAX));
     let mut jpeg = Vec::new();
     let mut encoder = Encoder::new(&mut jpeg, QUALITY);
     encoder.set_sampling_factor(SamplingFactor::F_1_1);
     let written = encoder.encode(image.as_raw(), width, height, ColorType::Rgb);
-    written.expect("a small picture of bytes fits into a JPEG");
+    written.expect("a small image of bytes fits into a JPEG");
     format!("data:image/jpeg;base64,{}", base64(&jpeg))
 }
 
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_thumbnail_keeps_the_shape_and_is_never_larger_than_the_picture() {
+    fn a_thumbnail_keeps_the_shape_and_is_never_larger_than_the_image() {
         let of = |width: usize, height: usize| {
             thumbnail(&Image::<u8>::from_raw(width, height, vec![90; 3 * width * height]).unwrap()).size()
         };

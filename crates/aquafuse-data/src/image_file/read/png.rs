@@ -34,7 +34,7 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
     if reader.info().animation_control().is_some() {
         return Err(Fault::Unsupported(
             "an animation".into(),
-            "Save the frame you mean as a picture of its own",
+            "Save the frame you mean as an image of its own",
         ));
     }
     let size = reader.output_buffer_size().ok_or_else(|| Fault::TooLarge("no memory holds it".into()))?;

@@ -8,7 +8,7 @@ use super::super::limits::Size;
 use super::{Decoded, Fault, Pixels, by_image, size_of};
 
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
-    // A frame is a picture of its own within the screen.
+    // A frame is an image of its own within the screen.
     let size = size_of(&GifDecoder::new(reader)?);
     Ok(Size { beside: size.beside.saturating_add(4), ..size })
 }

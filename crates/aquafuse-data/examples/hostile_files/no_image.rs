@@ -1,11 +1,11 @@
-//! What people give instead of a picture: text, web pages, nothing, noise behind a good beginning.
+//! What people give instead of an image: text, web pages, nothing, noise behind a good beginning.
 
 use crate::bytes::Chance;
 use crate::list::Files;
 use crate::list::Right::Refuse;
 use crate::list::Role;
 
-const KIND: &str = "no picture";
+const KIND: &str = "no image";
 
 pub(crate) fn add(files: &mut Files) {
     let things: [(&str, Vec<u8>); 15] = [
@@ -28,20 +28,20 @@ pub(crate) fn add(files: &mut Files) {
         ("ones", vec![0xff; 1 << 20]),
     ];
     for (name, bytes) in things {
-        files.picture(KIND, Refuse, &format!("{name}.jpg"), bytes.clone());
+        files.image(KIND, Refuse, &format!("{name}.jpg"), bytes.clone());
         files.depth(KIND, Refuse, &format!("{name}.npy"), bytes);
     }
     let magics: [(Role, &str, &[u8]); 15] = [
-        (Role::Picture, "magic.png", b"\x89PNG\r\n\x1a\n"),
-        (Role::Picture, "header.png", b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR"),
-        (Role::Picture, "magic.jpg", b"\xff\xd8\xff\xe0"),
-        (Role::Picture, "frame.jpg", b"\xff\xd8\xff\xc0"),
-        (Role::Picture, "magic.webp", b"RIFF\0\x10\0\0WEBPVP8L\0\x10\0\0"),
-        (Role::Picture, "lossy.webp", b"RIFF\0\x10\0\0WEBPVP8 \0\x10\0\0"),
-        (Role::Picture, "magic.tiff", b"II\x2a\0\x08\0\0\0"),
-        (Role::Picture, "big-endian.tiff", b"MM\0\x2a\0\0\0\x08"),
-        (Role::Picture, "magic.bmp", b"BM"),
-        (Role::Picture, "magic.gif", b"GIF89a"),
+        (Role::Image, "magic.png", b"\x89PNG\r\n\x1a\n"),
+        (Role::Image, "header.png", b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR"),
+        (Role::Image, "magic.jpg", b"\xff\xd8\xff\xe0"),
+        (Role::Image, "frame.jpg", b"\xff\xd8\xff\xc0"),
+        (Role::Image, "magic.webp", b"RIFF\0\x10\0\0WEBPVP8L\0\x10\0\0"),
+        (Role::Image, "lossy.webp", b"RIFF\0\x10\0\0WEBPVP8 \0\x10\0\0"),
+        (Role::Image, "magic.tiff", b"II\x2a\0\x08\0\0\0"),
+        (Role::Image, "big-endian.tiff", b"MM\0\x2a\0\0\0\x08"),
+        (Role::Image, "magic.bmp", b"BM"),
+        (Role::Image, "magic.gif", b"GIF89a"),
         (Role::Depth, "magic.png", b"\x89PNG\r\n\x1a\n"),
         (Role::Depth, "magic.tiff", b"II\x2a\0\x08\0\0\0"),
         (Role::Depth, "magic.exr", b"\x76\x2f\x31\x01\x02\0\0\0"),

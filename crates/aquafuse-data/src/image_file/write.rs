@@ -1,4 +1,4 @@
-//! From picture to file.
+//! From image to file.
 
 mod tiff;
 
@@ -15,57 +15,57 @@ use super::atomic::Output;
 use super::format::WRITTEN;
 use super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::pixels::{Layers, Pixels};
-use super::{FileError, Format, Picture, Staged, WriteOptions, exif};
+use super::{FileError, Format, ImageFile, Staged, WriteOptions, exif};
 
 /// The most EXIF that a JPEG segment holds beside its length and its name.
 const JPEG_EXIF: usize = 65535 - 2 - 6;
 
-pub(super) fn stage(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<Staged, FileError> {
-    let (format, metadata) = ready(picture, path)?;
-    let fill = |out: &mut dyn Output| encode_as(format, out, picture, &metadata, options.quality);
+pub(super) fn stage(image: &ImageFile, path: &Path, options: &WriteOptions) -> Result<Staged, FileError> {
+    let (format, metadata) = ready(image, path)?;
+    let fill = |out: &mut dyn Output| encode_as(format, out, image, &metadata, options.quality);
     Staged::fill(path, options.overwrite, fill)
 }
 
-pub(super) fn encode(picture: &Picture, path: &Path, quality: u8) -> Result<Vec<u8>, FileError> {
-    let (format, metadata) = ready(picture, path)?;
+pub(super) fn encode(image: &ImageFile, path: &Path, quality: u8) -> Result<Vec<u8>, FileError> {
+    let (format, metadata) = ready(image, path)?;
     let mut out = Cursor::new(Vec::new());
-    let encoded = encode_as(format, &mut out, picture, &metadata, quality);
+    let encoded = encode_as(format, &mut out, image, &metadata, quality);
     encoded.map_err(|error| FileError::Write { path: path.to_owned(), cause: error.to_string() })?;
     Ok(out.into_inner())
 }
 
 /// The format that a name asks for, and what goes into the file beside the pixels.
-fn ready<'a>(picture: &'a Picture, path: &Path) -> Result<(Format, Cow<'a, Metadata>), FileError> {
+fn ready<'a>(image: &'a ImageFile, path: &Path) -> Result<(Format, Cow<'a, Metadata>), FileError> {
     let Some(format) = Format::written(path) else {
         return Err(FileError::UnknownExtension { path: path.to_owned(), expected: WRITTEN });
     };
     let failed = |cause: String| FileError::Write { path: path.to_owned(), cause };
-    let metadata = carried(picture).map_err(&failed)?;
-    check(picture, &metadata, format).map_err(failed)?;
+    let metadata = carried(image).map_err(&failed)?;
+    check(image, &metadata, format).map_err(failed)?;
     Ok((format, metadata))
 }
 
 fn encode_as(
     format: Format,
     mut out: &mut dyn Output,
-    picture: &Picture,
+    image: &ImageFile,
     metadata: &Metadata,
     quality: u8,
 ) -> io::Result<()> {
     match format {
-        Format::Png => png(&mut out, picture, metadata),
-        Format::Jpeg => jpeg(&mut out, picture, metadata, quality),
-        Format::WebP => webp(&mut out, picture, metadata),
-        _ => tiff::encode(out, picture, metadata),
+        Format::Png => png(&mut out, image, metadata),
+        Format::Jpeg => jpeg(&mut out, image, metadata, quality),
+        Format::WebP => webp(&mut out, image, metadata),
+        _ => tiff::encode(out, image, metadata),
     }
 }
 
-/// What goes into the output: no thumbnail, which shows another picture, and the mark of damage.
-fn carried(picture: &Picture) -> Result<Cow<'_, Metadata>, String> {
-    let mut metadata = Cow::Borrowed(&picture.metadata);
-    if let Some(damage) = &picture.damage {
+/// What goes into the output: no thumbnail, which shows another image, and the mark of damage.
+fn carried(image: &ImageFile) -> Result<Cow<'_, Metadata>, String> {
+    let mut metadata = Cow::Borrowed(&image.metadata);
+    if let Some(damage) = &image.damage {
         let text = format!("made by aquafuse from a damaged file: {damage}");
-        let marked = exif::with_description(picture.metadata.exif.as_deref(), &text);
+        let marked = exif::with_description(image.metadata.exif.as_deref(), &text);
         metadata.to_mut().exif = Some(marked.map_err(|error| error.to_string())?);
     } else if metadata.exif.is_some()
         && let Some(block) = &mut metadata.to_mut().exif
@@ -76,8 +76,8 @@ fn carried(picture: &Picture) -> Result<Cow<'_, Metadata>, String> {
 }
 
 /// Refuses what a format cannot hold.
-fn check(picture: &Picture, metadata: &Metadata, format: Format) -> Result<(), String> {
-    let (width, height) = picture.pixels.size();
+fn check(image: &ImageFile, metadata: &Metadata, format: Format) -> Result<(), String> {
+    let (width, height) = image.pixels.size();
     let (most, name) = match format {
         Format::Jpeg => (65535, "JPEG"),
         Format::WebP => (16384, "WebP"),
@@ -87,7 +87,7 @@ fn check(picture: &Picture, metadata: &Metadata, format: Format) -> Result<(), S
         return Err(format!("{width}x{height} pixels are more than {name} can hold; write .png or .tif"));
     }
     match (format, &metadata.exif) {
-        (Format::Jpeg, _) if picture.pixels.has_alpha() => {
+        (Format::Jpeg, _) if image.pixels.has_alpha() => {
             Err("JPEG cannot hold its transparency; write .png, .tif or .webp".into())
         }
         (Format::Jpeg, Some(exif)) if exif.len() > JPEG_EXIF => {
@@ -111,10 +111,10 @@ pub(crate) fn whole(value: f64) -> u32 {
     value.round() as u32
 }
 
-fn png(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
-    let (width, height) = picture.pixels.size();
+fn png(out: &mut dyn Write, image: &ImageFile, metadata: &Metadata) -> io::Result<()> {
+    let (width, height) = image.pixels.size();
     let mut info = Info::with_size(side(width), side(height));
-    info.color_type = if picture.pixels.has_alpha() { ColorType::Rgba } else { ColorType::Rgb };
+    info.color_type = if image.pixels.has_alpha() { ColorType::Rgba } else { ColorType::Rgb };
     info.icc_profile = metadata.icc_profile.as_deref().map(Cow::Borrowed);
     info.exif_metadata = metadata.exif.as_deref().map(Cow::Borrowed);
     info.pixel_dims = metadata.resolution.map(|resolution| {
@@ -125,7 +125,7 @@ fn png(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Resul
     let big_endian = |layers: &Layers<u16>| -> Vec<u8> {
         layers.interleaved().iter().flat_map(|word| word.to_be_bytes()).collect()
     };
-    let (depth, samples) = match &picture.pixels {
+    let (depth, samples) = match &image.pixels {
         Pixels::Bytes(layers) => (BitDepth::Eight, layers.interleaved()),
         Pixels::Words(layers) => (BitDepth::Sixteen, big_endian(layers).into()),
         Pixels::Floats(layers) => (BitDepth::Sixteen, big_endian(&layers.to_samples()).into()),
@@ -156,7 +156,7 @@ pub(crate) fn encode_grey16(
     encode_png(out, info, &bytes)
 }
 
-fn jpeg(out: &mut dyn Write, picture: &Picture, metadata: &Metadata, quality: u8) -> io::Result<()> {
+fn jpeg(out: &mut dyn Write, image: &ImageFile, metadata: &Metadata, quality: u8) -> io::Result<()> {
     let mut encoder = jpeg_encoder::Encoder::new(out, quality.clamp(1, 100));
     encoder.set_sampling_factor(SamplingFactor::F_1_1);
     if let Some(resolution) = metadata.resolution {
@@ -168,7 +168,7 @@ fn jpeg(out: &mut dyn Write, picture: &Picture, metadata: &Metadata, quality: u8
     if let Some(profile) = &metadata.icc_profile {
         encoder.add_icc_profile(profile).map_err(refusal)?;
     }
-    let layers = as_bytes(&picture.pixels);
+    let layers = as_bytes(&image.pixels);
     let (width, height) = layers.image.size();
     let [width, height] = [width, height].map(|side| u16::try_from(side).unwrap_or(u16::MAX));
     encoder.encode(layers.image.as_raw(), width, height, jpeg_encoder::ColorType::Rgb).map_err(refusal)
@@ -202,7 +202,7 @@ fn density(resolution: Resolution) -> PixelDensity {
     PixelDensity { density: (short(x), short(y)), unit }
 }
 
-fn webp(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
+fn webp(out: &mut dyn Write, image: &ImageFile, metadata: &Metadata) -> io::Result<()> {
     let mut encoder = WebPEncoder::new_lossless(out);
     let unsupported = |error| failure(ImageError::Unsupported(error));
     if let Some(profile) = &metadata.icc_profile {
@@ -211,7 +211,7 @@ fn webp(out: &mut dyn Write, picture: &Picture, metadata: &Metadata) -> io::Resu
     if let Some(exif) = &metadata.exif {
         encoder.set_exif_metadata(exif.clone()).map_err(unsupported)?;
     }
-    let layers = as_bytes(&picture.pixels);
+    let layers = as_bytes(&image.pixels);
     let colour = if layers.alpha.is_some() { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
     let (width, height) = layers.image.size();
     encoder.write_image(&layers.interleaved(), side(width), side(height), colour).map_err(failure)

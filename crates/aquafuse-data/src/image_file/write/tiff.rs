@@ -12,10 +12,10 @@ use super::super::atomic::Output;
 use super::super::exif::Exif;
 use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::super::pixels::{Layers, Pixels};
-use super::{Picture, side, whole};
+use super::{ImageFile, side, whole};
 
-pub(super) fn encode(out: &mut dyn Output, picture: &Picture, metadata: &Metadata) -> io::Result<()> {
-    let encoded = match &picture.pixels {
+pub(super) fn encode(out: &mut dyn Output, image_file: &ImageFile, metadata: &Metadata) -> io::Result<()> {
+    let encoded = match &image_file.pixels {
         Pixels::Bytes(layers) => layered::<RGB8, u8>(out, layers, Predictor::Horizontal, metadata),
         Pixels::Words(layers) => layered::<RGB16, u16>(out, layers, Predictor::Horizontal, metadata),
         Pixels::Floats(layers) => layered::<RGB32Float, f32>(out, layers, Predictor::None, metadata),

@@ -15,7 +15,7 @@ use aquafuse_data::augment::{
     AugmentError, Augmentation, Conduct, DepthPlan, Draws, Message, OnDoubtful, Recipe, Shard,
 };
 use aquafuse_data::dataset::{Dataset, Layout};
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use aquafuse_data::job::Summary;
 use aquafuse_data::treatment::Space;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -266,7 +266,7 @@ impl Augment {
             Summary { failed, left: 0, done, kept } => Err(Failure::work(anyhow!(
                 "{failed} of {} images failed; the messages above say why, and the manifest in {} lists them",
                 failed + done + kept,
-                shown(&self.output)
+                display(&self.output)
             ))),
             Summary { failed, left, .. } => Err(Failure::work(anyhow!(
                 "failed: {failed}, not tried: {left}; mend them, and the same command goes on"
@@ -287,7 +287,7 @@ impl Augment {
             };
             return Err(Failure::usage(anyhow!(
                 "{} has annotations that are not right; mend them, or --on-bad-annotation skip or keep:{}{more}",
-                shown(&self.dataset),
+                display(&self.dataset),
                 named.concat()
             )));
         }
@@ -296,7 +296,7 @@ impl Augment {
             dataset.samples.retain(|sample| !dataset.faults.concern(&sample.key));
         }
         if dataset.samples.is_empty() {
-            return Err(Failure::usage(anyhow!("no image of {} is left", shown(&self.dataset))));
+            return Err(Failure::usage(anyhow!("no image of {} is left", display(&self.dataset))));
         }
         Ok(before - dataset.samples.len())
     }

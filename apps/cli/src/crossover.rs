@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::image_file::{FileError, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::files::{FileError, display, remove_stale_parts};
+use aquafuse_data::image_file::WriteOptions;
 use aquafuse_data::treatment::{Space, Treatment};
 use clap::Args;
 
@@ -55,7 +56,7 @@ impl Crossover {
         let waters = [analyse::<E>(&a, &source)?, analyse::<E>(&b, &source)?];
         remove_stale_parts(&self.output);
         let says: Vec<String> = [(&self.a, &waters[0]), (&self.b, &waters[1])]
-            .map(|(path, found)| format!("{}: {}\n", shown(path), veiling_light(&found.estimate)))
+            .map(|(path, found)| format!("{}: {}\n", display(path), veiling_light(&found.estimate)))
             .into();
         if !common.quiet {
             output::print(&says.concat())?;
@@ -67,7 +68,10 @@ impl Crossover {
             image.write(path, &WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() })?;
             if !common.quiet {
                 let clipped = 100.0 * treated.clipping.share();
-                output::print(&format!("{}: written, {clipped:.2} % of the values clipped\n", shown(path)))?;
+                output::print(&format!(
+                    "{}: written, {clipped:.2} % of the values clipped\n",
+                    display(path)
+                ))?;
             }
         }
         Ok(())
@@ -79,10 +83,10 @@ impl Crossover {
         if a == b {
             return Err(Failure::usage(anyhow!(
                 "{} and {} would both become {}__{}.png; rename one of them",
-                shown(&self.a),
-                shown(&self.b),
-                shown(a.as_ref()),
-                shown(b.as_ref())
+                display(&self.a),
+                display(&self.b),
+                display(a.as_ref()),
+                display(b.as_ref())
             )));
         }
         output::make_folder(&self.output)?;

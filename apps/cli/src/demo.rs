@@ -6,7 +6,8 @@ use std::time::Instant;
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
-use aquafuse_data::image_file::{ImageFile, WriteOptions, shown};
+use aquafuse_data::files::display;
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::sheet::{Cell, lay_out};
 use clap::Args;
 
@@ -43,14 +44,14 @@ impl Demo {
         output::make_folder(&self.output)?;
         let began = Instant::now();
         let [blue, green, turbid, clear, deep] = waters();
-        say(&format!("Making images and fusing them, into {}:\n", shown(&self.output)))?;
+        say(&format!("Making images and fusing them, into {}:\n", display(&self.output)))?;
 
         let mut references = Vec::new();
         for (i, water) in [green, clear, deep].into_iter().enumerate() {
             let scene = Scene::new(self.seed.wrapping_add(10 + i as u64), REFERENCE);
             let made = Made::new(&scene, water)?;
             let path = self.write(&format!("reference_{}.png", water.name), &made.image_file)?;
-            say(&format!("  {}   after {:.1} s\n", shown(&path), began.elapsed().as_secs_f32()))?;
+            say(&format!("  {}   after {:.1} s\n", display(&path), began.elapsed().as_secs_f32()))?;
             references.push(made);
         }
         let mut rows = vec![heading(&references)];
@@ -58,7 +59,7 @@ impl Demo {
             let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water)?;
             let name = format!("content_{}", water.name);
             let path = self.write(&format!("{name}.png"), &content.image_file)?;
-            say(&format!("  {}   after {:.1} s\n", shown(&path), began.elapsed().as_secs_f32()))?;
+            say(&format!("  {}   after {:.1} s\n", display(&path), began.elapsed().as_secs_f32()))?;
             say(&content.veils())?;
             for model in [Model::Physical, Model::Aquafuse] {
                 let mut row = vec![cell(&format!("content, {} water", water.name), &content.image_file)];
@@ -78,9 +79,9 @@ impl Demo {
              Look at that sheet first. Your own images, once\n\
              `cargo install --locked --path apps/cli` has put aquafuse on your PATH:\n  \
              aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
-            shown(&path),
+            display(&path),
             began.elapsed().as_secs_f32(),
-            shown(&self.output.join("reference_green.png"))
+            display(&self.output.join("reference_green.png"))
         ))
     }
 

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use aquafuse_data::depth_file;
-use aquafuse_data::image_file::{WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::files::{display, remove_stale_parts};
+use aquafuse_data::image_file::WriteOptions;
 use clap::Args;
 
 use crate::depth_model::DepthModelArg;
@@ -41,6 +42,6 @@ impl Depth {
         remove_stale_parts(output::make_folder_of(&self.output)?);
         let depth = image_file.pixels.depth(&self.model.get(), image_file.top_edge());
         depth_file::write(&self.output, &depth, &options)?;
-        if quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&self.output))) }
+        if quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&self.output))) }
     }
 }

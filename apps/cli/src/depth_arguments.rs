@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow};
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse_data::analysis::DepthSource;
 use aquafuse_data::depth_file::DepthFolder;
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -56,7 +56,7 @@ impl DepthArguments {
                 return Err(anyhow!(
                     "{} does not say what its values are; add --depth-kind metres, millimetres or relative (larger \
                      is farther), inverse (larger is nearer, as monocular networks give it) or disparity",
-                    shown(depth)
+                    display(depth)
                 ));
             }
             (None, Some(_)) => return Err(anyhow!("--depth-kind says what --depth is; add --depth FILE")),
@@ -66,7 +66,7 @@ impl DepthArguments {
             (true, false) => Err(anyhow!(
                 "the images stand in a folder, so --depth must be a folder too, with a map of the same stem for \
                  each; {} is none",
-                shown(depth)
+                display(depth)
             )),
             (false, _) => Ok(Supply::File(depth.clone(), kind)),
         }

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::anyhow;
 use aquafuse_data::evaluate::report::{self, markdown_of_table};
 use aquafuse_data::evaluate::{Conduct, EvaluateError, Listener, Lpips, Message, Outputs, Report};
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use clap::{Args, Subcommand};
 
 use crate::common::Common;
@@ -156,7 +156,7 @@ impl ReportArguments {
 fn text(report: &Report, path: Option<&Path>) -> String {
     let tables =
         report.tables.iter().map(|table| format!("{}\n\n{}\n", table.title, markdown_of_table(table)));
-    let written = path.map(|path| format!("{}: written\n", shown(path)));
+    let written = path.map(|path| format!("{}: written\n", display(path)));
     tables.chain(written).collect()
 }
 

@@ -41,11 +41,11 @@ impl fmt::Display for Failure {
     }
 }
 
-impl From<aquafuse_data::image_file::FileError> for Failure {
+impl From<aquafuse_data::files::FileError> for Failure {
     /// A name that cannot be written to, that nothing bears, or that is a folder's, is wrong usage; anything
     /// else happened to the work.
-    fn from(error: aquafuse_data::image_file::FileError) -> Self {
-        use aquafuse_data::image_file::FileError::{
+    fn from(error: aquafuse_data::files::FileError) -> Self {
+        use aquafuse_data::files::FileError::{
             Busy, DamagedRecord, Exists, OtherSettings, Read, UnknownExtension,
         };
         use std::io::ErrorKind::{IsADirectory, NotFound};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::depth::fit::{self, Options, Scale, Target};
 use aquafuse::depth::{Eq3, SuppliedKind};
-use aquafuse_data::image_file::{FileError, shown};
+use aquafuse_data::files::{FileError, display};
 use aquafuse_data::model_file::{self, FitRecord, ModelFile, PairScore};
 use aquafuse_data::pairs::{self, Gathered, Message};
 use clap::{Args, ValueEnum};
@@ -89,7 +89,7 @@ impl Fit {
             return Err(Failure::usage(anyhow!(
                 "{} holds no pair: {others} files of rgb/ and depth/ have no partner of the same stem. Name \
                  the two files of a pair alike",
-                shown(&self.pairs)
+                display(&self.pairs)
             )));
         }
         if !quiet && !listing.without_partner.is_empty() {
@@ -99,7 +99,7 @@ impl Fit {
         output::make_folder_of(&self.output)?;
         let gathered = self.gather(&listing.pairs, common);
         let fit = gathered.fitter.solve().map_err(|error| {
-            Failure::work(anyhow!("cannot fit a model to {}: {error}", shown(&self.pairs)))
+            Failure::work(anyhow!("cannot fit a model to {}: {error}", display(&self.pairs)))
         })?;
         let file = ModelFile { eq3: fit.eq3, fit: Some(self.record(&gathered, &fit)) };
         file.write(&self.output, self.overwrite)?;
@@ -190,7 +190,7 @@ fn report(output: &Path, gathered: &Gathered, fit: &fit::Fit) -> String {
     let mut line = |line: String| {
         let _ = writeln!(text, "{line}");
     };
-    line(format!("{}: written, fitted to {} pairs", shown(output), gathered.names.len()));
+    line(format!("{}: written, fitted to {} pairs", display(output), gathered.names.len()));
     line(format!(
         "  d = {mu0:.6} {mu1:+.6} e^({mu2:.3} R) {mu3:+.6} e^({mu4:.3} M), M the larger of G and B"
     ));

@@ -8,7 +8,8 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use aquafuse_data::analysis::analyse;
-use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::files::{FileError, display, remove_stale_parts};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use clap::Args;
 
 use crate::depth_arguments::DepthArguments;
@@ -55,8 +56,8 @@ impl Inspect {
         let found = analyse(&image_file, &source)?;
         if let Some(path) = &plot {
             let name = self.image.file_name().unwrap_or_default();
-            let figure =
-                plots::draw(&shown(name.as_ref()).to_string(), &image_file, &found).map_err(Failure::work)?;
+            let figure = plots::draw(&display(name.as_ref()).to_string(), &image_file, &found)
+                .map_err(Failure::work)?;
             let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
             remove_stale_parts(output::make_folder_of(path)?);
             ImageFile::new(figure).write(path, &options)?;

@@ -101,7 +101,7 @@ there is whole.";
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    aquafuse_data::hush_decoders();
+    aquafuse_data::files::silence_decoder_panics();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

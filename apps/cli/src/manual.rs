@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aquafuse_data::image_file::{shown, write_text};
+use aquafuse_data::files::{display, write_text};
 use clap::{Args, Command};
 use clap_complete::Shell;
 
@@ -46,7 +46,7 @@ impl Man {
         output::make_folder(&self.output)?;
         command.build();
         self.write(&command, "aquafuse")?;
-        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&self.output))) }
+        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&self.output))) }
     }
 
     fn write(&self, command: &Command, name: &str) -> Result<(), Failure> {

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use anyhow::anyhow;
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 
 use crate::failure::Failure;
 
@@ -29,7 +29,7 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
             ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "there is a file of that name".into(),
             _ => error.to_string(),
         };
-        Failure::usage(anyhow!("cannot make the folder {}: {cause}. Name another output", shown(folder)))
+        Failure::usage(anyhow!("cannot make the folder {}: {cause}. Name another output", display(folder)))
     })
 }
 
@@ -42,7 +42,7 @@ pub(crate) fn refuse_filled(folder: &Path, but: &[&str]) -> Result<(), Failure> 
         false => Ok(()),
         true => Err(Failure::usage(anyhow!(
             "{} is not empty; name another folder with -o, or add --overwrite",
-            shown(folder)
+            display(folder)
         ))),
     }
 }

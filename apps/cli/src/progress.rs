@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use aquafuse_data::job::Message;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
@@ -30,7 +30,9 @@ impl Progress {
     pub(crate) fn show(&self, message: &Message<'_>) {
         match message {
             Message::Started { total } => self.start(*total),
-            Message::Done { item, .. } | Message::Kept { item } => self.done(shown(&item.output).to_string()),
+            Message::Done { item, .. } | Message::Kept { item } => {
+                self.done(display(&item.output).to_string())
+            }
             Message::Failed { error, .. } => self.failed(error),
             _ => {}
         }

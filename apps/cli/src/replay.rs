@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::augment::{Again, Replayed, replay};
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use clap::Args;
 
 use crate::augment::failure;
@@ -58,7 +58,7 @@ impl Replay {
         for path in &different {
             output::complain(&format!(
                 "{}: its bytes are others than in the manifest; the image or the version changed",
-                shown(path)
+                display(path)
             ));
         }
         if !common.quiet {

@@ -6,7 +6,7 @@ mod unix {
     use std::sync::Arc;
     use std::sync::atomic::AtomicBool;
 
-    use aquafuse_data::image_file::abandon_parts;
+    use aquafuse_data::files::abandon_parts;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
 

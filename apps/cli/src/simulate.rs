@@ -6,9 +6,8 @@ use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
 use aquafuse::formation::form;
 use aquafuse::image::{Encoded, Image, Linear};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::image_file::{
-    FileError, Format, ImageFile, Pixels, WRITTEN, WriteOptions, remove_stale_parts, shown,
-};
+use aquafuse_data::files::{FileError, display, remove_stale_parts};
+use aquafuse_data::image_file::{Format, ImageFile, Pixels, WRITTEN, WriteOptions};
 use aquafuse_data::treatment::Space;
 use clap::Args;
 
@@ -109,14 +108,15 @@ impl Simulate {
         }
         let unit = if found.depth.kind() == DepthKind::Metres { "m" } else { "of relative depth" };
         let far = found.depth.percentile(0.95);
-        let mut text = format!("{}: written; things stand up to {far:.2} {unit} away\n", shown(&self.output));
+        let mut text =
+            format!("{}: written; things stand up to {far:.2} {unit} away\n", display(&self.output));
         if let Some(report) = found.supplied {
             if report.invalid > 0 {
                 let share = 100.0 * report.invalid_share();
                 text += &format!("  {share:.1} % of the pixels have no valid depth\n");
             }
             if report.looks_turned_round() {
-                text += &format!("  WARNING: {} {}\n", shown(&self.depth), turned_round(&report));
+                text += &format!("  WARNING: {} {}\n", display(&self.depth), turned_round(&report));
             }
         }
         output::print(&text)

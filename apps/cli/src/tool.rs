@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 
 /// The one that runs, if any.
 static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
@@ -43,7 +43,7 @@ impl std::fmt::Display for ToolError {
 
 /// Runs a program; what it says is added to `log`.
 pub(crate) fn run(command: &mut Command, log: &Path) -> Result<(), ToolError> {
-    let no_log = |cause| ToolError::Log { log: shown(log).to_string(), cause };
+    let no_log = |cause| ToolError::Log { log: display(log).to_string(), cause };
     let both =
         File::options().create(true).append(true).open(log).and_then(|file| Ok((file.try_clone()?, file)));
     let (out, err) = both.map_err(no_log)?;
@@ -75,7 +75,7 @@ fn failed(program: String, status: &ExitStatus, log: &Path) -> ToolError {
     let said = String::from_utf8_lossy(&said);
     let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     let last = lines[lines.len().saturating_sub(LAST_LINES)..].join(" / ");
-    ToolError::Failed { program, status: status.to_string(), last, log: shown(log).to_string() }
+    ToolError::Failed { program, status: status.to_string(), last, log: display(log).to_string() }
 }
 
 fn running() -> std::sync::MutexGuard<'static, Option<Child>> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use aquafuse_data::augment::verify;
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use clap::Args;
 use serde::Serialize;
 
@@ -52,26 +52,26 @@ impl Verify {
         let check = verify(folder, self.dataset.as_deref()).map_err(failure)?;
         if self.json {
             let wrong = |(path, cause): &(PathBuf, String)| Wrong {
-                file: shown(path).to_string(),
+                file: display(path).to_string(),
                 cause: cause.clone(),
             };
             let report = Report {
                 schema: 1,
                 files: check.files,
                 wrong: check.wrong.iter().map(wrong).collect(),
-                unlisted: check.unlisted.iter().map(|path| shown(path).to_string()).collect(),
+                unlisted: check.unlisted.iter().map(|path| display(path).to_string()).collect(),
             };
             let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
             output::print(&(text + "\n"))?;
         } else {
             for (path, cause) in &check.wrong {
-                output::complain(&format!("{}: {cause}", shown(path)));
+                output::complain(&format!("{}: {cause}", display(path)));
             }
             if !common.quiet {
                 let right = check.files.saturating_sub(check.wrong.len());
                 output::print(&format!("{right} of {} files are as they were made\n", check.files))?;
                 if let Some(first) = check.unlisted.first() {
-                    let (count, first) = (check.unlisted.len(), shown(first));
+                    let (count, first) = (check.unlisted.len(), display(first));
                     output::print(&format!("  in no manifest: {count}, the first of them {first}\n"))?;
                 }
             }

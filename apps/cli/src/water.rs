@@ -10,7 +10,7 @@ use aquafuse::image::{Encoded, Linear};
 use aquafuse::waterbody::pool;
 use aquafuse::waterbody::presets::Preset;
 use aquafuse_data::analysis::analyse;
-use aquafuse_data::image_file::{remove_stale_parts, shown};
+use aquafuse_data::files::{display, remove_stale_parts};
 use aquafuse_data::treatment::Space;
 use aquafuse_data::water_file::WaterFile;
 use clap::{Args, Subcommand};
@@ -96,19 +96,19 @@ impl Extract {
             let found = analyse::<E>(&common.reading.read(path)?, &source)?;
             kind = Some(found.depth.kind());
             if !common.quiet {
-                output::print(&format!("{}: {}\n", shown(path), veiling_light(&found.estimate)))?;
+                output::print(&format!("{}: {}\n", display(path), veiling_light(&found.estimate)))?;
             }
             estimates.push(found.estimate);
         }
         let nothing = || Failure::usage(anyhow!("name an image"));
         let file = WaterFile {
-            from: self.images.iter().map(|path| shown(path).to_string()).collect(),
+            from: self.images.iter().map(|path| display(path).to_string()).collect(),
             depth_kind: kind.ok_or_else(nothing)?,
             estimate: pool(&estimates).ok_or_else(nothing)?,
         };
         remove_stale_parts(output::make_folder_of(&self.output)?);
         file.write(&self.output, self.overwrite)?;
-        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&self.output))) }
+        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&self.output))) }
     }
 
     /// Where the depth of each image comes from: with several, --depth is a folder.

@@ -7,7 +7,7 @@ use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
 use aquafuse::waterbody::Estimate;
 use aquafuse::waterbody::presets::{Conditions, Preset, White};
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use aquafuse_data::treatment::Space;
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 use clap::{Args, ValueEnum};
@@ -80,7 +80,7 @@ impl WaterSource {
     /// What to call it.
     pub(crate) fn name(&self) -> String {
         match self {
-            Self::Image(path) | Self::File(path) => shown(path).to_string(),
+            Self::Image(path) | Self::File(path) => display(path).to_string(),
             Self::Preset(preset) => format!("preset:{}", preset.name()),
         }
     }
@@ -129,7 +129,7 @@ impl WaterArguments {
             WaterSource::Image(path) => {
                 let found = analyse(&reading.read(path)?, &DepthSource::Estimated(model))?;
                 Ok(WaterFile {
-                    from: vec![shown(path).to_string()],
+                    from: vec![display(path).to_string()],
                     depth_kind: found.depth.kind(),
                     estimate: found.estimate,
                 })

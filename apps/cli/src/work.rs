@@ -11,7 +11,8 @@ use std::sync::Mutex;
 use anyhow::anyhow;
 use aquafuse::depth::DepthModel;
 use aquafuse::smooth::Smoothing;
-use aquafuse_data::image_file::{FileError, WriteOptions, remove_stale_parts, shown, write_text};
+use aquafuse_data::files::{FileError, display, remove_stale_parts, write_text};
+use aquafuse_data::image_file::WriteOptions;
 use aquafuse_data::job::{Conduct, Item, Job, Message, RECORD, Recipe, Record, Summary};
 use aquafuse_data::treatment::{Space, Treatment};
 use clap::Args;
@@ -206,7 +207,7 @@ impl WorkArguments {
                 let left = if *left > 0 { format!(", {left} were not tried") } else { String::new() };
                 Err(Failure::work(anyhow!(
                     "{failed} of {all} failed{left}; the messages above say why, and {} lists them",
-                    shown(&self.output.join(RECORD))
+                    display(&self.output.join(RECORD))
                 )))
             }
         }

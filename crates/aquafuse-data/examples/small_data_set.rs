@@ -8,7 +8,7 @@ use std::path::Path;
 
 use aquafuse::image::Image;
 use aquafuse::truth::{Scene, Size, waters};
-use aquafuse_data::folder;
+use aquafuse_data::image_file;
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use rayon::prelude::*;
 
@@ -63,7 +63,7 @@ fn make(folder: &Path, count: usize) -> Result<(), Box<dyn Error>> {
 /// Reads every image once and writes it so many times, as surely as the command does; nothing is done to it.
 fn recode(folder: &Path, output: &Path, times: usize) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(output)?;
-    let image_files = folder::list(folder)?.images;
+    let image_files = image_file::list(folder)?.images;
     image_files.par_iter().try_for_each(|path| {
         let image_file = ImageFile::read(path)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -7,7 +7,8 @@ use aquafuse::image::{Encoded, Encoding, SizeError};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use crate::depth_file;
-use crate::image_file::{FileError, ImageFile};
+use crate::files::FileError;
+use crate::image_file::ImageFile;
 
 /// How to come by an image's depth.
 #[derive(Clone, Debug, PartialEq)]

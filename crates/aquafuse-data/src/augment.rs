@@ -33,7 +33,8 @@ pub use verify::{Check, verify};
 pub use water::{OnDoubtful, Water};
 
 use crate::dataset::Dataset;
-use crate::image_file::{FileError, ReadOptions, remove_stale_parts, shown};
+use crate::files::{FileError, display, remove_stale_parts};
+use crate::image_file::ReadOptions;
 use crate::job::{Crew, Outcome, Summary, Turn};
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
@@ -181,7 +182,7 @@ pub enum AugmentError {
     /// A manifest is none of ours.
     #[error(
         "{}, line {line}, is no manifest of this version. Move it away, or give another output",
-        shown(path)
+        display(path)
     )]
     Manifest {
         /// The manifest.
@@ -190,13 +191,13 @@ pub enum AugmentError {
         line: usize,
     },
     /// There is no manifest.
-    #[error("{} holds no manifest.jsonl; it was not made by `aquafuse augment`", shown(folder))]
+    #[error("{} holds no manifest.jsonl; it was not made by `aquafuse augment`", display(folder))]
     NoManifest {
         /// The folder.
         folder: PathBuf,
     },
     /// There is no variant of this name.
-    #[error("{} lists no variant {key:?}, and none of an image of that name", shown(path))]
+    #[error("{} lists no variant {key:?}, and none of an image of that name", display(path))]
     NoSuchKey {
         /// The manifest.
         path: PathBuf,

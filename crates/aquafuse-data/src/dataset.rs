@@ -27,7 +27,8 @@ pub(crate) use {
     voc::try_parse as try_voc, yolo::try_parse as try_yolo,
 };
 
-use crate::image_file::{FileError, ReadOptions, read_beside, shown};
+use crate::files::{FileError, display};
+use crate::image_file::{ReadOptions, read_beside};
 
 /// How a dataset is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,7 +157,7 @@ pub enum DatasetError {
     #[error(transparent)]
     File(#[from] FileError),
     /// Two layouts fit.
-    #[error("{} may be {one} or {other}; say which by --format", shown(root))]
+    #[error("{} may be {one} or {other}; say which by --format", display(root))]
     Ambiguous {
         /// The dataset.
         root: PathBuf,
@@ -168,7 +169,7 @@ pub enum DatasetError {
     /// Its layout is one that this build does not read.
     #[error(
         "{} holds tables of Parquet, which this build does not read; build it with --features parquet",
-        shown(root)
+        display(root)
     )]
     NotBuilt {
         /// The dataset.
@@ -177,7 +178,7 @@ pub enum DatasetError {
     /// There is no image in it.
     #[error(
         "{} holds no images of a dataset of layout {layout}; name the folder above them, or the right --format",
-        shown(root)
+        display(root)
     )]
     Empty {
         /// The dataset.

@@ -24,8 +24,9 @@ pub use folder::DepthFolder;
 
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
-use crate::barrier;
-use crate::image_file::{FileError, WriteOptions, one_line, open_file, whole, write_atomically};
+use crate::files::catch_panic;
+use crate::files::{FileError, one_line, write_atomically};
+use crate::image_file::{WriteOptions, open_file, whole};
 
 /// Values of a file, row by row from the top, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -165,7 +166,7 @@ fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fau
         [b'P', b'f' | b'F', b' ' | b'\t' | b'\r' | b'\n', ..] => pfm::decode,
         _ => return Err(Fault::UnknownFormat),
     };
-    barrier::behind(|| decoder(reader, wanted))
+    catch_panic(|| decoder(reader, wanted))
         .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))
 }
 

@@ -1,33 +1,29 @@
 //! Image files: what is read, and what is written back with it.
 
-mod atomic;
-mod error;
 mod exif;
+mod folder;
 mod format;
 mod limits;
 mod metadata;
 mod pixels;
 mod read;
-mod shown;
 mod write;
 
 use std::path::Path;
 
 use aquafuse::image::{Image, TopEdge};
 
-pub(crate) use atomic::{Staged, write_atomically};
-pub use atomic::{abandon_parts, remove_stale_parts, write_bytes, write_text};
-pub use error::FileError;
+use crate::files::{FileError, Staged};
+
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use exif::try_exif;
+pub use folder::{Listing, list};
 pub use format::{Format, LISTED, WRITTEN};
 pub use limits::ReadOptions;
 pub use metadata::{Metadata, Resolution, ResolutionUnit};
 pub use pixels::{Layers, Pixels};
 pub use read::Opened;
 pub(crate) use read::{LARGER_PIECES, open_file, read_beside, too_many_pieces};
-pub(crate) use shown::one_line;
-pub use shown::shown;
 pub(crate) use write::{encode_grey16, whole};
 
 /// An image with what its file said about it.

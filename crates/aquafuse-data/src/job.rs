@@ -13,9 +13,10 @@ use aquafuse::waterbody::Quality;
 use serde_json::{Value, json};
 
 use crate::analysis::{DepthSource, analyse};
-use crate::image_file::{FileError, Format, ImageFile, Opened, ReadOptions, WriteOptions};
+use crate::files::FileError;
+use crate::image_file::{Format, ImageFile, Opened, ReadOptions, WriteOptions};
 use crate::maps;
-use crate::memory::Budget;
+use crate::run::Budget;
 use crate::scores::Scores;
 use crate::treatment::{Space, Treated, Treatment};
 use crate::water_file::Numbers;

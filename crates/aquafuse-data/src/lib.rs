@@ -45,14 +45,11 @@
 //! | module | does |
 //! |---|---|
 //! | [`image`] | PNG, JPEG, TIFF, WebP, BMP and GIF files, 8 and 16 bits, with opacity, colour profile and EXIF; limits before memory is taken; written all or nothing |
-//! | [`memory`] | one budget of memory for all images in work |
 //! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, read as a declared kind |
 //! | [`analysis`] | what an image tells about its depth and water: the one estimator of every command |
 //! | [`treatment`] | what is done to an image: fused with a water, or restored; encoded or in linear light |
 //! | [`dataset`] | datasets: images, and the annotations about them |
 //! | [`augment`] | a dataset multiplied in other waters, with a manifest; verified, and made again |
-//! | [`digest`] | SHA-256 |
-//! | [`folder`] | which images a folder holds |
 //! | [`job`] | a long run as a stream of messages; one that was stopped goes on where it was |
 //! | [`pairs`] | images with known depth, a folder `rgb` and a folder `depth`, to fit a depth model to |
 //! | [`model_file`] | fitted depth models as TOML |
@@ -85,22 +82,18 @@
 
 pub mod analysis;
 pub mod augment;
-mod barrier;
 mod base64;
 pub mod dataset;
 pub mod depth_file;
-pub mod digest;
 pub mod evaluate;
-pub mod folder;
+pub mod files;
 pub mod image_file;
 pub mod job;
-mod lock;
 pub mod maps;
-pub mod memory;
 pub mod model_file;
 pub mod pairs;
+pub mod run;
 pub mod scores;
-mod settings;
 #[allow(
     clippy::arithmetic_side_effects,
     clippy::cast_possible_truncation,
@@ -115,5 +108,4 @@ pub mod targets;
 pub mod treatment;
 pub mod water_file;
 
-pub use barrier::hush_decoders;
 pub use base64::base64;

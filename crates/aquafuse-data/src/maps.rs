@@ -8,7 +8,8 @@ use aquafuse::waterbody::{VeilingLight, Waterbody};
 
 use crate::analysis::Analysis;
 use crate::depth_file;
-use crate::image_file::{FileError, ImageFile, Pixels, WriteOptions};
+use crate::files::FileError;
+use crate::image_file::{ImageFile, Pixels, WriteOptions};
 use crate::treatment::{Space, Treatment};
 
 /// What making them takes in bytes a pixel: a map in floats, and the image treated and not.

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use aquafuse::depth::{Eq3, Eq3Error};
 use serde::{Deserialize, Serialize};
 
-use crate::image_file::{FileError, one_line, open_file, shown, write_atomically};
+use crate::files::{FileError, display, one_line, write_atomically};
+use crate::image_file::open_file;
 
 /// The version of the file; it changes when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
@@ -61,7 +62,11 @@ pub enum ModelFileError {
     #[error(transparent)]
     File(#[from] FileError),
     /// It is no TOML, or a field is missing or of the wrong kind.
-    #[error("{} is no depth model: {cause}. `aquafuse fit PAIRS -o {}` makes one", shown(path), shown(path))]
+    #[error(
+        "{} is no depth model: {cause}. `aquafuse fit PAIRS -o {}` makes one",
+        display(path),
+        display(path)
+    )]
     Format {
         /// The file.
         path: PathBuf,
@@ -71,7 +76,7 @@ pub enum ModelFileError {
     /// It was written for another version of this program.
     #[error(
         "{} has schema {found}; this version reads schema {SCHEMA}. Fit the model again with it",
-        shown(path)
+        display(path)
     )]
     Schema {
         /// The file.
@@ -80,7 +85,7 @@ pub enum ModelFileError {
         found: u32,
     },
     /// The coefficients make no depth.
-    #[error("{}: with this mu {error}. Correct them, or fit the model again", shown(path))]
+    #[error("{}: with this mu {error}. Correct them, or fit the model again", display(path))]
     Coefficients {
         /// The file.
         path: PathBuf,

@@ -10,8 +10,9 @@ use aquafuse::image::Image;
 
 use crate::depth_file;
 use crate::evaluate::Conduct;
-use crate::image_file::{FileError, ImageFile, ReadOptions, shown};
-use crate::memory::{Budget, Reservation};
+use crate::files::{FileError, display};
+use crate::image_file::{ImageFile, ReadOptions};
+use crate::run::{Budget, Reservation};
 
 /// Bytes a pixel of the map as it is read, of its labels and of their order.
 const BYTES_OF_DEPTH: u64 = 16;
@@ -44,7 +45,7 @@ pub enum PairError {
     #[error(transparent)]
     File(#[from] FileError),
     /// Two files of a folder have one stem.
-    #[error("{} and {} share their stem; leave one of them in the folder", shown(.one), shown(.other))]
+    #[error("{} and {} share their stem; leave one of them in the folder", display(.one), display(.other))]
     Ambiguous {
         /// One file.
         one: PathBuf,
@@ -52,7 +53,7 @@ pub enum PairError {
         other: PathBuf,
     },
     /// The depth cannot be fitted to.
-    #[error("cannot use {}: {error}. Check --depth-kind, or take the pair out", shown(path))]
+    #[error("cannot use {}: {error}. Check --depth-kind, or take the pair out", display(path))]
     Labels {
         /// The depth file.
         path: PathBuf,

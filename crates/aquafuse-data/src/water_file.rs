@@ -11,7 +11,8 @@ use aquafuse::waterbody::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::image_file::{FileError, one_line, open_file, shown, write_atomically};
+use crate::files::{FileError, display, one_line, write_atomically};
+use crate::image_file::open_file;
 use crate::treatment::Space;
 
 /// The end of the name of every such file.
@@ -88,8 +89,8 @@ pub enum WaterFileError {
     /// It is no water, or a number is missing or impossible.
     #[error(
         "{} is no water: {cause}. `aquafuse water extract PICTURE -o {}` makes one",
-        shown(path),
-        shown(path)
+        display(path),
+        display(path)
     )]
     Format {
         /// The file.
@@ -100,7 +101,7 @@ pub enum WaterFileError {
     /// It was written for another version of this program.
     #[error(
         "{} has schema {found}; this version reads schema {SCHEMA}. Extract the water again with it",
-        shown(path)
+        display(path)
     )]
     Schema {
         /// The file.
@@ -111,7 +112,7 @@ pub enum WaterFileError {
     /// Its numbers are of another encoding.
     #[error(
         "{} holds a water of {found} values, and {wanted} ones are worked on here: {}, or extract it again for these",
-        shown(path), if *found == "linear" { "add --linear" } else { "leave --linear out" }
+        display(path), if *found == "linear" { "add --linear" } else { "leave --linear out" }
     )]
     Encoding {
         /// The file.

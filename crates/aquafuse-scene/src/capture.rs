@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use aquafuse::image::Image;
-use aquafuse_data::image_file::{FileError, ImageFile, ReadOptions, shown};
+use aquafuse_data::files::{FileError, display};
+use aquafuse_data::image_file::{ImageFile, ReadOptions};
 
 use crate::camera::Camera;
 use crate::files::{Cameras, SceneFileError, read_cameras};
@@ -43,7 +44,7 @@ pub enum CaptureError {
     /// An image has another shape than its camera says.
     #[error(
         "{} is {}x{} pixels, but its camera has {}x{}: use the images that the model was made of, or ones scaled evenly",
-        shown(path),
+        display(path),
         found.0,
         found.1,
         expected.0,

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use aquafuse::image::Image;
 use aquafuse::truth::{HALF_VIEW, OPEN_WATER, Pose, Scene, Size, View};
 use aquafuse::waterbody::Waterbody;
-use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions};
+use aquafuse_data::files::FileError;
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 
 use crate::camera::Camera;
 use crate::files::{Cameras, SceneFileError, Taken, write_cameras};

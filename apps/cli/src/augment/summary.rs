@@ -5,7 +5,7 @@ use std::fmt::Write;
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{Augmentation, Message, Plan};
 use aquafuse_data::dataset::Layout;
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use aquafuse_data::job::Summary;
 use aquafuse_data::treatment::Space;
 
@@ -68,7 +68,7 @@ pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary
         "{} variants of {} {things} written to {}",
         tally.variants,
         ended.done,
-        shown(&job.output)
+        display(&job.output)
     );
     left_out(&mut text, bad);
     if tally.vanished > 0 {
@@ -102,7 +102,7 @@ fn things(layout: Layout) -> &'static str {
 
 fn heading<E: Space>(job: &Augmentation<E>) -> String {
     let (layout, waters) = (job.dataset.layout.name(), job.recipe.waters.len());
-    let mut text = format!("{}: layout {layout}, {waters} waters\n", shown(&job.dataset.root));
+    let mut text = format!("{}: layout {layout}, {waters} waters\n", display(&job.dataset.root));
     for water in &job.recipe.waters {
         let quality = water.file.estimate.quality;
         if quality.verdict != Verdict::Good {

@@ -6,9 +6,9 @@ use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthModel};
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{OnDoubtful, Water};
-use aquafuse_data::digest::sha256;
-use aquafuse_data::folder;
-use aquafuse_data::image_file::{FileError, shown};
+use aquafuse_data::files::sha256;
+use aquafuse_data::files::{FileError, display};
+use aquafuse_data::image_file;
 use aquafuse_data::treatment::Space;
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 
@@ -25,12 +25,12 @@ pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
             continue;
         }
         let failed = |error| FileError::Read { path: path.clone(), error };
-        let mut inside: Vec<PathBuf> = folder::list(path)?.images;
+        let mut inside: Vec<PathBuf> = image_file::list(path)?.images;
         for entry in std::fs::read_dir(path).map_err(failed)? {
             inside.extend(Some(entry.map_err(failed)?.path()).filter(|path| has_suffix(path)));
         }
         if inside.is_empty() {
-            let cause = anyhow!("{} holds no images and no waters; name one that does", shown(path));
+            let cause = anyhow!("{} holds no images and no waters; name one that does", display(path));
             return Err(Failure::usage(cause));
         }
         inside.sort();

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::evaluate::{Depth, Listener, Maps};
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use aquafuse_data::model_file::ModelFile;
 use aquafuse_data::pairs;
 use clap::Args;
@@ -81,7 +81,7 @@ impl DepthEvaluationArguments {
             return Err(Failure::usage(anyhow!(
                 "{} holds no pair: no file of rgb/ has a partner of the same stem in depth/. Name the two files of a pair \
                  alike",
-                shown(&self.pairs)
+                display(&self.pairs)
             )));
         }
         if !common.quiet && !listing.without_partner.is_empty() {
@@ -104,7 +104,7 @@ impl DepthEvaluationArguments {
             DepthModel::ALL.into_iter().map(|model| (format!("`{}`", model.name()), model)).collect();
         for path in &self.depth_model {
             let file = ModelFile::read(path).map_err(Failure::usage)?;
-            models.push((shown(path).to_string(), DepthModel::Eq3(file.eq3)));
+            models.push((display(path).to_string(), DepthModel::Eq3(file.eq3)));
         }
         Ok(models)
     }

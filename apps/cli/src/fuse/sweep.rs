@@ -7,7 +7,8 @@ use aquafuse::fusion::{Gain, Incidence, Options};
 use aquafuse::image::Image;
 use aquafuse::waterbody::Estimate;
 use aquafuse_data::analysis::analyse;
-use aquafuse_data::image_file::{Format, ImageFile, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::files::{display, remove_stale_parts};
+use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
 use aquafuse_data::job::Item;
 use aquafuse_data::sheet::{Cell, lay_out};
 use aquafuse_data::treatment::{Space, Treatment};
@@ -109,7 +110,7 @@ impl Sweep {
         let strip = ImageFile::new(lay_out(&[cells], WIDTH, room));
         remove_stale_parts(output::make_folder_of(&item.output)?);
         strip.write(&item.output, &WriteOptions { overwrite: work.overwrite, quality: work.quality })?;
-        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", shown(&item.output))) }
+        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&item.output))) }
     }
 }
 

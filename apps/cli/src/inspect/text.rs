@@ -7,7 +7,8 @@ use aquafuse::depth::DepthKind;
 use aquafuse::image::Encoding;
 use aquafuse::waterbody::{Estimate, Quality, Reason, VeilingLightSource, Verdict};
 use aquafuse_data::analysis::Analysis;
-use aquafuse_data::image_file::{ImageFile, shown};
+use aquafuse_data::files::display;
+use aquafuse_data::image_file::ImageFile;
 
 use super::report::{Depth, Size};
 
@@ -42,7 +43,7 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
     line("depth z", format!("{}, {unit}", depth.source));
     if let Some(supplied) = &depth.supplied {
         let invalid = 100.0 * supplied.invalid_share;
-        line("  file", format!("{}, {}", shown(supplied.file.as_ref()), supplied.kind.name()));
+        line("  file", format!("{}, {}", display(supplied.file.as_ref()), supplied.kind.name()));
         line("  without a value", format!("{invalid:.1} % of the pixels: depth from colour there"));
         for warning in &supplied.warnings {
             line("  WARNING", format!("the map {warning}"));
@@ -64,7 +65,7 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
     line("attenuation", "the curve β_D(z), in --json".to_owned());
     line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
     if let Some(path) = plot {
-        line("drawn", shown(path).to_string());
+        line("drawn", display(path).to_string());
     }
     text
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use aquafuse_scene::capture::{self, Shown, images_of};
 use aquafuse_scene::compare::{CompareError, Comparison, Model, Side};
 use clap::Args;
@@ -92,7 +92,7 @@ fn model(path: &Path) -> Result<Model, Failure> {
 
 /// A folder by its own name.
 fn name(folder: &Path) -> String {
-    shown(folder.file_name().map_or(folder, Path::new)).to_string()
+    display(folder.file_name().map_or(folder, Path::new)).to_string()
 }
 
 impl From<CompareError> for Failure {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aquafuse_data::image_file::{FileError, remove_stale_parts, shown};
+use aquafuse_data::files::{FileError, display, remove_stale_parts};
 use aquafuse_scene::files::{read_ply, write_cloud, write_ply, write_splat};
 use aquafuse_scene::points::middles;
 use clap::Args;
@@ -53,7 +53,7 @@ impl Export {
             write(&self.output, &splats, self.overwrite)?;
             (splats.len(), "splats")
         };
-        let text = format!("{}: {count} {what}\n", shown(&self.output));
+        let text = format!("{}: {count} {what}\n", display(&self.output));
         if common.quiet { Ok(()) } else { output::print(&text) }
     }
 }

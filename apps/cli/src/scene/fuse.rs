@@ -8,7 +8,8 @@ use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::image::Encoded;
 use aquafuse::waterbody::{Estimate, pool};
 use aquafuse_data::analysis::{Analysis, DepthSource, analyse};
-use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions, remove_stale_parts, shown, write_bytes};
+use aquafuse_data::files::{FileError, display, remove_stale_parts, write_bytes};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::job::{Item, Plan, RECORD, Recipe, Record};
 use aquafuse_data::treatment::Treatment;
 use aquafuse_data::water_file::Numbers;
@@ -114,7 +115,7 @@ impl Fuse {
                 image.pixels = image.pixels.smoothed(smoothing);
                 Ok(image.write(&item.output, &WriteOptions { overwrite, ..recipe.writing })?)
             })?;
-            progress.done(shown(&item.output).to_string());
+            progress.done(display(&item.output).to_string());
         }
         progress.finish();
         self.copy_model(&cameras.model)?;
@@ -123,7 +124,7 @@ impl Fuse {
         }
         output::print(&format!(
             "{}: {} images in {}'s water\n  {}\n  {}\n",
-            shown(&self.output),
+            display(&self.output),
             items.len(),
             water.name(),
             veiling_light(&told.water),
@@ -204,7 +205,7 @@ fn told(cameras: &Cameras, items: &[Item], common: &Common, progress: &Progress)
             Some(unit) => Some((unit, estimate(&image, &depth, unit)?)),
             None => None,
         });
-        progress.done(shown(&one.name).to_string());
+        progress.done(display(&one.name).to_string());
     }
     // Images with too few points in view take the others' unit; without points at all, depth has none.
     let middle = median(&mut found.iter().flatten().map(|(unit, _)| *unit).collect::<Vec<_>>());

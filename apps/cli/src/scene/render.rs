@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse_data::depth_file;
-use aquafuse_data::image_file::{ImageFile, WriteOptions, remove_stale_parts, shown};
+use aquafuse_data::files::{display, remove_stale_parts};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::compare::{distances, image};
@@ -90,10 +91,10 @@ impl Render {
                     &writing,
                 )?;
             }
-            progress.done(shown(&path).to_string());
+            progress.done(display(&path).to_string());
         }
         progress.finish();
-        let text = format!("{}: {} views of {} splats\n", shown(&self.output), views.len(), splats.len());
+        let text = format!("{}: {} views of {} splats\n", display(&self.output), views.len(), splats.len());
         if common.quiet { Ok(()) } else { output::print(&text) }
     }
 
@@ -105,7 +106,7 @@ impl Render {
             let around = Around::new(&cameras, splats).ok_or_else(|| {
                 Failure::usage(anyhow!(
                     "the cameras of {} look nowhere; leave out --orbit",
-                    shown(&self.scene)
+                    display(&self.scene)
                 ))
             })?;
             let digits = (count - 1).to_string().len().max(3);
@@ -116,7 +117,7 @@ impl Render {
         if views.iter().map(|(name, _)| name).collect::<BTreeSet<_>>().len() < views.len() {
             return Err(Failure::usage(anyhow!(
                 "{} has images that differ in their extension alone; rename one of each",
-                shown(&self.scene)
+                display(&self.scene)
             )));
         }
         Ok(views)

@@ -6,8 +6,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse_data::folder;
-use aquafuse_data::image_file::{FileError, ImageFile, remove_stale_parts, shown, write_bytes, write_text};
+use aquafuse_data::files::{FileError, display, remove_stale_parts, write_bytes, write_text};
+use aquafuse_data::image_file;
+use aquafuse_data::image_file::ImageFile;
 use aquafuse_scene::files::{Cameras, read_cameras};
 use clap::Args;
 
@@ -94,11 +95,11 @@ impl Sfm {
             (Some(python), _) => Tool::pycolmap(python).ok_or_else(|| {
                 Failure::usage(anyhow!(
                     "{} has no pycolmap; install it: {0} -m pip install pycolmap",
-                    shown(python)
+                    display(python)
                 ))
             }),
             (_, Some(colmap)) => Tool::colmap(colmap)
-                .ok_or_else(|| Failure::usage(anyhow!("{} is not COLMAP's command", shown(colmap)))),
+                .ok_or_else(|| Failure::usage(anyhow!("{} is not COLMAP's command", display(colmap)))),
             (None, None) => Tool::installed().ok_or_else(|| {
                 Failure::usage(anyhow!(
                     "finding cameras takes pycolmap or COLMAP, and neither is installed. Install one: `python3 -m pip \
@@ -111,19 +112,19 @@ impl Sfm {
 
     /// The images, by name.
     fn names(&self) -> Result<Vec<String>, Failure> {
-        let listed = folder::list(&self.images)?;
+        let listed = image_file::list(&self.images)?;
         let name = |path: &PathBuf| path.file_name().and_then(|name| name.to_str()).map(str::to_owned);
         let names: Vec<String> = listed.images.iter().filter_map(name).collect();
         if names.len() < listed.images.len() {
             return Err(Failure::usage(anyhow!(
                 "{} has names that are no UTF-8; rename them",
-                shown(&self.images)
+                display(&self.images)
             )));
         }
         if names.len() < 3 {
             return Err(Failure::usage(anyhow!(
                 "{} has {} images; a scene takes three at least, of the same things from different places",
-                shown(&self.images),
+                display(&self.images),
                 names.len()
             )));
         }
@@ -161,7 +162,7 @@ impl Sfm {
             names.iter().map(String::as_str).filter(|name| !posed.contains(Path::new(name))).collect();
         let mut text = format!(
             "{}: {} of {} images have a camera, {} points; by {}\n",
-            shown(&self.output),
+            display(&self.output),
             found.taken.len(),
             names.len(),
             found.points.len(),

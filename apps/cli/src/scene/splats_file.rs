@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use aquafuse::depth::DepthKind;
 use aquafuse::image::Encoded;
 use aquafuse::waterbody::Estimate;
-use aquafuse_data::image_file::{FileError, shown};
+use aquafuse_data::files::{FileError, display};
 use aquafuse_data::water_file::WaterFile;
 use aquafuse_scene::files::{read_ply, write_ply};
 use aquafuse_scene::medium::Medium;
@@ -38,7 +38,7 @@ impl Trained {
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let splats = read_ply(path)?;
         if splats.is_empty() {
-            return Err(Failure::work(anyhow!("{} holds no splats; train it again", shown(path))));
+            return Err(Failure::work(anyhow!("{} holds no splats; train it again", display(path))));
         }
         let beside = water_beside(path);
         let medium = match beside.is_file() {
@@ -53,14 +53,14 @@ impl Trained {
         let beside = water_beside(path);
         if let Medium::Learned(water) = &self.medium {
             let file = WaterFile::<Encoded> {
-                from: vec![shown(from).to_string()],
+                from: vec![display(from).to_string()],
                 depth_kind: DepthKind::Metres,
                 estimate: Estimate::given(water.body().map_err(Failure::work)?),
             };
             file.write(&beside, overwrite)?;
         } else if overwrite && beside.is_file() {
             std::fs::remove_file(&beside).map_err(|error| {
-                Failure::work(anyhow!("cannot remove the old water {}: {error}", shown(&beside)))
+                Failure::work(anyhow!("cannot remove the old water {}: {error}", display(&beside)))
             })?;
         }
         Ok(write_ply(path, &self.splats, overwrite)?)

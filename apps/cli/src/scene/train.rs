@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use aquafuse::metrics::{psnr, ssim};
-use aquafuse_data::image_file::{FileError, remove_stale_parts, shown};
+use aquafuse_data::files::{FileError, display, remove_stale_parts};
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::capture::{self, Shown};
 use aquafuse_scene::compare::image;
@@ -176,7 +176,7 @@ impl Train {
             Failure::usage(anyhow!(
                 "{} takes about {} MiB to train on, more than the {} MiB of --max-memory; raise that, or lower --longest \
                  or --splats",
-                shown(&self.scene),
+                display(&self.scene),
                 mebibytes(needed),
                 mebibytes(most)
             ))
@@ -200,7 +200,7 @@ impl Train {
 
     /// What came of it.
     fn told(&self, trained: &Trained, held: &[&Shown]) -> String {
-        let mut text = format!("{}: {} splats\n", shown(&self.output), trained.splats.len());
+        let mut text = format!("{}: {} splats\n", display(&self.output), trained.splats.len());
         if let Medium::Learned(water) = &trained.medium {
             let three = |values: [f32; 3]| values.map(|value| format!("{value:.3}")).join(" ");
             text += &format!(

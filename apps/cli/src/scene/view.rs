@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse_data::base64;
-use aquafuse_data::image_file::{FileError, remove_stale_parts, shown, write_text};
+use aquafuse_data::files::{FileError, display, remove_stale_parts, write_text};
 use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::files::read_cameras;
@@ -60,14 +60,14 @@ impl View {
             Some(scene) => read_cameras(scene)?
                 .taken
                 .into_iter()
-                .map(|one| (shown(&one.name).to_string(), one.lens.camera))
+                .map(|one| (display(&one.name).to_string(), one.lens.camera))
                 .collect(),
             None => vec![("from outside".to_owned(), outside(&splats))],
         };
         remove_stale_parts(output::make_folder_of(path)?);
         let page = self.page(&splats, &medium, &cameras)?;
         write_text(path, &page, self.overwrite)?;
-        let text = format!("{}: {} splats, {} views\n", shown(path), splats.len(), cameras.len());
+        let text = format!("{}: {} splats, {} views\n", display(path), splats.len(), cameras.len());
         if common.quiet { Ok(()) } else { output::print(&text) }
     }
 
@@ -100,7 +100,7 @@ impl View {
         Ok(filled(
             PAGE,
             &[
-                ("title", &escaped(&shown(name).to_string())),
+                ("title", &escaped(&display(name).to_string())),
                 ("scene", &scene),
                 ("splats", &base64(&packed(splats))),
                 ("viewer", VIEWER),

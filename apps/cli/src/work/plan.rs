@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, anyhow};
 use aquafuse_data::analysis::DepthSource;
-use aquafuse_data::folder;
-use aquafuse_data::image_file::{FileError, Format, LISTED, WRITTEN, shown};
+use aquafuse_data::files::{FileError, display};
+use aquafuse_data::image_file;
+use aquafuse_data::image_file::{Format, LISTED, WRITTEN};
 use aquafuse_data::job::{Item, Plan, RECORD, Record};
 use aquafuse_data::maps;
 
@@ -34,7 +35,7 @@ pub(super) fn items(content: &Path, beside: &[&Path], output: &Path, supply: &Su
 }
 
 fn written_over(input: &Path) -> Error {
-    anyhow!("{} is an input, not to be written over; give another output", shown(input))
+    anyhow!("{} is an input, not to be written over; give another output", display(input))
 }
 
 /// Refuses outputs that are there already, unless a record in their folder may say that they are ours.
@@ -66,7 +67,7 @@ pub(super) fn refuse_maps(
                 return Err(FileError::Exists { path }.into());
             }
             if let Some(other) = taken.insert(path, &item.input) {
-                let (one, other) = (shown(&item.input), shown(other));
+                let (one, other) = (display(&item.input), display(other));
                 return Err(anyhow!("{one} and {other} would have maps of one name; rename one of them"));
             }
         }
@@ -102,29 +103,29 @@ fn of_file(content: &Path, output: &Path) -> Result<(PathBuf, PathBuf)> {
 /// Input and output of each image.
 fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     if same(content, output) {
-        return Err(anyhow!("{} is both content and output; give another output folder", shown(content)));
+        return Err(anyhow!("{} is both content and output; give another output folder", display(content)));
     }
     let named_as_a_file = Format::of(output).is_some() && !output.is_dir();
     if output.is_file() || named_as_a_file {
         return Err(anyhow!(
             "{} is a folder, so the output must be one; {} is a file's name",
-            shown(content),
-            shown(output)
+            display(content),
+            display(output)
         ));
     }
-    let listing = folder::list(content)?;
+    let listing = image_file::list(content)?;
     if listing.images.is_empty() {
         let others = listing.others;
         return Err(anyhow!(
             "{} holds no {LISTED}, but {others} other files; name the folder in which the images themselves stand",
-            shown(content)
+            display(content)
         ));
     }
     let mut taken = HashMap::new();
     for input in listing.images {
         let output = output.join(output_name(&input));
         if let Some(other) = taken.insert(output, input.clone()) {
-            let (one, other) = (shown(&input), shown(&other));
+            let (one, other) = (display(&input), display(&other));
             return Err(anyhow!("{one} and {other} would have one output; rename one of them"));
         }
     }

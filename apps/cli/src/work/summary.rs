@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use aquafuse::depth::{SuppliedKind, SuppliedReport};
 use aquafuse::waterbody::Verdict;
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use aquafuse_data::job::{Item, Report};
 use aquafuse_data::scores::Scores;
 use aquafuse_data::treatment::Held;
@@ -30,7 +30,7 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     let _ = match reports {
         [] => Ok(()),
         [(item, _)] => {
-            writeln!(text, "{}: written, {:.2} % of the values clipped", shown(&item.output), 100.0 * mean)
+            writeln!(text, "{}: written, {:.2} % of the values clipped", display(&item.output), 100.0 * mean)
         }
         _ => {
             writeln!(text, "{} images written, {:.2} % of the values clipped", reports.len(), 100.0 * mean)
@@ -153,5 +153,5 @@ fn list(text: &mut String, about: &str, names: impl Iterator<Item = String>) {
 
 /// The image itself, as it can be given to another command.
 fn name(item: &Item) -> String {
-    shown(&item.input).to_string()
+    display(&item.input).to_string()
 }

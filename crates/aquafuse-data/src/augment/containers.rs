@@ -11,8 +11,9 @@ use super::line::{Container, Line, Source, Written};
 use super::make::{Made, Maker, News};
 use super::plan::Planned;
 use crate::dataset::Layout;
-use crate::digest::sha256;
-use crate::image_file::{FileError, Format, ImageFile, Opened, ReadOptions};
+use crate::files::FileError;
+use crate::files::sha256;
+use crate::image_file::{Format, ImageFile, Opened, ReadOptions};
 use crate::treatment::Space;
 
 /// An image in a container.

@@ -8,7 +8,7 @@ use aquafuse::depth::{DepthModel, SuppliedKind};
 use crate::analysis::DepthSource;
 use crate::dataset::split;
 use crate::depth_file::DepthFolder;
-use crate::image_file::FileError;
+use crate::files::FileError;
 
 /// How to come by the depth of a dataset's images.
 #[derive(Clone, Debug)]

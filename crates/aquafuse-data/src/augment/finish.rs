@@ -7,8 +7,8 @@ use super::journal::{Journal, Slot};
 use super::line::Written;
 use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Recipe, Water};
 use crate::dataset::{Dataset, Made, join, split};
-use crate::digest::Hashed;
-use crate::image_file::{FileError, write_atomically};
+use crate::files::Hashed;
+use crate::files::{FileError, write_atomically};
 use crate::treatment::Space;
 
 impl<E: Space> Recipe<E> {

@@ -14,9 +14,9 @@ use super::line::{Line, Written};
 use super::manifest::{Entry, MOST_LINE, Manifest, Place, ScanError, Scanned, Sealing, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
-use crate::image_file::{FileError, write_atomically};
-use crate::lock::lock;
-use crate::settings::differences;
+use crate::files::lock;
+use crate::files::{FileError, write_atomically};
+use crate::run::differences;
 
 /// What the names of manifests begin and end with.
 const NAMES: (&str, &str) = ("manifest", ".jsonl");

@@ -13,9 +13,10 @@ use super::plan::{Planned, PlannedVariant};
 use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
 use crate::analysis::{Analysis, DepthSource, analyse};
 use crate::dataset::Companion;
-use crate::digest::sha256;
-use crate::image_file::{FileError, Format, ImageFile, Opened, one_line, read_beside, write_bytes};
-use crate::memory::{Budget, Reservation};
+use crate::files::sha256;
+use crate::files::{FileError, one_line, write_bytes};
+use crate::image_file::{Format, ImageFile, Opened, read_beside};
+use crate::run::{Budget, Reservation};
 use crate::treatment::{Space, Treated, Treatment};
 
 /// What became of one image.

@@ -14,8 +14,9 @@ use sha2::{Digest, Sha256};
 use super::AugmentError;
 use super::header::{Header, SCHEMA};
 use super::line::{Container, Line, Listed, Original, Variant, Written};
-use crate::digest::{Hashed, hexadecimal};
-use crate::image_file::{FileError, open_file};
+use crate::files::FileError;
+use crate::files::{Hashed, hexadecimal};
+use crate::image_file::open_file;
 
 /// More than the line of a shard with a million variants takes, or of a job with as many waters.
 pub(super) const MOST_LINE: u64 = 1 << 30;

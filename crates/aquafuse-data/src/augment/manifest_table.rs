@@ -13,8 +13,8 @@ use parquet::errors::ParquetError;
 use super::header::Header;
 use super::line::{Variant, Written};
 use super::manifest::Entry;
-use crate::digest::sha256_of;
-use crate::image_file::{FileError, write_atomically};
+use crate::files::sha256_of;
+use crate::files::{FileError, write_atomically};
 
 /// The columns that need not have a value in every row.
 const LACKING: [&str; 4] = ["container", "depth_sha256", "water", "contrast_left"];

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use super::{Augmentation, DepthPlan, Draw, Draws};
 use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
-use crate::image_file::{Format, shown};
+use crate::files::display;
+use crate::image_file::Format;
 use crate::treatment::Space;
 
 /// What is to be made of a dataset.
@@ -194,7 +195,7 @@ pub enum PlanError {
     #[error("every water is doubtful, and doubtful ones are skipped; give others, or --on-doubtful flag")]
     NoWater,
     /// The output lies in the dataset, or the other way round.
-    #[error("{} and {} lie in one another; give an output elsewhere", shown(dataset), shown(output))]
+    #[error("{} and {} lie in one another; give an output elsewhere", display(dataset), display(output))]
     Nested {
         /// The dataset.
         dataset: PathBuf,
@@ -202,7 +203,7 @@ pub enum PlanError {
         output: PathBuf,
     },
     /// The output holds something else.
-    #[error("{} holds files, and no manifest of ours; give a new folder", shown(output))]
+    #[error("{} holds files, and no manifest of ours; give a new folder", display(output))]
     Foreign {
         /// The output.
         output: PathBuf,

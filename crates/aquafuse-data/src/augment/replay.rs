@@ -11,8 +11,9 @@ use super::line::Variant;
 use super::manifest::Manifest;
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::{Layout, inside};
-use crate::digest::sha256;
-use crate::image_file::{FileError, ImageFile, ReadOptions, write_bytes};
+use crate::files::sha256;
+use crate::files::{FileError, write_bytes};
+use crate::image_file::{ImageFile, ReadOptions};
 use crate::treatment::Space;
 use crate::water_file::WaterFileError;
 

@@ -10,8 +10,9 @@ use super::journal::manifests;
 use super::line::Listed;
 use super::manifest::Manifest;
 use crate::dataset::{Tree, inside};
-use crate::digest::sha256_of;
-use crate::image_file::{FileError, ReadOptions};
+use crate::files::FileError;
+use crate::files::sha256_of;
+use crate::image_file::ReadOptions;
 
 /// What was found to be wrong.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -20,9 +20,9 @@ use sides::Sides;
 use super::index::Made;
 use super::tree::Tree;
 use super::{Dataset, Fault, Faults, Index, Sample, inside, join, split, stem};
+use crate::files::{FileError, one_line};
 #[cfg(feature = "fuzz-targets")]
 use crate::image_file::ReadOptions;
-use crate::image_file::{FileError, one_line};
 
 /// As far as this beyond the image's edge, in pixels, a box is rounded rather than wrong.
 const SLACK: f64 = 1.0;

@@ -6,7 +6,8 @@ use std::path::Path;
 use std::rc::Rc;
 
 use super::{Sample, coco, join, split, stem};
-use crate::image_file::{FileError, ReadOptions, read_beside};
+use crate::files::FileError;
+use crate::image_file::{ReadOptions, read_beside};
 
 /// A file about all images of a dataset.
 #[derive(Clone, Debug, PartialEq, Eq)]

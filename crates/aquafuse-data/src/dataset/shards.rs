@@ -7,7 +7,8 @@ use tar::{Archive, Builder, EntryType, Header};
 
 use super::tree::Tree;
 use super::{Dataset, Sample, inside, join, split};
-use crate::image_file::{FileError, ReadOptions, one_line};
+use crate::files::{FileError, one_line};
+use crate::image_file::ReadOptions;
 
 /// What the image of a sample is called, behind the first dot.
 const PICTURES: [&str; 7] = ["jpg", "jpeg", "png", "webp", "tif", "tiff", "bmp"];

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::{Fault, Faults, split};
-use crate::image_file::{FileError, Format, ReadOptions, read_beside, shown};
+use crate::files::{FileError, display};
+use crate::image_file::{Format, ReadOptions, read_beside};
 
 /// What is said of a file that should be a text.
 pub(super) const NO_TEXT: &str = "it is no text in UTF-8; save it as one";
@@ -39,7 +40,7 @@ impl Tree {
         for entry in std::fs::read_dir(&folder).map_err(failed)? {
             let entry = entry.map_err(failed)?;
             let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
-                self.faults.add(Fault::new(shown(&entry.path()).to_string(), "a name that is no text"));
+                self.faults.add(Fault::new(display(&entry.path()).to_string(), "a name that is no text"));
                 continue;
             };
             if name.starts_with('.') {

@@ -12,7 +12,7 @@ use quick_xml::events::Event;
 
 use super::tree::{NO_TEXT, Tree};
 use super::{Companion, Dataset, Fault, Index, Sample, inside, join, split, stem};
-use crate::image_file::FileError;
+use crate::files::FileError;
 
 const ANNOTATIONS: &str = "Annotations";
 const PICTURES: &str = "JPEGImages";

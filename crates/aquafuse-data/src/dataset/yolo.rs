@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::tree::{NO_TEXT, Tree};
 use super::{Companion, Dataset, Fault, Index, Sample, join, split, stem};
-use crate::image_file::FileError;
+use crate::files::FileError;
 
 /// As far as this beyond the image's edge, in shares of its side, a box is rounded rather than wrong.
 const ROUNDED: f64 = 2e-3;

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::format_of;
-use crate::image_file::FileError;
+use crate::files::FileError;
 
 /// A folder of depth maps, which belong to images by their stem: `a.tiff` to `a.jpg`.
 #[derive(Clone, Debug)]

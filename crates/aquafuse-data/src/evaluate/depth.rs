@@ -11,9 +11,10 @@ use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::summarise;
 use super::{Conduct, EvaluateError, Failed, Listener, Message, Report};
 use crate::depth_file::{self, DepthFolder};
-use crate::image_file::{FileError, Format, ImageFile};
-use crate::memory::Budget;
+use crate::files::FileError;
+use crate::image_file::{Format, ImageFile};
 use crate::pairs::Pair;
+use crate::run::Budget;
 use agreement::{Agreement, Unit};
 
 /// Images whose depth is known, and what is held against it.

@@ -12,7 +12,7 @@ use super::statistics::summarise;
 use super::{Conduct, EvaluateError, Failed, Listener, Member, Message, Report};
 use crate::analysis::{DepthSource, analyse};
 use crate::image_file::{Format, ImageFile};
-use crate::memory::Budget;
+use crate::run::Budget;
 use crate::scores::Scores;
 use crate::treatment::{Space, Treatment};
 

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::image_file::{FileError, LISTED, shown};
+use crate::files::{FileError, display};
+use crate::image_file::LISTED;
 
 /// An evaluation, or a step of it, cannot be done. Its message names the file, the cause and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -14,7 +15,7 @@ pub enum EvaluateError {
     #[error(transparent)]
     File(#[from] FileError),
     /// A folder holds no image.
-    #[error("{} holds no {LISTED}; name the folder in which the images stand", shown(folder))]
+    #[error("{} holds no {LISTED}; name the folder in which the images stand", display(folder))]
     NoImages {
         /// The folder.
         folder: PathBuf,
@@ -35,7 +36,7 @@ pub enum EvaluateError {
     /// Two contents would have outputs of one name.
     #[error(
         "{} and {} share their stem, so that outputs of other tools cannot be told apart; rename one of them",
-        shown(.one), shown(.other)
+        display(.one), display(.other)
     )]
     Ambiguous {
         /// One file.
@@ -44,7 +45,7 @@ pub enum EvaluateError {
         other: PathBuf,
     },
     /// An output of another tool is missing, or there are several.
-    #[error("{} holds {found} images named {stem}; put exactly one there", shown(folder))]
+    #[error("{} holds {found} images named {stem}; put exactly one there", display(folder))]
     NoOutput {
         /// Where was looked.
         folder: PathBuf,
@@ -56,7 +57,7 @@ pub enum EvaluateError {
     /// An output of another tool has another size than its content.
     #[error(
         "{} has {}x{} pixels, but {} has {}x{}; scores compare pixel by pixel, so let the tool write its full size",
-        shown(output), .found.0, .found.1, shown(content), .expected.0, .expected.1
+        display(output), .found.0, .found.1, display(content), .expected.0, .expected.1
     )]
     Size {
         /// The output.
@@ -71,7 +72,7 @@ pub enum EvaluateError {
     /// A file is no network of LPIPS, or cannot take an image.
     #[error(
         "cannot take {} for the network of LPIPS: {cause}. Write it again with lpips/export.py of crates/aquafuse-data",
-        shown(path)
+        display(path)
     )]
     NoLpips {
         /// The file.
@@ -82,7 +83,7 @@ pub enum EvaluateError {
     /// An image is too small to be scored.
     #[error(
         "{} is smaller than the 11 x 11 pixels that SSIM looks at; leave it out of the folder",
-        shown(path)
+        display(path)
     )]
     TooSmall {
         /// The image.

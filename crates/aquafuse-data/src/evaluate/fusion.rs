@@ -17,7 +17,7 @@ use super::{
 };
 use crate::analysis::{Analysis, DepthSource, analyse};
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::memory::Budget;
+use crate::run::Budget;
 use crate::treatment::{Space, Treatment};
 use likeness::Likeness;
 

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::chance::Chance;
 use super::error::EvaluateError;
-use crate::folder;
-use crate::image_file::{FileError, shown};
+use crate::files::{FileError, display};
+use crate::image_file;
 
 /// An image of an evaluation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl GroupBy {
                 let path = entry.map_err(failed)?.path();
                 let name = path.file_name().unwrap_or_default();
                 if path.is_dir() && !name.as_encoded_bytes().starts_with(b".") {
-                    members.extend(self.members_in(&path, Some(&shown(name.as_ref()).to_string()))?);
+                    members.extend(self.members_in(&path, Some(&display(name.as_ref()).to_string()))?);
                 }
             }
         }
@@ -67,27 +67,27 @@ impl GroupBy {
     /// The images that stand directly in a folder, or in one of its folders.
     fn members_in(self, folder: &Path, inner: Option<&str>) -> Result<Vec<Member>, EvaluateError> {
         let member = |path: PathBuf| {
-            let file = shown(path.file_name().unwrap_or_default().as_ref()).to_string();
+            let file = display(path.file_name().unwrap_or_default().as_ref()).to_string();
             let group = match (self, inner) {
                 (Self::Nothing, _) => "all".to_owned(),
                 (Self::Folder, Some(inner)) => inner.to_owned(),
                 (Self::Folder, None) => name_of(folder),
                 (Self::Prefix, _) => {
-                    let stem = shown(path.file_stem().unwrap_or_default().as_ref()).to_string();
+                    let stem = display(path.file_stem().unwrap_or_default().as_ref()).to_string();
                     stem.split('_').next().unwrap_or_default().to_owned()
                 }
             };
             let name = inner.map_or_else(|| file.clone(), |inner| format!("{inner}/{file}"));
             Member { path, name, group }
         };
-        Ok(folder::list(folder)?.images.into_iter().map(member).collect())
+        Ok(image_file::list(folder)?.images.into_iter().map(member).collect())
     }
 }
 
 /// The name of a folder, also of one that is called `.`.
 fn name_of(folder: &Path) -> String {
     let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    shown(whole.file_name().unwrap_or_default().as_ref()).to_string()
+    display(whole.file_name().unwrap_or_default().as_ref()).to_string()
 }
 
 impl Member {

@@ -7,7 +7,7 @@ use aquafuse::image::Image;
 
 use super::error::EvaluateError;
 use super::members::Member;
-use crate::folder;
+use crate::image_file;
 use crate::image_file::{ImageFile, ReadOptions};
 
 /// Bytes a pixel that an output takes while it is read, in 16 bits with opacity and its file.
@@ -29,7 +29,7 @@ impl Outputs {
     /// [`EvaluateError`] when the folder cannot be listed, or holds no image.
     pub fn list(name: &str, folder: &Path) -> Result<Self, EvaluateError> {
         let mut by_stem: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
-        for path in folder::list(folder)?.images {
+        for path in image_file::list(folder)?.images {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             by_stem.entry(stem).or_default().push(path);
         }

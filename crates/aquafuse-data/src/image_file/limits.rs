@@ -3,7 +3,7 @@
 use std::num::Saturating;
 
 use super::Format;
-use crate::memory::Budget;
+use crate::run::Budget;
 
 /// How images are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,8 +17,9 @@ use ::image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
 use super::limits::Size;
 use super::pixels::Layers;
-use super::{FileError, Format, ImageFile, Metadata, Pixels, ReadOptions, one_line};
-use crate::barrier;
+use super::{Format, ImageFile, Metadata, Pixels, ReadOptions};
+use crate::files::catch_panic;
+use crate::files::{FileError, one_line};
 
 /// An image file whose header was read and found within the limits; its pixels are not decoded yet.
 #[derive(Debug)]
@@ -157,9 +158,9 @@ pub(super) fn open_bytes(name: &Path, bytes: Vec<u8>, options: &ReadOptions) -> 
     Ok(Opened { path: name.to_owned(), file, length, format, size, options: *options })
 }
 
-/// Reads a header behind the barrier.
+/// Reads a header; a decoder that panics is an error of the file.
 fn header(format: Format, reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
-    let size = barrier::behind(|| match format {
+    let size = catch_panic(|| match format {
         Format::Png => png::header(reader),
         Format::Jpeg => jpeg::header(reader),
         Format::Tiff => tiff::header(reader),
@@ -267,9 +268,9 @@ pub(super) fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Re
     open_bytes(name, bytes.to_owned(), options)?.decode()
 }
 
-/// Decodes behind the barrier.
+/// Decodes; a decoder that panics is an error of the file.
 fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<ImageFile, Fault> {
-    let decoded = barrier::behind(|| match format {
+    let decoded = catch_panic(|| match format {
         Format::Png => png::decode(bytes, lenient),
         Format::Jpeg => jpeg::decode(bytes, lenient),
         Format::Tiff => tiff::decode(bytes),

@@ -1,6 +1,7 @@
 mod hostile;
 
 use super::*;
+use crate::files::{remove_stale_parts, write_atomically};
 use ::image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder, codecs::png::PngEncoder};
 use aquafuse::image::Sample;
 

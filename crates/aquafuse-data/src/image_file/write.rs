@@ -11,11 +11,12 @@ use ::image::{ExtendedColorType, ImageEncoder, ImageError};
 use ::jpeg_encoder::{EncodingError, PixelDensity, PixelDensityUnit, SamplingFactor};
 use ::png::{BitDepth, ColorType, Compression, Encoder, Info, PixelDimensions, Unit};
 
-use super::atomic::Output;
 use super::format::WRITTEN;
 use super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::pixels::{Layers, Pixels};
-use super::{FileError, Format, ImageFile, Staged, WriteOptions, exif};
+use super::{Format, ImageFile, WriteOptions, exif};
+use crate::files::Output;
+use crate::files::{FileError, Staged};
 
 /// The most EXIF that a JPEG segment holds beside its length and its name.
 const JPEG_EXIF: usize = 65535 - 2 - 6;

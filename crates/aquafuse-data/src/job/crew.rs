@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
 use super::Summary;
-use crate::memory::{Budget, Reservation};
+use crate::run::{Budget, Reservation};
 
 /// How one item ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,9 +18,9 @@ use serde_json::Value;
 
 use super::Item;
 use crate::analysis::DepthSource;
-use crate::image_file::FileError;
-use crate::lock::lock;
-use crate::settings::differences;
+use crate::files::FileError;
+use crate::files::lock;
+use crate::run::differences;
 
 /// The name of the record in the folder of a job's outputs.
 pub const RECORD: &str = "aquafuse-job.jsonl";

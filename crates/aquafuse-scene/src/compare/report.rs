@@ -5,7 +5,7 @@ use aquafuse_data::evaluate::report::{
     Cell, Items, ItemsRow, Row, Score, Shown as Figure, Strip, Table, thumbnail,
 };
 use aquafuse_data::evaluate::{EvaluateError, Listener, Lpips, Message, Report, Summary};
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 use serde_json::json;
 
 use super::{image, normal_deviation, normals_shown};
@@ -96,7 +96,7 @@ const ABOUT: [&str; 2] = [
 
 /// Seed of resampling: intervals are the same in every run.
 const SEED: u64 = 0;
-/// Views that are shown, the first and one from the middle.
+/// Views that are display, the first and one from the middle.
 const STRIPS: usize = 2;
 
 impl Comparison {
@@ -144,7 +144,7 @@ impl Comparison {
                 let taken = &side.held[view];
                 let against = (place > 0).then(|| &drawn[0]);
                 scores[place].push(self.scores(taken, &drawn[place], against)?);
-                listener(Message::Done { name: &shown(&taken.name).to_string() });
+                listener(Message::Done { name: &display(&taken.name).to_string() });
             }
             if view.is_multiple_of(self.original.held.len().div_ceil(STRIPS)) {
                 gallery.extend(strips(&sides, view, &drawn));
@@ -257,7 +257,7 @@ impl Comparison {
     fn items(&self, sides: &[Named<'_>], scores: &[Vec<Scores>]) -> Items {
         let rows = sides.iter().zip(scores).flat_map(|(side, scores)| {
             side.held.iter().zip(scores).map(|(one, scores)| ItemsRow {
-                labels: vec![self.original.name.clone(), side.label.clone(), shown(&one.name).to_string()],
+                labels: vec![self.original.name.clone(), side.label.clone(), display(&one.name).to_string()],
                 values: self.taken().map(|place| scores[place]).collect(),
             })
         });
@@ -302,7 +302,7 @@ fn mean(scores: &[Scores], place: usize) -> Option<Summary> {
 
 /// One view of every scene: what its camera took, what is drawn of its splats, and their surfaces.
 fn strips(sides: &[Named<'_>], view: usize, drawn: &[Drawing<f32>]) -> [Strip; 3] {
-    let name = |one: &Shown| shown(&one.name).to_string();
+    let name = |one: &Shown| display(&one.name).to_string();
     let camera = &sides[0].held[view].camera;
     let strip = |what: &str, of: &dyn Fn(usize) -> aquafuse::image::Image<f32>| Strip {
         caption: format!("{}: {what}", name(&sides[0].held[view])),

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use aquafuse_data::image_file::FileError;
+use aquafuse_data::files::FileError;
 
 use super::SceneFileError;
 

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use aquafuse_data::image_file::shown;
+use aquafuse_data::files::display;
 
 use super::{SceneFileError, bytes, colmap_binary, colmap_text, transforms};
 use crate::camera::Camera;
@@ -68,7 +68,7 @@ fn checked(cameras: Cameras, path: &Path) -> Result<Cameras, SceneFileError> {
     // They are sorted by name.
     let mut next = cameras.taken.iter().zip(cameras.taken.iter().skip(1));
     if let Some((one, _)) = next.find(|(one, next)| one.name == next.name) {
-        let cause = format!("it has two cameras of {}. Leave one of them out", shown(&one.name));
+        let cause = format!("it has two cameras of {}. Leave one of them out", display(&one.name));
         return Err(SceneFileError::content(path, cause));
     }
     Ok(cameras)

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse_data::image_file::{FileError, shown};
+use aquafuse_data::files::{FileError, display};
 
 /// A file of a scene could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -15,14 +15,14 @@ pub enum SceneFileError {
     #[error(
         "{} holds no cameras: neither cameras.bin nor cameras.txt (in it, in sparse/0, sparse or colmap_text) nor \
          transforms.json. Name the folder of a COLMAP model, or make one with `colmap`",
-        shown(folder)
+        display(folder)
     )]
     NoCameras {
         /// The folder.
         folder: PathBuf,
     },
     /// A line of a text file is wrong.
-    #[error("{}, line {line}: {cause}. {}", shown(path), REMEDY)]
+    #[error("{}, line {line}: {cause}. {}", display(path), REMEDY)]
     Line {
         /// The file.
         path: PathBuf,
@@ -32,7 +32,7 @@ pub enum SceneFileError {
         cause: String,
     },
     /// Some bytes of a binary file are wrong.
-    #[error("{}, byte {offset}: {cause}. {}", shown(path), REMEDY)]
+    #[error("{}, byte {offset}: {cause}. {}", display(path), REMEDY)]
     Offset {
         /// The file.
         path: PathBuf,
@@ -42,7 +42,7 @@ pub enum SceneFileError {
         cause: String,
     },
     /// A file is not what it should be as a whole.
-    #[error("{}: {cause}", shown(path))]
+    #[error("{}: {cause}", display(path))]
     Content {
         /// The file.
         path: PathBuf,

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use aquafuse_data::image_file::write_bytes;
+use aquafuse_data::files::write_bytes;
 
 use super::SceneFileError;
 use super::bytes::{self, Bytes};

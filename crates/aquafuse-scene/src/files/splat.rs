@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use aquafuse_data::image_file::write_bytes;
+use aquafuse_data::files::write_bytes;
 
 use super::SceneFileError;
 use crate::splats::Splats;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, anyhow};
-use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions};
+use aquafuse_data::files::FileError;
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_scene::files::{Cameras, Taken, read_ply, write_cameras};
 use aquafuse_scene::lens::Lens;
 use aquafuse_scene::medium::Medium;

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use aquafuse::image::Encoded;
 use aquafuse_data::analysis::{DepthSource, analyse};
-use aquafuse_data::image_file::{FileError, ImageFile, shown, write_bytes};
+use aquafuse_data::files::{FileError, display, write_bytes};
+use aquafuse_data::image_file::ImageFile;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::capture::Shown;
 use aquafuse_scene::lens::Lens;
@@ -55,7 +56,7 @@ fn trainer(task: &Task<'_>) -> Result<Trainer, Failure> {
     if !task.overwrite && path.is_file() {
         let read = std::fs::read(&path).map_err(|error| FileError::Read { path: path.clone(), error })?;
         let no = |cause: &dyn std::fmt::Display| {
-            Failure::usage(anyhow!("cannot go on from {}: {cause}", shown(&path)))
+            Failure::usage(anyhow!("cannot go on from {}: {cause}", display(&path)))
         };
         let trainer = Trainer::resume(task.options.clone(), shots, &read).map_err(|error| no(&error))?;
         let learns_water = trainer.medium() != Medium::Air;

@@ -11,8 +11,9 @@ use super::super::make::Maker;
 use super::{Held, written};
 use crate::dataset::shards::{Group, Member, groups};
 use crate::dataset::{join, split};
-use crate::digest::{Hashed, hexadecimal};
-use crate::image_file::{FileError, ReadOptions, one_line, open_file, write_atomically};
+use crate::files::{FileError, one_line, write_atomically};
+use crate::files::{Hashed, hexadecimal};
+use crate::image_file::{ReadOptions, open_file};
 use crate::treatment::Space;
 
 impl<E: Space> Maker<'_, E> {

@@ -14,8 +14,9 @@ use super::super::make::Maker;
 use super::{Held, written};
 use crate::dataset::tables::{Cell, Table, binary, cell, texts};
 use crate::dataset::{join, split, stem};
-use crate::digest::{Hashed, sha256_of};
-use crate::image_file::{FileError, Format, ReadOptions, one_line, open_file, write_atomically};
+use crate::files::{FileError, one_line, write_atomically};
+use crate::files::{Hashed, sha256_of};
+use crate::image_file::{Format, ReadOptions, open_file};
 use crate::treatment::Space;
 
 /// Bytes of rows that are written as a group, so that no reader needs more.

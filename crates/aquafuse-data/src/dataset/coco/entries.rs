@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 
-use crate::image_file::one_line;
+use crate::files::one_line;
 
 /// Whoever is shown the fields of an object; what fails there ends it.
 type SeeField<'s, 'de> = &'s mut dyn FnMut(&str, &'de RawValue) -> io::Result<()>;

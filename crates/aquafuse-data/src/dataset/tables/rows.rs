@@ -19,8 +19,9 @@ use parquet::file::metadata::{ColumnChunkMetaData, KeyValue};
 use parquet::file::reader::ChunkReader;
 
 use super::{footer, memory};
-use crate::barrier::behind;
-use crate::image_file::{FileError, ReadOptions, one_line};
+use crate::files::catch_panic;
+use crate::files::{FileError, one_line};
+use crate::image_file::ReadOptions;
 
 /// Rows that are read at once: images are large.
 const ROWS: usize = 4;
@@ -55,14 +56,14 @@ impl Table {
         let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
         let bytes = from.len();
         footer::check(&from).map_err(|error| damaged(one_line(&error.to_string())))?;
-        let loaded = behind(|| ArrowReaderMetadata::load(&from, ArrowReaderOptions::new()));
+        let loaded = catch_panic(|| ArrowReaderMetadata::load(&from, ArrowReaderOptions::new()));
         let loaded = loaded.ok_or_else(|| damaged(FELL.into()))?;
         let loaded = loaded.map_err(|error| damaged(one_line(&error.to_string())))?;
         let metadata = loaded.metadata();
         for group in metadata.row_groups() {
             let (said, most) =
                 (u64::try_from(group.total_byte_size()).unwrap_or(u64::MAX), options.most_memory);
-            let needed = behind(|| memory::needed(&from, group, ROWS as u64, most));
+            let needed = catch_panic(|| memory::needed(&from, group, ROWS as u64, most));
             let needed = needed.ok_or_else(|| damaged(FELL.into()))?;
             let needed = needed.map_err(|error| match error.kind() {
                 ErrorKind::Unsupported => FileError::UnsupportedPixels {
@@ -96,7 +97,7 @@ impl Table {
         let compression = leaf.map_or(Compression::SNAPPY, ColumnChunkMetaData::compression);
         let notes = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
         let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(from, loaded);
-        let built = behind(|| builder.with_batch_size(ROWS).build());
+        let built = catch_panic(|| builder.with_batch_size(ROWS).build());
         let built = built.ok_or_else(|| damaged(FELL.into()))?;
         let reader = built.map_err(|error| damaged(one_line(&error.to_string())))?;
         Ok(Self { path: path.to_owned(), reader, schema, column, compression, notes })
@@ -105,7 +106,7 @@ impl Table {
     /// The next rows.
     pub(crate) fn next(&mut self) -> Result<Option<RecordBatch>, FileError> {
         let damaged = |cause: String| FileError::Damaged { path: self.path.clone(), cause };
-        let next = behind(|| self.reader.next()).ok_or_else(|| damaged(FELL.into()))?;
+        let next = catch_panic(|| self.reader.next()).ok_or_else(|| damaged(FELL.into()))?;
         next.transpose().map_err(|error| damaged(one_line(&error.to_string())))
     }
 

@@ -3,7 +3,7 @@
 use super::{Fusion, Reference, Scored};
 use crate::evaluate::report::{Strip, thumbnail};
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::memory::Budget;
+use crate::run::Budget;
 use crate::treatment::Space;
 
 /// Results shown at either end.

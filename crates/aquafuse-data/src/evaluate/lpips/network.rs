@@ -8,10 +8,11 @@ use std::sync::Arc;
 use aquafuse::image::{Image, Sample};
 use rten::{Model, NodeId, RunOptions, ThreadPool, Value};
 
-use crate::barrier;
-use crate::digest::sha256;
 use crate::evaluate::EvaluateError;
-use crate::image_file::{FileError, one_line, open_file};
+use crate::files::catch_panic;
+use crate::files::sha256;
+use crate::files::{FileError, one_line};
+use crate::image_file::open_file;
 
 /// The network of LPIPS with its weights.
 ///
@@ -46,8 +47,7 @@ impl Lpips {
         read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
         let unfit = |cause: String| EvaluateError::NoLpips { path: path.to_owned(), cause: one_line(&cause) };
         let sha256 = sha256(&bytes);
-        let model =
-            barrier::behind(|| Model::load(bytes)).ok_or_else(|| unfit("its reader gave up".into()))?;
+        let model = catch_panic(|| Model::load(bytes)).ok_or_else(|| unfit("its reader gave up".into()))?;
         let model = model.map_err(|error| unfit(error.to_string()))?;
         let (inputs, outputs) = (model.input_ids(), model.output_ids());
         let (&[a, b], &[output]) = (inputs, outputs) else {
@@ -76,7 +76,7 @@ impl Lpips {
         let inputs = vec![(first, input(a)), (second, input(b))];
         let inputs = inputs.into_iter().map(|(node, value)| (node, value.into())).collect();
         let run = || self.model.run_n(inputs, [self.output], Some(options));
-        let ended = barrier::behind(run).ok_or_else(|| unfit("it gave up on images of this size".into()))?;
+        let ended = catch_panic(run).ok_or_else(|| unfit("it gave up on images of this size".into()))?;
         let [output] = ended.map_err(|error| unfit(error.to_string()))?;
         let values = output.as_tensor_view::<f32>().map(|values| values.iter().copied().collect::<Vec<_>>());
         match values.as_deref() {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Report, csv, html, json, markdown};
-use crate::image_file::{FileError, write_text};
+use crate::files::{FileError, write_text};
 
 /// What the name of a report ends in.
 const NAMES: &str = ".md, .csv, .json or .html, or be that of a folder";

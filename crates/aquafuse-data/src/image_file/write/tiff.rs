@@ -8,11 +8,11 @@ use ::tiff::encoder::{Compression, DeflateLevel, Rational, TiffEncoder, TiffValu
 use ::tiff::tags::{ExtraSamples, Predictor, ResolutionUnit as Unit, Tag};
 use aquafuse::image::Sample;
 
-use super::super::atomic::Output;
 use super::super::exif::Exif;
 use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
 use super::super::pixels::{Layers, Pixels};
 use super::{ImageFile, side, whole};
+use crate::files::Output;
 
 pub(super) fn encode(out: &mut dyn Output, image_file: &ImageFile, metadata: &Metadata) -> io::Result<()> {
     let encoded = match &image_file.pixels {

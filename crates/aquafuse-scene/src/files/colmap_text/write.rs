@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use aquafuse_data::image_file::{shown, write_text};
+use aquafuse_data::files::{display, write_text};
 
 use crate::camera::Camera;
 use crate::files::SceneFileError;
@@ -26,7 +26,7 @@ pub fn write_cameras(folder: &Path, cameras: &Cameras, overwrite: bool) -> Resul
             one.name.to_str().filter(|name| name.split_whitespace().collect::<Vec<_>>().join(" ") == **name);
         if name.is_none() {
             let cause =
-                format!("the name {} does not fit into a line of text; rename the image", shown(&one.name));
+                format!("the name {} does not fit into a line of text; rename the image", display(&one.name));
             return Err(SceneFileError::content(&images, cause));
         }
     }

@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use aquafuse::depth::SuppliedError;
 
-use super::shown;
+use super::display;
 
 /// A file could not be read or written. Its message names the file, the cause and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// The file cannot be opened or read.
-    #[error("cannot read {}: {error}. {}", shown(path), remedy(error))]
+    #[error("cannot read {}: {error}. {}", display(path), remedy(error))]
     Read {
         /// The file.
         path: PathBuf,
@@ -19,7 +19,7 @@ pub enum FileError {
         error: std::io::Error,
     },
     /// There is nothing in the file.
-    #[error("cannot read {}: the file is empty. Get a whole copy of it", shown(path))]
+    #[error("cannot read {}: the file is empty. Get a whole copy of it", display(path))]
     Empty {
         /// The file.
         path: PathBuf,
@@ -27,7 +27,7 @@ pub enum FileError {
     /// There is something of that name that is no file.
     #[error(
         "cannot read {}: it is no file but a device, a pipe or a socket. Save what it gives to a file first",
-        shown(path)
+        display(path)
     )]
     NoFile {
         /// What is no file.
@@ -36,14 +36,14 @@ pub enum FileError {
     /// The content is none of our formats.
     #[error(
         "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is an image, convert it first",
-        shown(path)
+        display(path)
     )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
     /// The pixels, or the texts of a table, are of a kind we do not read.
-    #[error("cannot read {}: it is {found}. {remedy}", shown(path))]
+    #[error("cannot read {}: it is {found}. {remedy}", display(path))]
     UnsupportedPixels {
         /// The file.
         path: PathBuf,
@@ -56,14 +56,14 @@ pub enum FileError {
     #[error(
         "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY or PFM. Convert it first, best to one of \
          floats; JPEG alters the numbers",
-        shown(path)
+        display(path)
     )]
     UnknownDepthFormat {
         /// The file.
         path: PathBuf,
     },
     /// The values of a depth map are of a kind we do not read.
-    #[error("cannot read {} as depth: it holds {found}. {remedy}", shown(path))]
+    #[error("cannot read {} as depth: it holds {found}. {remedy}", display(path))]
     UnsupportedDepth {
         /// The file.
         path: PathBuf,
@@ -73,7 +73,7 @@ pub enum FileError {
         remedy: &'static str,
     },
     /// A depth map does not suit its image or what it was declared to be.
-    #[error("cannot use {} as depth: {error}. {}", shown(path), unfit_remedy(error, *turned))]
+    #[error("cannot use {} as depth: {error}. {}", display(path), unfit_remedy(error, *turned))]
     UnfitDepth {
         /// The depth map.
         path: PathBuf,
@@ -86,8 +86,8 @@ pub enum FileError {
     #[error(
         "{} holds {found} depth maps named as {}; put exactly one .png, .tif, .tiff, .exr, .npy or .pfm of that \
          name there",
-        shown(folder),
-        shown(image)
+        display(folder),
+        display(image)
     )]
     NoDepthBeside {
         /// Where was looked.
@@ -98,7 +98,7 @@ pub enum FileError {
         found: usize,
     },
     /// The file is damaged.
-    #[error("cannot decode {}: {cause}. The file seems damaged; get a whole copy of it", shown(path))]
+    #[error("cannot decode {}: {cause}. The file seems damaged; get a whole copy of it", display(path))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -109,7 +109,7 @@ pub enum FileError {
     #[error(
         "cannot decode {}: it was cut short ({cause}). Get a whole copy of it; if there is none, --lenient takes what is \
          left of an image",
-        shown(path)
+        display(path)
     )]
     CutShort {
         /// The file.
@@ -118,7 +118,7 @@ pub enum FileError {
         cause: String,
     },
     /// The image is larger than we take on.
-    #[error("cannot decode {}: {cause}. Raise the limit, scale it down or cut it into parts", shown(path))]
+    #[error("cannot decode {}: {cause}. Raise the limit, scale it down or cut it into parts", display(path))]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -126,7 +126,7 @@ pub enum FileError {
         cause: String,
     },
     /// The output's extension names no format we write.
-    #[error("cannot write {}: its name must end in {expected}", shown(path))]
+    #[error("cannot write {}: its name must end in {expected}", display(path))]
     UnknownExtension {
         /// The file.
         path: PathBuf,
@@ -134,13 +134,16 @@ pub enum FileError {
         expected: &'static str,
     },
     /// There is already a file of that name.
-    #[error("{} exists and was not touched; give another output, or --overwrite to replace it", shown(path))]
+    #[error(
+        "{} exists and was not touched; give another output, or --overwrite to replace it",
+        display(path)
+    )]
     Exists {
         /// The file.
         path: PathBuf,
     },
     /// Another process works in the folder.
-    #[error("another aquafuse works in {}; wait for it, or give another output", shown(folder))]
+    #[error("another aquafuse works in {}; wait for it, or give another output", display(folder))]
     Busy {
         /// The folder.
         folder: PathBuf,
@@ -149,7 +152,7 @@ pub enum FileError {
     #[error(
         "{} holds images that were made with other settings ({differences}); give another output, or --overwrite \
          to make them again",
-        shown(folder)
+        display(folder)
     )]
     OtherSettings {
         /// The folder.
@@ -160,7 +163,7 @@ pub enum FileError {
     /// The record of a job is no such thing.
     #[error(
         "cannot go on from {}: line {line} is no record of ours. Move it away, or give another output",
-        shown(path)
+        display(path)
     )]
     DamagedRecord {
         /// The record.
@@ -169,7 +172,7 @@ pub enum FileError {
         line: usize,
     },
     /// The file cannot be written.
-    #[error("cannot write {}: {cause}. Whatever was there before is still there", shown(path))]
+    #[error("cannot write {}: {cause}. Whatever was there before is still there", display(path))]
     Write {
         /// The file.
         path: PathBuf,

@@ -12,11 +12,11 @@ use std::path::Path;
 /// # Examples
 ///
 /// ```
-/// use aquafuse_data::image_file::shown;
+/// use aquafuse_data::files::display;
 ///
-/// assert_eq!(shown("two\nlines.png".as_ref()).to_string(), "two\\nlines.png");
+/// assert_eq!(display("two\nlines.png".as_ref()).to_string(), "two\\nlines.png");
 /// ```
-pub fn shown(path: &Path) -> impl fmt::Display + '_ {
+pub fn display(path: &Path) -> impl fmt::Display + '_ {
     OneLine(path.to_string_lossy())
 }
 

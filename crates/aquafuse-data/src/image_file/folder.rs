@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::image_file::{FileError, Format};
+use crate::files::FileError;
+use crate::image_file::Format;
 
 /// What stands in a folder, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,0 +1,19 @@
+//! Files as such, whatever they hold: errors that name them, atomic writes, locks, digests.
+
+mod atomic;
+mod catch_panic;
+mod digest;
+mod display;
+mod error;
+mod lock;
+
+pub(crate) use atomic::{Output, Staged, write_atomically};
+pub use atomic::{abandon_parts, remove_stale_parts, write_bytes, write_text};
+pub(crate) use catch_panic::catch_panic;
+pub use catch_panic::silence_decoder_panics;
+pub use digest::sha256;
+pub(crate) use digest::{Hashed, hexadecimal, sha256_of};
+pub use display::display;
+pub(crate) use display::one_line;
+pub use error::FileError;
+pub(crate) use lock::lock;

@@ -46,13 +46,14 @@ impl From<aquafuse_data::files::FileError> for Failure {
     /// else happened to the work.
     fn from(error: aquafuse_data::files::FileError) -> Self {
         use aquafuse_data::files::FileError::{
-            Busy, DamagedRecord, Exists, OtherSettings, Read, UnknownExtension,
+            Busy, DamagedRecord, Exists, Folder, OtherSettings, Read, UnknownExtension,
         };
         use std::io::ErrorKind::{IsADirectory, NotFound};
         match &error {
             Busy { .. }
             | DamagedRecord { .. }
             | Exists { .. }
+            | Folder { .. }
             | OtherSettings { .. }
             | UnknownExtension { .. } => Self::usage(error),
             Read { error: cause, .. } if matches!(cause.kind(), NotFound | IsADirectory) => {
@@ -70,6 +71,39 @@ impl From<aquafuse_data::water_file::WaterFileError> for Failure {
             File(error) => error.into(),
             Encoding { .. } => Self::usage(error),
             error => Self::work(error),
+        }
+    }
+}
+
+impl From<aquafuse_data::evaluate::EvaluateError> for Failure {
+    /// What is refused before work begins, and is no image's fault, is wrong usage.
+    fn from(error: aquafuse_data::evaluate::EvaluateError) -> Self {
+        use aquafuse_data::evaluate::EvaluateError;
+        match error {
+            EvaluateError::File(error) => error.into(),
+            error => Self::usage(error),
+        }
+    }
+}
+
+impl From<aquafuse_data::batch::PlanError> for Failure {
+    /// A run that cannot begin is wrong usage, but where a file is at fault.
+    fn from(error: aquafuse_data::batch::PlanError) -> Self {
+        match error {
+            aquafuse_data::batch::PlanError::File(error) => error.into(),
+            error => Self::usage(error),
+        }
+    }
+}
+
+impl From<aquafuse_data::augment::AugmentError> for Failure {
+    /// A dataset that cannot be multiplied as asked for is wrong usage, but where a file is at fault.
+    fn from(error: aquafuse_data::augment::AugmentError) -> Self {
+        use aquafuse_data::augment::AugmentError::{File, Water};
+        match error {
+            File(error) => error.into(),
+            Water(error) => error.into(),
+            error => Self::usage(error),
         }
     }
 }

@@ -1,39 +1,22 @@
 //! The `aquafuse` command: moves the waterbody of one underwater image into another.
 
-mod augment;
-mod bench;
-mod common;
-mod crossover;
-mod demo;
-mod depth;
-mod depth_arguments;
-mod depth_model;
-mod enhance;
-mod evaluate;
+mod args;
+mod commands;
 mod failure;
-mod fit;
-mod fuse;
-mod inspect;
-mod manual;
-mod output;
-mod progress;
-mod reading;
-mod replay;
-mod restore;
-mod scene;
+mod report;
 mod signals;
-mod simulate;
 mod tool;
-mod verify;
-mod water;
-mod water_argument;
-mod work;
 
 use std::process::ExitCode;
 
+use args::common::Common;
 use clap::{CommandFactory, Parser, Subcommand};
-use common::Common;
+use commands::{
+    augment, bench, crossover, demo, depth, enhance, evaluate, fit, fuse, inspect, manual, replay, restore,
+    scene, simulate, verify, water,
+};
 use failure::Failure;
+use report::output;
 
 /// Moves the waterbody of one underwater image into another, by physics in closed form.
 ///

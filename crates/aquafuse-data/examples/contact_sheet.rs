@@ -7,8 +7,8 @@
 use std::path::{Path, PathBuf};
 
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
-use aquafuse_data::analysis::{DepthSource, analyse};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
+use aquafuse_data::pipeline::{DepthSource, analyse};
 use aquafuse_data::sheet::{Cell, lay_out};
 
 type Error = Box<dyn std::error::Error>;

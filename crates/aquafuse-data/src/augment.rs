@@ -19,7 +19,6 @@ mod replay;
 mod verify;
 mod water;
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use aquafuse::fusion::Options;
@@ -34,9 +33,9 @@ pub use water::{OnDoubtful, Water};
 
 use crate::dataset::Dataset;
 use crate::files::{FileError, display, remove_stale_parts};
-use crate::image_file::ReadOptions;
-use crate::job::{Crew, Outcome, Summary, Turn};
-use crate::treatment::Space;
+
+use crate::pipeline::Space;
+use crate::run::{self, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::WaterFileError;
 pub use depth::DepthPlan;
 pub use plan::{Plan, PlanError};
@@ -52,8 +51,12 @@ pub struct Augmentation<E: Space> {
     pub recipe: Recipe<E>,
     /// Which part of the dataset to make.
     pub shard: Shard,
+    /// Begin again where the folder holds what other settings made.
+    pub overwrite: bool,
+    /// Write the manifest as a table of Parquet too; with the feature `parquet`.
+    pub manifest_table: bool,
     /// How to run.
-    pub conduct: Conduct,
+    pub run_options: RunOptions,
 }
 
 /// Everything but the images that decides what is made.
@@ -77,23 +80,8 @@ pub struct Recipe<E: Space> {
     pub on_bad_annotation: &'static str,
     /// Carry the images themselves over too.
     pub keep_originals: bool,
-    /// How to read.
-    pub reading: ReadOptions,
     /// JPEG quality.
     pub quality: u8,
-}
-
-/// How to run; nothing that is made depends on it.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Conduct {
-    /// Images in work at once; none: one a core.
-    pub threads: Option<NonZeroUsize>,
-    /// Stop once more images than this have failed; none: never.
-    pub most_failures: Option<usize>,
-    /// Begin again where the folder holds what other settings made.
-    pub overwrite: bool,
-    /// Write the manifest as a table of Parquet too; with the feature `parquet`.
-    pub manifest_table: bool,
 }
 
 /// A part of a dataset: this one of so many, counted from 1.
@@ -133,41 +121,22 @@ impl Shard {
     }
 }
 
-/// What a run says as it goes.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum Message<'a> {
-    /// It begins, with this many images.
-    Started {
-        /// Images of the dataset that take part.
-        total: usize,
-    },
-    /// An image was multiplied by a run before this one.
-    Kept {
-        /// Its key.
-        key: &'a str,
-    },
-    /// An image is multiplied, or skipped.
-    Done {
-        /// Its key.
-        key: &'a str,
-        /// Variants that were made.
-        variants: usize,
-        /// Those of them in which the scene has all but vanished.
-        vanished: usize,
-        /// What its estimate is worth.
-        verdict: Option<Verdict>,
-        /// Its lines of the manifest.
-        lines: String,
-    },
-    /// An image failed; the others go on.
-    Failed {
-        /// Its key.
-        key: &'a str,
-        /// Why.
-        error: FileError,
-    },
+/// What is known of an image whose variants are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Multiplied {
+    /// Variants that were made.
+    pub variants: usize,
+    /// Those of them in which the scene has all but vanished.
+    pub vanished: usize,
+    /// The verdict on its estimate.
+    pub verdict: Option<Verdict>,
+    /// Its lines of the manifest.
+    pub lines: String,
 }
+
+/// Whoever listens to an augmentation. An item is the key of an image; a file of many images may fail in several of
+/// them and be done all the same.
+pub type Listener<'a> = run::Listener<'a, str, Multiplied>;
 
 /// A dataset cannot be multiplied, or its manifest not be read.
 #[derive(Debug, thiserror::Error)]
@@ -218,44 +187,44 @@ impl<E: Space> Augmentation<E> {
     ///
     /// [`AugmentError`] when the work cannot begin, or the files about all images cannot be written. An image that
     /// fails is no error: it is counted, and listed in the manifest.
-    pub fn run(&self, plan: &Plan, listener: &(dyn Fn(Message<'_>) + Sync)) -> Result<Summary, AugmentError> {
+    pub fn run(&self, plan: &Plan, listener: Listener<'_>) -> Result<Summary, AugmentError> {
         let samples = &self.dataset.samples;
         let depths =
             depth::Maps::of(&self.recipe.depth, plan.samples(samples).map(|sample| sample.key.as_str()))?;
-        let header = self.recipe.header(&self.dataset);
+        let header = self.header();
         let place = |key: &str| {
             let place = samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok();
             place.filter(|_| self.shard.holds(key))
         };
-        let journal = Journal::open(&self.output, self.shard, &header, self.conduct.overwrite, &place)?;
+        let journal = Journal::open(&self.output, self.shard, &header, self.overwrite, &place)?;
         for folder in plan.folders(&self.dataset) {
             let folder = self.output.join(folder);
             std::fs::create_dir_all(&folder)
                 .map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
             remove_stale_parts(&folder);
         }
-        listener(Message::Started { total: plan.files() });
+        listener(Event::Started { total: plan.files() });
         let maker = make::Maker::new(self, depths);
-        let work = |&place: &usize, _: &mut Turn<'_>| {
-            let Some(sample) = plan.planned(&self.dataset, place) else { return Outcome::Kept };
-            let make::Made { news, failures } = maker.make(&sample, &journal);
-            let outcome = match (&news, failures.is_empty()) {
-                (_, false) => Outcome::Failed,
-                (Some(_), true) => Outcome::Done,
-                (None, true) => Outcome::Kept,
+        let work = |&place: &usize, _: &mut Permit<'_>| {
+            let Some(sample) = plan.planned(&self.dataset, place) else { return Ending::Skipped };
+            let make::Made { multiplied, failures } = maker.make(&sample, &journal);
+            let outcome = match (&multiplied, &failures[..]) {
+                (_, [.., FileError::Stopped { .. }]) => return Ending::Left,
+                (_, [_, ..]) => Ending::Failed,
+                (Some(_), []) => Ending::Done,
+                (None, []) => Ending::Skipped,
             };
             for error in failures {
-                listener(Message::Failed { key: sample.key, error });
+                listener(Event::Failed { item: sample.key, error });
             }
-            if let Some(make::News { variants, vanished, verdict, lines }) = news {
-                listener(Message::Done { key: sample.key, variants, vanished, verdict, lines });
-            } else if outcome == Outcome::Kept {
-                listener(Message::Kept { key: sample.key });
+            if let Some(result) = multiplied {
+                listener(Event::Done { item: sample.key, result });
+            } else if outcome == Ending::Skipped {
+                listener(Event::Skipped { item: sample.key });
             }
             outcome
         };
-        let Conduct { threads, most_failures, .. } = self.conduct;
-        let summary = Crew { threads, most_failures }.each(plan.places(), &work);
+        let summary = self.run_options.each(plan.places(), &work);
         if summary.left == 0 {
             let indices = self.write_indices(plan, &journal)?;
             journal.seal(&header, indices)?;

@@ -12,7 +12,6 @@
 //! depends on the number of threads. An image that fails is listed in the report, and the others go on.
 
 mod chance;
-mod crew;
 mod depth;
 mod enhancement;
 mod error;
@@ -38,7 +37,6 @@ mod statistics;
 )]
 mod truth;
 
-pub use crew::{Conduct, Listener, Message};
 pub use depth::{Depth, Maps};
 pub use enhancement::Enhancement;
 pub use error::{EvaluateError, Failed};
@@ -50,3 +48,7 @@ pub use report::Report;
 pub use rivals::{Palette, Rival};
 pub use statistics::Summary;
 pub use truth::Truth;
+
+/// Whoever listens to an evaluation. An item is a step's name; each step ends with one `Done`, after a `Failed` for
+/// whatever failed in it.
+pub type Listener<'a> = crate::run::Listener<'a, str, (), Failed>;

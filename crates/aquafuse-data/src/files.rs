@@ -5,6 +5,7 @@ mod catch_panic;
 mod digest;
 mod display;
 mod error;
+mod folders;
 mod lock;
 
 pub(crate) use atomic::{Output, Staged, write_atomically};
@@ -16,4 +17,5 @@ pub(crate) use digest::{Hashed, hexadecimal, sha256_of};
 pub use display::display;
 pub(crate) use display::one_line;
 pub use error::FileError;
+pub use folders::{make_folder, make_folder_of};
 pub(crate) use lock::lock;

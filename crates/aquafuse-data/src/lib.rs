@@ -1,62 +1,29 @@
-//! Images on disk around the [`aquafuse`] crate: files in, files out, folders of them.
+//! Image files, datasets, long runs and evaluation around the [`aquafuse`] crate.
 //!
 //! # Where do I start?
 //!
-//! ```
-//! use aquafuse::{fusion::Options, smooth::Smoothing};
-//! use aquafuse_data::analysis::{DepthSource, analyse};
-//! use aquafuse_data::{job, image_file::{ImageFile, ReadOptions, WriteOptions}, treatment::Treatment};
-//! # use aquafuse::truth::{Scene, Size, waters};
-//! # let folder = tempfile::tempdir()?;
-//! # let path = |name: &str| folder.path().join(name);
-//! # for (name, water) in ["content.png", "reference.png"].into_iter().zip(waters()) {
-//! #     let scene = Scene::new(1, Size { width: 64, height: 48 });
-//! #     let image = scene.seen_through(&water.water).to_samples::<u8>();
-//! #     ImageFile::new(image).write(&path(name), &WriteOptions::default())?;
-//! # }
-//!
-//! let reference = ImageFile::read(&path("reference.png"))?;
-//! let job: job::Job = job::Job {
-//!     items: vec![job::Item {
-//!         input: path("content.png"),
-//!         output: path("fused.png"),
-//!         depth: DepthSource::default(),
-//!     }],
-//!     recipe: job::Recipe {
-//!         treatment: Treatment::Fuse {
-//!             reference: analyse(&reference, &DepthSource::default())?.estimate,
-//!             options: Options::default(),
-//!         },
-//!         smoothing: Smoothing::default(),
-//!         upright: false,
-//!         reading: ReadOptions::default(),
-//!         writing: WriteOptions::default(),
-//!     },
-//!     conduct: job::Conduct::default(),
-//!     record: None,
-//! };
-//! let summary = job.run(&|message| println!("{message:?}"));
-//! assert_eq!((summary.done, summary.failed), (1, 0));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! [`batch`] has a complete example: one image fused with the water of another, as `aquafuse fuse` does it. A run over a
+//! folder is the same call with a folder's name.
 //!
 //! # Concepts
 //!
+//! A **run** is an object of this library: it is planned once, works on threads of its own within one memory budget,
+//! reports events, and stops when it is asked to ([`run`]). A program parses its arguments, makes a run and prints its
+//! events.
+//!
 //! | module | does |
 //! |---|---|
-//! | [`image`] | PNG, JPEG, TIFF, WebP, BMP and GIF files, 8 and 16 bits, with opacity, colour profile and EXIF; limits before memory is taken; written all or nothing |
-//! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, read as a declared kind |
-//! | [`analysis`] | what an image tells about its depth and water: the one estimator of every command |
-//! | [`treatment`] | what is done to an image: fused with a water, or restored; encoded or in linear light |
-//! | [`dataset`] | datasets: images, and the annotations about them |
-//! | [`augment`] | a dataset multiplied in other waters, with a manifest; verified, and made again |
-//! | [`job`] | a long run as a stream of messages; one that was stopped goes on where it was |
-//! | [`pairs`] | images with known depth, a folder `rgb` and a folder `depth`, to fit a depth model to |
-//! | [`model_file`] | fitted depth models as TOML |
-//! | [`water_file`] | waters as JSON |
-//! | [`maps`] | what a fusion is made from, as images |
-//! | [`scores`] | how good an image looks |
-//! | [`evaluate`] | what methods are worth: on anybody's images, on scenes of known truth, before and after, against depth maps |
+//! | [`files`] | errors that name the file, atomic writes, locks, digests |
+//! | [`image_file`] | PNG, JPEG, TIFF, WebP, BMP and GIF files of 8 and 16 bits, with opacity, colour profile and EXIF |
+//! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, of a declared kind |
+//! | [`model_file`], [`water_file`] | fitted depth models as TOML, waters as JSON |
+//! | [`run`] | threads, memory budget, events, options and the stop flag of every run |
+//! | [`pipeline`] | one image: depth and water are estimated, an operation changes it, maps and scores show what it did |
+//! | [`batch`] | an image or a folder of images, each changed alike; a stopped run goes on where it stopped |
+//! | [`dataset`] | datasets: images and their annotations, read |
+//! | [`augment`] | a dataset multiplied in other waters, with its annotations and a manifest; verified, and made again |
+//! | [`pairs`] | images with known depth, to fit a depth model to |
+//! | [`evaluate`] | scores of methods on images, on scenes of known truth, before and after, and against depth maps |
 //! | [`sheet`] | images side by side with captions |
 //!
 //! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing; `lpips` adds
@@ -80,20 +47,18 @@
     )
 )]
 
-pub mod analysis;
 pub mod augment;
 mod base64;
+pub mod batch;
 pub mod dataset;
 pub mod depth_file;
 pub mod evaluate;
 pub mod files;
 pub mod image_file;
-pub mod job;
-pub mod maps;
 pub mod model_file;
 pub mod pairs;
+pub mod pipeline;
 pub mod run;
-pub mod scores;
 #[allow(
     clippy::arithmetic_side_effects,
     clippy::cast_possible_truncation,
@@ -105,7 +70,6 @@ pub mod scores;
 pub mod sheet;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;
-pub mod treatment;
 pub mod water_file;
 
 pub use base64::base64;

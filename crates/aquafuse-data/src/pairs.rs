@@ -1,7 +1,6 @@
 //! Images with known depth: a folder with `rgb/` and `depth/`, whose files share their stems.
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::fit::{Fitter, LabelError, Options};
@@ -9,10 +8,9 @@ use aquafuse::depth::{SuppliedError, SuppliedKind};
 use aquafuse::image::Image;
 
 use crate::depth_file;
-use crate::evaluate::Conduct;
 use crate::files::{FileError, display};
 use crate::image_file::{ImageFile, ReadOptions};
-use crate::run::{Budget, Reservation};
+use crate::run::{self, Budget, Event, Reservation, RunOptions, Stopped};
 
 /// Bytes a pixel of the map as it is read, of its labels and of their order.
 const BYTES_OF_DEPTH: u64 = 16;
@@ -111,7 +109,8 @@ impl Pair {
         kind: SuppliedKind,
         options: &ReadOptions,
     ) -> Result<(Image<u8>, Vec<f32>), PairError> {
-        self.read_within(kind, options, &options.budget()).map(|(image, labels, _)| (image, labels))
+        self.read_within(kind, options, &Budget::new(options.max_memory))
+            .map(|(image, labels, _)| (image, labels))
     }
 
     /// As [`Pair::read`], when what it takes is free of a budget; and the part of it that was reserved.
@@ -142,23 +141,8 @@ impl Pair {
     }
 }
 
-/// What reading pairs says as it goes.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum Message<'a> {
-    /// A pair is in.
-    Done {
-        /// Which.
-        pair: &'a Pair,
-    },
-    /// A pair cannot be used; the others go on.
-    Failed {
-        /// Which.
-        pair: &'a Pair,
-        /// Why.
-        error: PairError,
-    },
-}
+/// Whoever listens while pairs are read.
+pub type Listener<'a> = run::Listener<'a, Pair, (), PairError>;
 
 /// Pairs, ready to be fitted to.
 #[derive(Clone, Debug, Default)]
@@ -169,36 +153,40 @@ pub struct Gathered {
     pub names: Vec<String>,
 }
 
-/// Reads pairs on as many threads as the pool it is called in has, as long as `reading` has memory for them; what of each is kept
-/// does not grow with its pixels.
+/// Reads pairs on the threads of a run, within its memory; what is kept of each does not grow with its pixels.
 ///
 /// The result does not depend on the number of threads: pairs come out in the order they are given in.
+///
+/// # Errors
+///
+/// [`Stopped`] when the run was stopped. A pair that cannot be used is an event, and the others go on.
 pub fn gather(
     pairs: &[Pair],
     kind: SuppliedKind,
     options: Options,
-    reading: &ReadOptions,
-    listener: &(dyn Fn(Message<'_>) + Sync),
-) -> Gathered {
-    let (budget, threads) = (reading.budget(), NonZeroUsize::new(rayon::current_num_threads()));
+    run: &RunOptions,
+    listener: Listener<'_>,
+) -> Result<Gathered, Stopped> {
+    let budget = run.budget();
+    listener(Event::Started { total: pairs.len() });
     let add = |pair: &Pair| {
         let labels = |error| PairError::Labels { path: pair.depth.clone(), error };
         let mut fitter = Fitter::new(options);
         let added = pair
-            .read_within(kind, reading, &budget)
+            .read_within(kind, &run.reading, &budget)
             .and_then(|(image, distances, _room)| fitter.add(&image, &distances).map_err(labels));
         match added {
             Ok(()) => {
-                listener(Message::Done { pair });
+                listener(Event::Done { item: pair, result: () });
                 Some(fitter)
             }
             Err(error) => {
-                listener(Message::Failed { pair, error });
+                listener(Event::Failed { item: pair, error });
                 None
             }
         }
     };
-    let read = Conduct { threads, reading: *reading }.each(pairs, add);
+    let read = run.map(pairs, add)?;
     let mut gathered = Gathered { fitter: Fitter::new(options), names: Vec::new() };
     for (pair, fitter) in pairs.iter().zip(read) {
         if let Some(fitter) = fitter {
@@ -206,7 +194,7 @@ pub fn gather(
             gathered.names.push(pair.name.clone());
         }
     }
-    gathered
+    Ok(gathered)
 }
 
 #[cfg(test)]

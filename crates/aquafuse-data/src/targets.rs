@@ -11,15 +11,15 @@ use aquafuse::depth::SuppliedKind;
 use aquafuse::fusion::Options;
 use aquafuse::image::{Encoded, Sample as _};
 
-use crate::analysis::{DepthSource, analyse};
 use crate::augment::try_manifest;
+use crate::batch;
 use crate::dataset::{try_coco, try_shards, try_tables, try_voc, try_yolo};
 use crate::depth_file;
 use crate::files::FileError;
 use crate::image_file::{Format, ImageFile, Pixels, ReadOptions, try_exif};
-use crate::job;
 use crate::model_file::ModelFile;
-use crate::treatment::Treatment;
+use crate::pipeline::Operation;
+use crate::pipeline::{DepthSource, analyse};
 use crate::water_file::WaterFile;
 
 pub use replay::replay;
@@ -70,7 +70,7 @@ pub const DATASET_VOC: Target = Target { name: "dataset-voc", run: |bytes| text(
 /// Labels and `data.yaml` of YOLO.
 pub const DATASET_YOLO: Target = Target { name: "dataset-yolo", run: |bytes| text(bytes, try_yolo) };
 /// Records of a folder's job.
-pub const JOB_RECORD: Target = Target { name: "job-record", run: job::try_parse };
+pub const JOB_RECORD: Target = Target { name: "job-record", run: batch::try_parse };
 /// Manifests of augmented datasets.
 pub const MANIFEST: Target = Target { name: "manifest", run: try_manifest };
 /// Models of depth from colour.
@@ -104,7 +104,7 @@ pub const ALL: [Target; 21] = [
 ];
 
 /// Small enough that no execution takes long.
-const LIMITS: ReadOptions = ReadOptions { most_pixels: 1 << 12, most_memory: 64 << 20, lenient: false };
+const LIMITS: ReadOptions = ReadOptions { max_pixels: 1 << 12, max_memory: 64 << 20, lenient: false };
 
 fn image(format: Format, bytes: &[u8]) {
     if Format::of_content(bytes) != Some(format) {
@@ -141,9 +141,9 @@ pub fn check_error(error: &impl std::fmt::Display) {
 fn check(image: &ImageFile, lenient: bool) {
     assert!(lenient || image.damage.is_none(), "damage passed for whole");
     let (width, height) = image.pixels.size();
-    assert!(width.saturating_mul(height) as u64 <= LIMITS.most_pixels);
+    assert!(width.saturating_mul(height) as u64 <= LIMITS.max_pixels);
     let found = analyse::<Encoded>(image, &DepthSource::default()).expect("depth from colour never fails");
-    let treatment = Treatment::Fuse { reference: found.estimate, options: Options::default() };
+    let treatment = Operation::Fuse { reference: found.estimate, options: Options::default() };
     let mut fused = image.clone();
     treatment.apply(&mut fused.pixels, &found).expect("of one size");
     if let Pixels::Floats(layers) = &fused.pixels {

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::{FileError, display, one_line, write_atomically};
 use crate::image_file::open_file;
-use crate::treatment::Space;
+use crate::pipeline::Space;
 
 /// The end of the name of every such file.
 pub const SUFFIX: &str = ".water.json";

@@ -6,15 +6,16 @@ mod tables;
 
 use std::path::{Path, PathBuf};
 
+use super::Multiplied;
 use super::journal::{Journal, Slot};
 use super::line::{Container, Line, Source, Written};
-use super::make::{Made, Maker, News};
+use super::make::{Made, Maker, vanished};
 use super::plan::Planned;
 use crate::dataset::Layout;
 use crate::files::FileError;
 use crate::files::sha256;
 use crate::image_file::{Format, ImageFile, Opened, ReadOptions};
-use crate::treatment::Space;
+use crate::pipeline::Space;
 
 /// An image in a container.
 struct Held {
@@ -57,10 +58,11 @@ impl<E: Space> Maker<'_, E> {
             failed: Vec::new(),
         };
         let failures = self.write_container(&input, &mut container)?;
-        let (variants, vanished) = (container.variants.len(), News::vanished(container.variants.iter()));
+        let (variants, vanished) = (container.variants.len(), vanished(container.variants.iter()));
         let line = Line::Container(Box::new(container));
         journal.add(sample.place, std::slice::from_ref(&line))?;
-        Ok(Made { news: Some(News { variants, vanished, verdict: None, lines: line.text() }), failures })
+        let lines = line.text();
+        Ok(Made { multiplied: Some(Multiplied { variants, vanished, verdict: None, lines }), failures })
     }
 
     /// Writes it, and says in `container` what was made; the failures of single images come back.
@@ -81,7 +83,8 @@ impl<E: Space> Maker<'_, E> {
         output: &dyn Fn(&str) -> String,
     ) -> Result<Vec<Varied>, FileError> {
         let recipe = &self.job.recipe;
-        let opened = ImageFile::open_bytes(&held.name, held.bytes, &recipe.reading)?;
+        self.job.run_options.stop.check(&self.job.output.join(&container.output))?;
+        let opened = ImageFile::open_bytes(&held.name, held.bytes, &self.job.run_options.reading)?;
         let read = recipe.read(opened, &self.maps.source(&held.draws)?, &self.budget)?;
         if let Some(why) = recipe.skipped(read.found.estimate.quality) {
             container.skipped.push((held.draws, why));
@@ -94,9 +97,9 @@ impl<E: Space> Maker<'_, E> {
             // A name in a shard ends at its first dot.
             let suffix = format!("__{}__{number}", water.slug().replace('.', "-"));
             let path = output(&suffix);
-            let (bytes, treated) = recipe.variant(&read, water, draw, path.as_ref())?;
+            let (bytes, outcome) = recipe.variant(&read, water, draw, path.as_ref())?;
             let about = Written { output: path, bytes: bytes.len() as u64, sha256: sha256(&bytes) };
-            variants.push(read.described(&held.key, number, draw, treated, about, Vec::new()));
+            variants.push(read.described(&held.key, number, draw, outcome, about, Vec::new()));
             all.push(Varied { suffix, bytes });
         }
         container.variants.extend(variants);

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use aquafuse::depth::{DepthModel, SuppliedKind};
 
-use crate::analysis::DepthSource;
 use crate::dataset::split;
 use crate::depth_file::DepthFolder;
 use crate::files::FileError;
+use crate::pipeline::DepthSource;
 
 /// How to come by the depth of a dataset's images.
 #[derive(Clone, Debug)]

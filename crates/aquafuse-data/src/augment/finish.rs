@@ -5,47 +5,46 @@ use std::io::{self, ErrorKind};
 use super::header::{Header, Settings, StoredDepth};
 use super::journal::{Journal, Slot};
 use super::line::Written;
-use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Recipe, Water};
-use crate::dataset::{Dataset, Made, join, split};
+use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Water};
+use crate::dataset::{Made, join, split};
 use crate::files::Hashed;
 use crate::files::{FileError, write_atomically};
-use crate::treatment::Space;
+use crate::pipeline::Space;
 
-impl<E: Space> Recipe<E> {
+impl<E: Space> Augmentation<E> {
     /// The first line of the manifest.
-    pub(super) fn header(&self, dataset: &Dataset) -> Header {
-        let Draws { seed, with_replacement, theta, alpha } = self.draws;
+    pub(super) fn header(&self) -> Header {
+        let Self { dataset, recipe, .. } = self;
+        let Draws { seed, with_replacement, theta, alpha } = recipe.draws;
         let settings = Settings {
             seed,
-            per_image: self.per_image,
+            per_image: recipe.per_image,
             with_replacement,
             theta_range: theta,
             alpha_range: alpha,
-            model: self.options.model.name().to_owned(),
-            most_gain: self.options.max_gain,
-            smooth: self.smoothing.name().to_owned(),
-            depth: StoredDepth::of(&self.depth),
-            on_doubtful: match &self.on_doubtful {
+            model: recipe.options.model.name().to_owned(),
+            most_gain: recipe.options.max_gain,
+            smooth: recipe.smoothing.name().to_owned(),
+            depth: StoredDepth::of(&recipe.depth),
+            on_doubtful: match &recipe.on_doubtful {
                 OnDoubtful::Flag => "flag".to_owned(),
                 OnDoubtful::Skip => "skip".to_owned(),
                 OnDoubtful::Instead(water) => water.name.clone(),
             },
-            on_bad_annotation: self.on_bad_annotation.to_owned(),
-            keep_originals: self.keep_originals,
-            quality: self.quality,
-            lenient: self.reading.lenient,
+            on_bad_annotation: recipe.on_bad_annotation.to_owned(),
+            keep_originals: recipe.keep_originals,
+            quality: recipe.quality,
+            lenient: self.run_options.reading.lenient,
         };
-        let instead = match &self.on_doubtful {
+        let instead = match &recipe.on_doubtful {
             OnDoubtful::Instead(water) => Some(water.stored()),
             _ => None,
         };
-        let waters = self.waters.iter().map(Water::stored).collect();
+        let waters = recipe.waters.iter().map(Water::stored).collect();
         let root = dataset.root.to_string_lossy().into_owned();
         Header::new(root, dataset.layout.name(), E::NAME, settings, waters, instead)
     }
-}
 
-impl<E: Space> Augmentation<E> {
     /// Writes the files about all images, for what was made of them.
     pub(super) fn write_indices(&self, plan: &Plan, journal: &Journal) -> Result<Vec<Written>, FileError> {
         let variants = |place: usize| {
@@ -62,7 +61,7 @@ impl<E: Space> Augmentation<E> {
             originals: self.recipe.keep_originals,
         };
         let write = |index: &crate::dataset::Index| {
-            let bytes = index.read(&self.dataset.root, &self.recipe.reading)?;
+            let bytes = index.read(&self.dataset.root, &self.run_options.reading)?;
             let (folder, name) = split(index.path());
             // Files that say where images are, or nothing of them, are the same for every shard.
             let name = match (index.is_shared(), name.rsplit_once('.')) {
@@ -99,8 +98,8 @@ impl<E: Space> Augmentation<E> {
         let mut written: Vec<Written> =
             self.dataset.indices.iter().map(write).collect::<Result<_, FileError>>()?;
         #[cfg(feature = "parquet")]
-        if self.conduct.manifest_table {
-            let (name, header) = (self.shard.manifest_table(), self.recipe.header(&self.dataset));
+        if self.manifest_table {
+            let (name, header) = (self.shard.manifest_table(), self.header());
             let entries = plan.places().iter().map(|&place| journal.entry(place));
             written.push(super::manifest_table::write(&self.output, name, &header, entries)?);
         }

@@ -10,37 +10,27 @@ use super::depth::Maps;
 use super::journal::{Journal, Slot};
 use super::line::{Line, Listed, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
-use super::{Augmentation, Draw, OnDoubtful, Recipe, Water};
-use crate::analysis::{Analysis, DepthSource, analyse};
+use super::{Augmentation, Draw, Multiplied, OnDoubtful, Recipe, Water};
 use crate::dataset::Companion;
 use crate::files::sha256;
 use crate::files::{FileError, one_line, write_bytes};
 use crate::image_file::{Format, ImageFile, Opened, read_beside};
+use crate::pipeline::{Analysis, DepthSource, analyse};
+use crate::pipeline::{Operation, Outcome, Space};
 use crate::run::{Budget, Reservation};
-use crate::treatment::{Space, Treated, Treatment};
 
 /// What became of one image.
 #[derive(Default)]
 pub(super) struct Made {
-    /// What is new; none where all was there.
-    pub(super) news: Option<News>,
+    /// What is new; `None` where all was there.
+    pub(super) multiplied: Option<Multiplied>,
     /// What failed: the image, or some of a file that holds several, whose others are made.
     pub(super) failures: Vec<FileError>,
 }
 
-pub(super) struct News {
-    pub(super) variants: usize,
-    /// Those of them in which the scene has all but vanished.
-    pub(super) vanished: usize,
-    pub(super) verdict: Option<Verdict>,
-    pub(super) lines: String,
-}
-
-impl News {
-    /// The variants in which the scene has all but vanished.
-    pub(super) fn vanished<'a>(variants: impl Iterator<Item = &'a Variant>) -> usize {
-        variants.filter(|made| made.contrast_left.is_some_and(|left| left < Treated::VANISHED)).count()
-    }
+/// The variants in which the scene has all but vanished.
+pub(super) fn vanished<'a>(variants: impl Iterator<Item = &'a Variant>) -> usize {
+    variants.filter(|made| made.contrast_left.is_some_and(|left| left < Outcome::VANISHED)).count()
 }
 
 /// What multiplies images.
@@ -72,7 +62,7 @@ impl<E: Space> Recipe<E> {
         // A variant beside its image, and as it is encoded.
         let beside = opened.memory_of_pixels().saturating_mul(2);
         let supplied = match depth {
-            DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::job::SUPPLIED),
+            DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::pipeline::SUPPLIED),
             DepthSource::Estimated(_) => 0,
         };
         let light = opened.pixels().saturating_mul(E::BYTES_A_PIXEL);
@@ -115,17 +105,17 @@ impl<E: Space> Recipe<E> {
         water: &Water<E>,
         draw: Draw,
         output: &Path,
-    ) -> Result<(Vec<u8>, Treated), FileError> {
+    ) -> Result<(Vec<u8>, Outcome), FileError> {
         let options = Options {
             incidence: Incidence::from_degrees(draw.theta).unwrap_or(self.options.incidence),
             gain: Gain::new(draw.alpha).unwrap_or(self.options.gain),
             ..self.options
         };
         let mut image = read.image.clone();
-        let treatment = Treatment::Fuse { reference: water.file.estimate, options };
-        let treated = treatment.apply(&mut image.pixels, &read.found).expect("the depth map is this image's");
+        let operation = Operation::Fuse { reference: water.file.estimate, options };
+        let outcome = operation.apply(&mut image.pixels, &read.found).expect("the depth map is this image's");
         image.pixels = image.pixels.smoothed(self.smoothing);
-        Ok((image.encode(output, self.quality)?, treated))
+        Ok((image.encode(output, self.quality)?, outcome))
     }
 }
 
@@ -136,7 +126,7 @@ impl<E: Space> Read<'_, E> {
         key: &str,
         number: u32,
         draw: Draw,
-        treated: Treated,
+        outcome: Outcome,
         written: Written,
         companions: Vec<Written>,
     ) -> Variant {
@@ -150,8 +140,8 @@ impl<E: Space> Read<'_, E> {
             source: self.source.clone(),
             verdict: quality.verdict.name().to_owned(),
             reasons: quality.reasons.iter().collect(),
-            clipped: treated.clipping.share(),
-            contrast_left: treated.contrast_left,
+            clipped: outcome.clipping.share(),
+            contrast_left: outcome.contrast_left,
             instead: self.instead,
             output: written.output,
             bytes: written.bytes,
@@ -163,23 +153,32 @@ impl<E: Space> Read<'_, E> {
 
 impl<'a, E: Space> Maker<'a, E> {
     pub(super) fn new(job: &'a Augmentation<E>, maps: Maps) -> Self {
-        Self { job, maps, budget: job.recipe.reading.budget() }
+        Self { job, maps, budget: job.run_options.budget() }
     }
 
     /// Makes what is not there yet.
     pub(super) fn make(&self, sample: &Planned<'_>, journal: &Journal) -> Made {
         let made = match self.job.dataset.layout.holds_many() {
             true => self.make_container(sample, journal),
-            false => self.make_variants(sample, journal).map(|news| Made { news, failures: Vec::new() }),
+            false => self
+                .make_variants(sample, journal)
+                .map(|multiplied| Made { multiplied, failures: Vec::new() }),
         };
         made.unwrap_or_else(|error| {
+            if matches!(error, FileError::Stopped { .. }) {
+                return Made { multiplied: None, failures: vec![error] };
+            }
             let (key, said) = (sample.key.to_owned(), one_line(&error.to_string()));
             journal.add_or_owe(sample.place, Line::Failed { key, error: said });
-            Made { news: None, failures: vec![error] }
+            Made { multiplied: None, failures: vec![error] }
         })
     }
 
-    fn make_variants(&self, sample: &Planned<'_>, journal: &Journal) -> Result<Option<News>, FileError> {
+    fn make_variants(
+        &self,
+        sample: &Planned<'_>,
+        journal: &Journal,
+    ) -> Result<Option<Multiplied>, FileError> {
         let recipe = &self.job.recipe;
         let input = self.job.dataset.root.join(sample.key);
         let input_about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
@@ -196,7 +195,7 @@ impl<'a, E: Space> Maker<'a, E> {
         let verdict = if missing.is_empty() {
             None
         } else {
-            let opened = ImageFile::open(&input, &recipe.reading)?;
+            let opened = ImageFile::open(&input, &self.job.run_options.reading)?;
             let read = recipe.read(opened, &self.maps.source(sample.key)?, &self.budget)?;
             let quality = read.found.estimate.quality;
             if let Some(why) = recipe.skipped(quality) {
@@ -204,6 +203,7 @@ impl<'a, E: Space> Maker<'a, E> {
                 missing.clear();
             }
             for planned in &missing {
+                self.job.run_options.stop.check(&self.job.output.join(&planned.output))?;
                 let line = Line::Variant(self.write_variant(&read, sample, planned)?);
                 // Each by itself: what is on the disk is known, whenever the process ends.
                 journal.add(sample.place, std::slice::from_ref(&line))?;
@@ -228,13 +228,13 @@ impl<'a, E: Space> Maker<'a, E> {
             Line::Variant(variant) => Some(variant),
             _ => None,
         });
-        let news = News {
+        let multiplied = Multiplied {
             variants: missing.len(),
-            vanished: News::vanished(made),
+            vanished: vanished(made),
             verdict,
             lines: lines.iter().map(Line::text).collect(),
         };
-        Ok((!lines.is_empty()).then_some(news))
+        Ok((!lines.is_empty()).then_some(multiplied))
     }
 
     fn write_variant(
@@ -246,23 +246,26 @@ impl<'a, E: Space> Maker<'a, E> {
         let recipe = &self.job.recipe;
         let path = self.job.output.join(&planned.output);
         let water = recipe.waters.get(planned.draw.water).expect("a draw is one of the waters");
-        let (bytes, treated) = recipe.variant(read, water, planned.draw, &path)?;
+        let (bytes, outcome) = recipe.variant(read, water, planned.draw, &path)?;
         let name = crate::dataset::split(&planned.output).1;
         let carry = |(companion, output): (&Companion, &String)| {
-            self.write(output, &companion.for_variant(&self.job.dataset.root, name, &recipe.reading)?)
+            self.write(
+                output,
+                &companion.for_variant(&self.job.dataset.root, name, &self.job.run_options.reading)?,
+            )
         };
         // The image comes last: where it is, all that belongs to it is.
         let companions =
             sample.companions.iter().zip(&planned.companions).map(carry).collect::<Result<_, _>>()?;
         let written = self.write(&planned.output, &bytes)?;
-        Ok(read.described(sample.key, planned.number, planned.draw, treated, written, companions))
+        Ok(read.described(sample.key, planned.number, planned.draw, outcome, written, companions))
     }
 
     /// Carries the image and what is about it over as they are.
     fn write_original(&self, sample: &Planned<'_>) -> Result<Original, FileError> {
         let carry = |path: &str| {
             let input = self.job.dataset.root.join(path);
-            self.write(path, &read_beside(&input, &self.job.recipe.reading)?)
+            self.write(path, &read_beside(&input, &self.job.run_options.reading)?)
         };
         let companions =
             sample.companions.iter().map(|companion| carry(&companion.path)).collect::<Result<_, _>>()?;

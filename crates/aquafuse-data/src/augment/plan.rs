@@ -8,7 +8,7 @@ use super::{Augmentation, DepthPlan, Draw, Draws};
 use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
 use crate::files::display;
 use crate::image_file::Format;
-use crate::treatment::Space;
+use crate::pipeline::Space;
 
 /// What is to be made of a dataset.
 ///
@@ -217,7 +217,7 @@ impl<E: Space> Augmentation<E> {
     ///
     /// [`PlanError`] when it cannot be made.
     pub fn plan(&self) -> Result<Plan, PlanError> {
-        if cfg!(not(feature = "parquet")) && self.conduct.manifest_table {
+        if cfg!(not(feature = "parquet")) && self.manifest_table {
             return Err(PlanError::NotBuilt);
         }
         let recipe = &self.recipe;

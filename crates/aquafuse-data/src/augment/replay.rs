@@ -14,7 +14,8 @@ use crate::dataset::{Layout, inside};
 use crate::files::sha256;
 use crate::files::{FileError, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
-use crate::treatment::Space;
+use crate::pipeline::Space;
+use crate::run::Budget;
 use crate::water_file::WaterFileError;
 
 /// What came of making variants again.
@@ -52,7 +53,8 @@ pub struct Again<'a> {
 pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentError> {
     let Again { only, dataset, output, overwrite, reading } = *again;
     let found = Manifest::read(manifest)?;
-    let recipe: Recipe<E> = found.header.recipe(manifest, reading)?;
+    let recipe: Recipe<E> = found.header.recipe(manifest)?;
+    let reading = ReadOptions { lenient: found.header.settings.lenient, ..reading };
     let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
     let wanted = |variant: &Variant| only.is_none_or(|only| only == variant.key || only == variant.output);
     let variants: Vec<(&Variant, Option<&str>)> =
@@ -63,7 +65,7 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
     let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|(variant, _)| variant.key.as_str()))?;
     let layout = Layout::from_name(&found.header.layout);
     let layout = layout.ok_or_else(|| AugmentError::Manifest { path: manifest.to_owned(), line: 1 })?;
-    let budget = recipe.reading.budget();
+    let budget = Budget::new(reading.max_memory);
     let mut replayed = Replayed::default();
     for (variant, container) in variants {
         let make = || {
@@ -76,10 +78,10 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
                 .get(variant.water)
                 .ok_or_else(|| named("it names a water that it does not hold"))?;
             let opened = match container {
-                None => ImageFile::open(&root.join(&key), &recipe.reading)?,
+                None => ImageFile::open(&root.join(&key), &reading)?,
                 Some(container) => {
                     let container = root.join(inside(container).map_err(named)?);
-                    super::containers::image_of(layout, &container, &key, &recipe.reading)?
+                    super::containers::image_of(layout, &container, &key, &reading)?
                 }
             };
             let read = recipe.read(opened, &maps.source(&key)?, &budget)?;
@@ -103,7 +105,7 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
 
 impl Header {
     /// The recipe that it tells of.
-    fn recipe<E: Space>(&self, manifest: &Path, reading: ReadOptions) -> Result<Recipe<E>, AugmentError> {
+    fn recipe<E: Space>(&self, manifest: &Path) -> Result<Recipe<E>, AugmentError> {
         if self.encoding != E::NAME {
             let found = if self.encoding == "linear" { "linear" } else { "encoded" };
             return Err(WaterFileError::Encoding { path: manifest.to_owned(), found, wanted: E::NAME }.into());
@@ -129,7 +131,6 @@ impl Header {
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
             keep_originals: settings.keep_originals,
-            reading: ReadOptions { lenient: settings.lenient, ..reading },
             quality: settings.quality,
         })
     }

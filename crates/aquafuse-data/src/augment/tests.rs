@@ -10,7 +10,10 @@ use aquafuse::image::Encoded;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::Estimate;
 
+use std::num::NonZeroUsize;
+
 use super::*;
+use crate::image_file::ReadOptions;
 use crate::image_file::{ImageFile, WriteOptions};
 use crate::water_file::WaterFile;
 
@@ -53,11 +56,12 @@ fn job(root: &Path, output: &Path) -> Augmentation<Encoded> {
             on_doubtful: OnDoubtful::Flag,
             on_bad_annotation: "refuse",
             keep_originals: true,
-            reading: ReadOptions::default(),
             quality: 95,
         },
         shard: Shard::default(),
-        conduct: Conduct::default(),
+        overwrite: false,
+        manifest_table: false,
+        run_options: RunOptions::default(),
     }
 }
 
@@ -117,7 +121,7 @@ fn threads_stops_and_shards_change_no_byte() {
     let clean = files(&place.path().join("clean"));
 
     let mut one = job(&root, &place.path().join("one"));
-    one.conduct.threads = NonZeroUsize::new(1);
+    one.run_options.threads = NonZeroUsize::new(1);
     run(&one);
     assert!(files(&one.output) == clean, "one thread");
 
@@ -129,9 +133,9 @@ fn threads_stops_and_shards_change_no_byte() {
     fs::write(&manifest, &text[..text.len() * 3 / 4]).unwrap();
     fs::remove_file(again.output.join("labels/train/a.txt")).unwrap();
     let ended = run(&again);
-    assert!(ended.kept > 0 && ended.done > 0, "{ended:?}");
+    assert!(ended.skipped > 0 && ended.done > 0, "{ended:?}");
     assert!(files(&again.output) == clean, "gone on with");
-    assert_eq!(run(&again).kept, 4);
+    assert_eq!(run(&again).skipped, 4);
     assert!(files(&again.output) == clean, "nothing to do");
 
     let mut parts = job(&root, &place.path().join("parts"));
@@ -142,7 +146,7 @@ fn threads_stops_and_shards_change_no_byte() {
     }
     assert_eq!(done, 4);
     parts.shard = Shard::default();
-    assert_eq!(run(&parts).kept, 4);
+    assert_eq!(run(&parts).skipped, 4);
     let mut joined = files(&parts.output);
     joined.retain(|name, _| !name.contains(".shard-"));
     assert!(joined == clean, "joined");
@@ -163,7 +167,7 @@ fn what_changed_is_made_again_and_other_settings_are_refused() {
     job.recipe.draws.seed = 2;
     let refused = job.run(&job.plan().unwrap(), &|_| {}).unwrap_err().to_string();
     assert!(refused.contains("other settings") && refused.contains("--overwrite"), "{refused}");
-    job.conduct.overwrite = true;
+    job.overwrite = true;
     run(&job);
     let after = files(&out);
     assert_eq!(after.len(), before.len());
@@ -186,10 +190,10 @@ fn a_depth_map_that_changed_makes_its_variants_anew() {
     }
     let mut job = job(&root, &out);
     job.recipe.depth = DepthPlan::Maps { folder: maps.clone(), kind: SuppliedKind::Metres };
-    assert_eq!((run(&job).done, run(&job).kept), (4, 4));
+    assert_eq!((run(&job).done, run(&job).skipped), (4, 4));
     map("b.npy", 9);
     let ended = run(&job);
-    assert_eq!((ended.done, ended.kept), (1, 3));
+    assert_eq!((ended.done, ended.skipped), (1, 3));
     fs::remove_file(maps.join("images/train/b.npy")).unwrap();
     assert_eq!(run(&job).failed, 1);
 }
@@ -208,7 +212,7 @@ fn one_bad_image_is_listed_and_spoils_nothing() {
     assert!(text.contains(r#"{"line":"failed","key":"images/train/b.jpg","error":"cannot read"#), "{text}");
     assert!(!files(&out).keys().any(|name| name.contains("train/b")));
     fs::write(root.join("images/train/b.jpg"), whole).unwrap();
-    assert_eq!((run(&job).done, run(&job).kept), (1, 4));
+    assert_eq!((run(&job).done, run(&job).skipped), (1, 4));
 }
 
 #[test]
@@ -328,7 +332,7 @@ fn a_sample_of_a_shard_whose_members_are_too_much_together_is_refused() {
         shard.append_data(&mut header, name, &[0_u8; 600][..]).unwrap();
     }
     let bytes = shard.into_inner().unwrap();
-    let options = ReadOptions { most_memory: 1_000, ..ReadOptions::default() };
+    let options = ReadOptions { max_memory: 1_000, ..ReadOptions::default() };
     let mut seen = Vec::new();
     let path = Path::new("a.tar");
     let read = crate::dataset::shards::groups(path, bytes.as_slice(), &options, &mut |_| {}, &mut |group| {
@@ -354,7 +358,7 @@ fn shards_are_multiplied_as_a_whole() {
     assert!(after[3].0.starts_with("reef/0__") && after[3].0.ends_with("__0.jpg"), "{}", after[3].0);
     assert_eq!((&after[4].1, &after[5].1), (&before[1].1, &before[2].1));
     assert!(after[5].0.ends_with("__0.mask.png"));
-    assert_eq!(run(&job).kept, 1);
+    assert_eq!(run(&job).skipped, 1);
     let clean = files(&out);
     fs::remove_file(out.join("manifest.jsonl")).unwrap();
     fs::remove_file(out.join("train-000.tar")).unwrap();
@@ -406,7 +410,7 @@ fn shards_that_are_cut_short_or_lead_out_are_refused_and_a_bad_image_spoils_noth
     assert_eq!((ended.failed, ended.left), (1, 0));
     assert_eq!(members(&out.join("train-000.tar")).len(), 9 + 2 * 9);
     fs::write(&path, whole).unwrap();
-    assert_eq!((run(&job).done, run(&job).kept), (1, 1));
+    assert_eq!((run(&job).done, run(&job).skipped), (1, 1));
     assert_eq!(members(&out.join("train-000.tar")).len(), 36);
 }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::{RawValue, to_raw_value};
 
-use crate::treatment::Space;
+use crate::pipeline::Space;
 use crate::water_file::{SUFFIX, WaterFile, WaterFileError};
 
 /// A water to draw.

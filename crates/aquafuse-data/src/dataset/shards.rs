@@ -77,7 +77,7 @@ impl Group {
     }
 }
 
-/// Reads a shard group by group, no group larger than `most_memory`; gives the first error that `each` gives. Errors of
+/// Reads a shard group by group, no group larger than `max_memory`; gives the first error that `each` gives. Errors of
 /// the shard call it `path`.
 pub(crate) fn groups(
     path: &Path,
@@ -86,7 +86,7 @@ pub(crate) fn groups(
     see: &mut dyn FnMut(&[u8]),
     each: &mut dyn FnMut(Group) -> Result<(), FileError>,
 ) -> Result<(), FileError> {
-    let most_bytes = options.most_memory;
+    let most_bytes = options.max_memory;
     let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
     let failed = |error: io::Error| match error.kind() {
         io::ErrorKind::UnexpectedEof => {
@@ -169,7 +169,7 @@ impl<R: Read> Read for Seen<'_, R> {
 /// Reads a shard for nothing but that: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_parse(name: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    let options = ReadOptions { most_memory: 1 << 16, ..ReadOptions::default() };
+    let options = ReadOptions { max_memory: 1 << 16, ..ReadOptions::default() };
     groups(name, bytes, &options, &mut |_| {}, &mut |group| {
         let _ = group.image();
         assert!(group.members.iter().all(|member| inside(&member.path).is_ok()));

@@ -164,7 +164,7 @@ fn a_file_that_is_no_text_is_a_fault_of_its_image_and_one_too_large_is_refused()
     assert_eq!(faults(&found), ["Annotations/a.xml: it is no text in UTF-8; save it as one"]);
     assert!(found.faults.concern("JPEGImages/a.jpg"));
 
-    let tight = ReadOptions { most_memory: 400, ..ReadOptions::default() };
+    let tight = ReadOptions { max_memory: 400, ..ReadOptions::default() };
     let said = Dataset::open(coco(COCO).path(), None, &tight).unwrap_err().to_string();
     assert!(said.contains("instances.json: it has") && said.contains("a quarter of --max-memory"), "{said}");
 }

@@ -9,12 +9,12 @@ use serde_json::json;
 use super::chance::Chance;
 use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::summarise;
-use super::{Conduct, EvaluateError, Failed, Listener, Message, Report};
+use super::{EvaluateError, Failed, Listener, Report};
 use crate::depth_file::{self, DepthFolder};
 use crate::files::FileError;
 use crate::image_file::{Format, ImageFile};
 use crate::pairs::Pair;
-use crate::run::Budget;
+use crate::run::{Budget, Event, RunOptions};
 use agreement::{Agreement, Unit};
 
 /// Images whose depth is known, and what is held against it.
@@ -31,7 +31,7 @@ pub struct Depth {
     /// What resamplings are drawn by.
     pub seed: u64,
     /// How to run.
-    pub conduct: Conduct,
+    pub run_options: RunOptions,
 }
 
 /// A folder of depth maps from elsewhere, one for each image, of the same stem.
@@ -67,21 +67,27 @@ type Found = Vec<Option<Agreement>>;
 
 impl Depth {
     /// Runs the evaluation; what failed is listed in the report.
-    pub fn run(&self, listener: Listener<'_>) -> Report {
-        listener(Message::Started { total: self.pairs.len() });
-        let budget = self.conduct.reading.budget();
-        let compared = self.conduct.each(&self.pairs, |pair| {
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluateError::Stopped`] when it was stopped.
+    pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
+        listener(Event::Started { total: self.pairs.len() });
+        let budget = self.run_options.budget();
+        let compared = self.run_options.map(&self.pairs, |pair| {
             let (found, failed) = self
                 .compare(pair, &budget)
                 .unwrap_or_else(|error| (Vec::new(), vec![Failed::new(&pair.name, &error)]));
-            failed.iter().for_each(|failed| listener(Message::Failed(failed)));
-            listener(Message::Done { name: &pair.name });
+            failed
+                .iter()
+                .for_each(|failed| listener(Event::Failed { item: &failed.name, error: failed.clone() }));
+            listener(Event::Done { item: &pair.name, result: () });
             (found, failed)
-        });
+        })?;
         let (found, failed): (Vec<Found>, Vec<Vec<Failed>>) = compared.into_iter().unzip();
         let mut failed = failed.concat();
         failed.sort();
-        Report {
+        Ok(Report {
             command: "evaluate depth",
             title: "Depth beside depth that is known".into(),
             about: vec![ABOUT.into()],
@@ -95,7 +101,7 @@ impl Depth {
             items: self.items(&found),
             failed,
             gallery: Vec::new(),
-        }
+        })
     }
 
     fn names(&self) -> Vec<String> {
@@ -104,7 +110,7 @@ impl Depth {
     }
 
     fn compare(&self, pair: &Pair, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
-        let opened = ImageFile::open(&pair.rgb, &self.conduct.reading)?;
+        let opened = ImageFile::open(&pair.rgb, &self.run_options.reading)?;
         let beside = opened.pixels().saturating_mul(COMPARED);
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
         let image = opened.decode()?;

@@ -9,12 +9,12 @@ use super::chance::Chance;
 use super::outputs::{self, Outputs, refuse_ambiguous};
 use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::summarise;
-use super::{Conduct, EvaluateError, Failed, Listener, Member, Message, Report};
-use crate::analysis::{DepthSource, analyse};
+use super::{EvaluateError, Failed, Listener, Member, Report};
 use crate::image_file::{Format, ImageFile};
-use crate::run::Budget;
-use crate::scores::Scores;
-use crate::treatment::{Space, Treatment};
+use crate::pipeline::Scores;
+use crate::pipeline::{DepthSource, analyse};
+use crate::pipeline::{Operation, Space};
+use crate::run::{Budget, Event, RunOptions};
 
 /// Images fused with clear water, and what other tools make of them, scored before and after.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ pub struct Enhancement<E: Encoding = Encoded> {
     /// What resamplings are drawn by.
     pub seed: u64,
     /// How to run.
-    pub conduct: Conduct,
+    pub run_options: RunOptions,
     /// What the clear water is, for the report.
     pub water: String,
 }
@@ -70,17 +70,19 @@ impl<E: Space> Enhancement<E> {
         if !self.outputs.is_empty() {
             refuse_ambiguous(&self.image_files)?;
         }
-        listener(Message::Started { total: self.image_files.len() });
-        let budget = self.conduct.reading.budget();
-        let scored = self.conduct.each(&self.image_files, |member| {
+        listener(Event::Started { total: self.image_files.len() });
+        let budget = self.run_options.budget();
+        let scored = self.run_options.map(&self.image_files, |member| {
             let (found, failed) = match self.score(member, &budget) {
                 Ok(scored) => scored,
                 Err(error) => (Vec::new(), vec![Failed::new(&member.name, &error)]),
             };
-            failed.iter().for_each(|failed| listener(Message::Failed(failed)));
-            listener(Message::Done { name: &member.name });
+            failed
+                .iter()
+                .for_each(|failed| listener(Event::Failed { item: &failed.name, error: failed.clone() }));
+            listener(Event::Done { item: &member.name, result: () });
             (found, failed)
-        });
+        })?;
         let (found, failed): (Vec<Found>, Vec<Vec<Failed>>) = scored.into_iter().unzip();
         let mut failed = failed.concat();
         failed.sort();
@@ -115,7 +117,7 @@ impl<E: Space> Enhancement<E> {
     }
 
     fn score(&self, member: &Member, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
-        let opened = ImageFile::open(&member.path, &self.conduct.reading)?;
+        let opened = ImageFile::open(&member.path, &self.run_options.reading)?;
         let of_others = if self.outputs.is_empty() { 0 } else { outputs::BYTES_A_PIXEL };
         let a_pixel = E::BYTES_A_PIXEL.max(of_others).saturating_add(SCORED).saturating_add(16);
         let beside = opened.pixels().saturating_mul(a_pixel);
@@ -123,12 +125,12 @@ impl<E: Space> Enhancement<E> {
         let image_file = opened.decode()?;
         let (mut found, mut failed) = (vec![Some(values(&image_file.bytes()))], Vec::new());
         let analysis = analyse::<E>(&image_file, &self.source)?;
-        let treatment = Treatment::Fuse { reference: self.clear, options: self.options };
+        let operation = Operation::Fuse { reference: self.clear, options: self.options };
         let mut pixels = image_file.pixels.clone();
-        treatment.apply(&mut pixels, &analysis).expect("the depth map is this image's");
+        operation.apply(&mut pixels, &analysis).expect("the depth map is this image's");
         found.push(Some(values(&pixels.into_bytes())));
         for outputs in &self.outputs {
-            match outputs.read(&member.stem(), member, image_file.pixels.size(), &self.conduct.reading) {
+            match outputs.read(&member.stem(), member, image_file.pixels.size(), &self.run_options.reading) {
                 Ok(made) => found.push(Some(values(&made))),
                 Err(error) => {
                     found.push(None);

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::files::{FileError, display};
 use crate::image_file::LISTED;
+use crate::run::Stopped;
 
 /// An evaluation, or a step of it, cannot be done. Its message names the file, the cause and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +15,9 @@ pub enum EvaluateError {
     /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The evaluation was stopped.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// A folder holds no image.
     #[error("{} holds no {LISTED}; name the folder in which the images stand", display(folder))]
     NoImages {

@@ -12,13 +12,12 @@ use aquafuse::waterbody::Estimate;
 
 use super::outputs::refuse_ambiguous;
 use super::{
-    Conduct, EvaluateError, Failed, Listener, Lpips, Member, Message, Outputs, Pairing, Palette, Report,
-    Rival, lpips, outputs,
+    EvaluateError, Failed, Listener, Lpips, Member, Outputs, Pairing, Palette, Report, Rival, lpips, outputs,
 };
-use crate::analysis::{Analysis, DepthSource, analyse};
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::run::Budget;
-use crate::treatment::{Space, Treatment};
+use crate::pipeline::{Analysis, DepthSource, analyse};
+use crate::pipeline::{Operation, Space};
+use crate::run::{Budget, Event, RunOptions};
 use likeness::Likeness;
 
 /// Contents fused with references by one method or several, each result scored against its content.
@@ -37,7 +36,7 @@ pub struct Fusion {
     /// The network of LPIPS, if that is to be scored too.
     pub lpips: Option<Lpips>,
     /// How to run.
-    pub conduct: Conduct,
+    pub run_options: RunOptions,
 }
 
 /// Everything that decides how our own method fuses.
@@ -109,14 +108,14 @@ impl Fusion {
         let pairs = self.pairs()?;
         let used = self.used(&pairs);
         let steps = pairs.iter().map(Vec::len).fold(used.len(), usize::saturating_add);
-        listener(Message::Started { total: steps });
-        let budget = self.conduct.reading.budget();
+        listener(Event::Started { total: steps });
+        let budget = self.run_options.budget();
         let mut failed = Vec::new();
         let mut references: Vec<Option<Reference<E>>> = self.references.iter().map(|_| None).collect();
-        let read = self.conduct.each(&used, |&place| {
+        let read = self.run_options.map(&used, |&place| {
             let member = self.references.get(place)?;
-            Some(told(listener, &member.name, self.read_reference(member, &budget)))
-        });
+            Some(reported(listener, &member.name, self.read_reference(member, &budget)))
+        })?;
         for (place, result) in used.iter().zip(read.into_iter().flatten()) {
             match (result, references.get_mut(*place)) {
                 (Ok(reference), Some(kept)) => *kept = Some(reference),
@@ -126,8 +125,8 @@ impl Fusion {
         }
         let contents: Vec<usize> = (0..self.contents.len()).collect();
         let scored = self
-            .conduct
-            .each(&contents, |&content| self.score_all(content, &pairs, &references, &budget, listener));
+            .run_options
+            .map(&contents, |&content| self.score_all(content, &pairs, &references, &budget, listener))?;
         let mut results = Vec::new();
         for (scored, errors) in scored {
             results.extend(scored);
@@ -168,7 +167,7 @@ impl Fusion {
         member: &Member,
         budget: &Budget,
     ) -> Result<Reference<E>, EvaluateError> {
-        let opened = ImageFile::open(&member.path, &self.conduct.reading)?;
+        let opened = ImageFile::open(&member.path, &self.run_options.reading)?;
         let _room = budget.reserve(opened.memory_until_written(Format::Png, 0)?);
         let image = opened.decode()?;
         let estimate = self.analysed(&image)?.estimate;
@@ -199,7 +198,7 @@ impl Fusion {
         if meets.is_empty() {
             return (results, failed);
         }
-        let opened = ImageFile::open(&member.path, &self.conduct.reading).map_err(EvaluateError::from);
+        let opened = ImageFile::open(&member.path, &self.run_options.reading).map_err(EvaluateError::from);
         let room = opened.and_then(|opened| {
             let beside = opened.pixels().saturating_mul(self.bytes_a_pixel::<E>());
             Ok((budget.reserve(opened.memory_until_written(Format::Png, beside)?), opened))
@@ -209,16 +208,16 @@ impl Fusion {
             Ok((room, read)) => (room, read),
             Err(error) => {
                 let error = Failed::new(&member.name, &error);
-                listener(Message::Failed(&error));
-                meets.iter().for_each(|_| listener(Message::Done { name: &member.name }));
+                listener(Event::Failed { item: &error.name, error: error.clone() });
+                meets.iter().for_each(|_| listener(Event::Done { item: &member.name, result: () }));
                 return (results, vec![error]);
             }
         };
         for &place in meets {
             let (Some(other), Some(Some(reference))) = (self.references.get(place), references.get(place))
             else {
-                // It failed by itself, and was told of.
-                listener(Message::Done { name: &member.name });
+                // Its own failure was reported.
+                listener(Event::Done { item: &member.name, result: () });
                 continue;
             };
             let name = format!("{} in {}", member.name, other.name);
@@ -229,12 +228,12 @@ impl Fusion {
                     Ok(likeness) => results.push(Scored { content, reference: place, method, likeness }),
                     Err(error) => {
                         let error = Failed::new(&format!("{name} by {}", way.name()), &error);
-                        listener(Message::Failed(&error));
+                        listener(Event::Failed { item: &error.name, error: error.clone() });
                         failed.push(error);
                     }
                 }
             }
-            listener(Message::Done { name: &name });
+            listener(Event::Done { item: &name, result: () });
         }
         (results, failed)
     }
@@ -268,10 +267,10 @@ impl Fusion {
     ) -> Result<Image<u8>, EvaluateError> {
         Ok(match way {
             Method::Aquafuse(_) => {
-                let treatment =
-                    Treatment::Fuse { reference: reference.estimate, options: self.settings.options };
+                let operation =
+                    Operation::Fuse { reference: reference.estimate, options: self.settings.options };
                 let mut pixels: Pixels = content.image.pixels.clone();
-                treatment.apply(&mut pixels, &content.found).expect("the depth map is this image's");
+                operation.apply(&mut pixels, &content.found).expect("the depth map is this image's");
                 pixels.smoothed(self.settings.smoothing).into_bytes()
             }
             Method::Rival(rival) => {
@@ -281,7 +280,7 @@ impl Fusion {
             }
             Method::Outputs(outputs) => {
                 let stem = format!("{}__{}", member.stem(), other.stem());
-                outputs.read(&stem, member, content.image.pixels.size(), &self.conduct.reading)?
+                outputs.read(&stem, member, content.image.pixels.size(), &self.run_options.reading)?
             }
         })
     }
@@ -299,12 +298,12 @@ impl Fusion {
     }
 }
 
-/// Tells of a step that ended, well or not, and gives what came of it.
-fn told<R>(listener: Listener<'_>, name: &str, result: Result<R, EvaluateError>) -> Result<R, Failed> {
+/// Reports a step that ended, well or not, and gives its result.
+fn reported<R>(listener: Listener<'_>, name: &str, result: Result<R, EvaluateError>) -> Result<R, Failed> {
     let result = result.map_err(|error| Failed::new(name, &error));
     if let Err(error) = &result {
-        listener(Message::Failed(error));
+        listener(Event::Failed { item: &error.name, error: error.clone() });
     }
-    listener(Message::Done { name });
+    listener(Event::Done { item: name, result: () });
     result
 }

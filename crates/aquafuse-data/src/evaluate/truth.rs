@@ -15,13 +15,14 @@ use serde_json::json;
 use super::chance::Chance;
 use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::{quantile, summarise};
-use super::{Conduct, Listener, Message, Palette, Report, Rival};
+use super::{EvaluateError, Listener, Palette, Report, Rival};
+use crate::run::{Event, RunOptions};
 use compare::Found;
 use ways::ways;
 
 /// Every method on exchanges of synthetic scenes: the three models with depth and water from each source, the rivals, and
 /// the truths themselves.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Truth {
     /// Exchanges: a content each, and a reference in another water.
     pub exchanges: usize,
@@ -30,7 +31,7 @@ pub struct Truth {
     /// What resamplings are drawn by.
     pub seed: u64,
     /// How to run.
-    pub conduct: Conduct,
+    pub run_options: RunOptions,
 }
 
 const SHARE: Shown = Shown::Mean;
@@ -63,24 +64,28 @@ struct Line {
 
 impl Truth {
     /// Runs the evaluation.
-    pub fn run(&self, listener: Listener<'_>) -> Report {
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluateError::Stopped`] when it was stopped.
+    pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         match self.linear {
             true => self.run_in::<aquafuse::image::Linear>(listener),
             false => self.run_in::<aquafuse::image::Encoded>(listener),
         }
     }
 
-    fn run_in<E: Encoding>(&self, listener: Listener<'_>) -> Report {
-        listener(Message::Started { total: self.exchanges });
+    fn run_in<E: Encoding>(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
+        listener(Event::Started { total: self.exchanges });
         let trials = Trials::default();
         let numbers: Vec<usize> = (0..self.exchanges).collect();
-        let found = self.conduct.each(&numbers, |&number| {
+        let found = self.run_options.map(&numbers, |&number| {
             let exchange = trials.exchange::<E>(number);
             let found = all(&exchange);
-            listener(Message::Done { name: &format!("exchange {number}") });
+            listener(Event::Done { item: &format!("exchange {number}"), result: () });
             (exchange.open(), found)
-        });
-        Report {
+        })?;
+        Ok(Report {
             command: "evaluate truth",
             title: "Share of the true change".into(),
             about: vec![ABOUT.into()],
@@ -93,7 +98,7 @@ impl Truth {
             items: items(&found),
             failed: Vec::new(),
             gallery: Vec::new(),
-        }
+        })
     }
 
     fn table(&self, found: &[(bool, Vec<Found>)]) -> Table {

@@ -142,6 +142,14 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
+    /// A folder for outputs cannot be made.
+    #[error("cannot make the folder {}: {cause}. Name another output", display(path))]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        cause: String,
+    },
     /// Another process works in the folder.
     #[error("another aquafuse works in {}; wait for it, or give another output", display(folder))]
     Busy {
@@ -170,6 +178,15 @@ pub enum FileError {
         path: PathBuf,
         /// The line.
         line: usize,
+    },
+    /// The run was stopped before the file took its name.
+    #[error(
+        "{} is not written: the run was stopped. The same command goes on where it stopped",
+        display(path)
+    )]
+    Stopped {
+        /// The file.
+        path: PathBuf,
     },
     /// The file cannot be written.
     #[error("cannot write {}: {cause}. Whatever was there before is still there", display(path))]

@@ -3,35 +3,29 @@
 use std::num::Saturating;
 
 use super::Format;
-use crate::run::Budget;
 
 /// How images are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadOptions {
     /// The most pixels an image may have. Default: 268,435,456, a square of 16,384.
-    pub most_pixels: u64,
+    pub max_pixels: u64,
     /// The most memory that work on one image may take, in bytes, as far as its header tells. Default: 2 GiB.
-    pub most_memory: u64,
-    /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::Image::damage) then
+    pub max_memory: u64,
+    /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::ImageFile::damage) then
     /// says so. By default that is an error.
     pub lenient: bool,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { most_pixels: 1 << 28, most_memory: 2 << 30, lenient: false }
+        Self { max_pixels: 1 << 28, max_memory: 2 << 30, lenient: false }
     }
 }
 
 impl ReadOptions {
-    /// The budget that these options allow a run.
-    pub fn budget(&self) -> Budget {
-        Budget::new(self.most_memory)
-    }
-
     /// The most bytes of a file that goes along with images: what is made of its text takes at most thrice as many beside.
     pub(crate) fn most_beside(&self) -> u64 {
-        self.most_memory / 4
+        self.max_memory / 4
     }
 }
 

@@ -177,10 +177,10 @@ fn check(size: Size, length: u64, options: &ReadOptions) -> Result<Size, Fault> 
     if width == 0 || height == 0 {
         return Err(Fault::Damaged(format!("it says that it has {width}x{height} pixels")));
     }
-    if size.pixels() > options.most_pixels {
+    if size.pixels() > options.max_pixels {
         return Err(Fault::TooLarge(format!(
             "it has {width}x{height} pixels, {} are allowed (--max-pixels)",
-            options.most_pixels
+            options.max_pixels
         )));
     }
     check_memory(size, size.memory(length), options)?;
@@ -189,11 +189,11 @@ fn check(size: Size, length: u64, options: &ReadOptions) -> Result<Size, Fault> 
 
 fn check_memory(size: Size, memory: u64, options: &ReadOptions) -> Result<u64, Fault> {
     let Size { width, height, .. } = size;
-    if memory > options.most_memory {
+    if memory > options.max_memory {
         return Err(Fault::TooLarge(format!(
             "work on its {width}x{height} pixels may take {} MiB of memory, {} are allowed (--max-memory)",
             memory.div_ceil(1 << 20),
-            options.most_memory >> 20
+            options.max_memory >> 20
         )));
     }
     Ok(memory)

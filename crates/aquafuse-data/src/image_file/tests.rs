@@ -363,9 +363,9 @@ fn what_is_too_large_is_refused_from_the_header() {
     std::fs::write(&path, header_only).unwrap();
     let message = |options: ReadOptions| ImageFile::open(&path, &options).unwrap_err().to_string();
     assert!(message(ReadOptions::default()).contains("--max-pixels"));
-    let pixels = ReadOptions { most_pixels: u64::MAX, ..Default::default() };
+    let pixels = ReadOptions { max_pixels: u64::MAX, ..Default::default() };
     assert!(message(pixels).contains("--max-memory"));
-    let all = ReadOptions { most_memory: u64::MAX, ..pixels };
+    let all = ReadOptions { max_memory: u64::MAX, ..pixels };
     assert!(ImageFile::open(&path, &all).unwrap().memory() > 30_000 * 30_000 * 6);
 }
 
@@ -374,7 +374,7 @@ fn a_file_beside_images_has_a_quarter_of_memory_at_most_and_may_be_empty() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("labels.txt");
     let file = std::fs::File::create(&path).unwrap();
-    let options = ReadOptions { most_memory: 4_000, ..ReadOptions::default() };
+    let options = ReadOptions { max_memory: 4_000, ..ReadOptions::default() };
     assert_eq!(read_beside(&path, &options).unwrap(), b"");
     file.set_len(1_000).unwrap();
     assert_eq!(read_beside(&path, &options).unwrap(), [0; 1_000]);

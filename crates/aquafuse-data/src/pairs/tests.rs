@@ -91,7 +91,7 @@ fn limits_hold_for_pairs_and_a_map_of_another_size_is_not_decoded() {
     ::image::GrayImage::new(4000, 1000).save(path("z.png")).unwrap();
     let pair = Pair { name: "p".into(), rgb: path("p.png"), depth: path("z.png") };
     let read = |options: &ReadOptions| pair.read(SuppliedKind::Relative, options).unwrap_err().to_string();
-    let few = read(&ReadOptions { most_pixels: 399, ..ReadOptions::default() });
+    let few = read(&ReadOptions { max_pixels: 399, ..ReadOptions::default() });
     assert!(few.contains("--max-pixels"), "{few}");
     let other = read(&ReadOptions::default());
     assert!(other.contains("4000") && other.contains("40"), "{other}");
@@ -116,11 +116,11 @@ fn pairs_are_gathered_in_their_order_within_memory_for_one() {
         })
         .collect();
     let one = pairs.iter().map(|pair| ImageFile::open(&pair.rgb, &ReadOptions::default()).unwrap().memory());
-    let tight = ReadOptions { most_memory: one.max().unwrap(), ..ReadOptions::default() };
+    let tight = ReadOptions { max_memory: one.max().unwrap(), ..ReadOptions::default() };
     let scores = |threads: usize, reading: &ReadOptions| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let gathered =
-            pool.install(|| gather(&pairs, SuppliedKind::Metres, Options::default(), reading, &|_| {}));
+        let (threads, reading) = (std::num::NonZeroUsize::new(threads), *reading);
+        let run = RunOptions { threads, reading, ..RunOptions::default() };
+        let gathered = gather(&pairs, SuppliedKind::Metres, Options::default(), &run, &|_| {}).unwrap();
         assert_eq!(gathered.names, ["0", "1", "2", "3"]);
         gathered.fitter.rank_scores(&aquafuse::depth::Eq3::OURS)
     };

@@ -4,8 +4,9 @@ use aquafuse::metrics::{psnr, ssim};
 use aquafuse_data::evaluate::report::{
     Cell, Items, ItemsRow, Row, Score, Shown as Figure, Strip, Table, thumbnail,
 };
-use aquafuse_data::evaluate::{EvaluateError, Listener, Lpips, Message, Report, Summary};
+use aquafuse_data::evaluate::{EvaluateError, Listener, Lpips, Report, Summary};
 use aquafuse_data::files::display;
+use aquafuse_data::run::Event;
 use serde_json::json;
 
 use super::{image, normal_deviation, normals_shown};
@@ -134,7 +135,7 @@ impl Comparison {
     /// [`EvaluateError`] when the network of LPIPS cannot take a view.
     pub fn report(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         let sides = self.sides();
-        listener(Message::Started { total: sides.len() * self.original.held.len() });
+        listener(Event::Started { total: sides.len() * self.original.held.len() });
         // Of each side, view by view.
         let mut scores: Vec<Vec<Scores>> = vec![Vec::new(); sides.len()];
         let mut gallery = Vec::new();
@@ -144,7 +145,7 @@ impl Comparison {
                 let taken = &side.held[view];
                 let against = (place > 0).then(|| &drawn[0]);
                 scores[place].push(self.scores(taken, &drawn[place], against)?);
-                listener(Message::Done { name: &display(&taken.name).to_string() });
+                listener(Event::Done { item: &display(&taken.name).to_string(), result: () });
             }
             if view.is_multiple_of(self.original.held.len().div_ceil(STRIPS)) {
                 gallery.extend(strips(&sides, view, &drawn));

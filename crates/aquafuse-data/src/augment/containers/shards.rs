@@ -14,7 +14,7 @@ use crate::dataset::{join, split};
 use crate::files::{FileError, one_line, write_atomically};
 use crate::files::{Hashed, hexadecimal};
 use crate::image_file::{ReadOptions, open_file};
-use crate::treatment::Space;
+use crate::pipeline::Space;
 
 impl<E: Space> Maker<'_, E> {
     /// Reads a shard sample by sample, and writes each with its variants.
@@ -24,7 +24,7 @@ impl<E: Space> Maker<'_, E> {
         container: &mut Container,
     ) -> Result<Vec<FileError>, FileError> {
         let path = self.job.output.join(&container.key);
-        let reading = &self.job.recipe.reading;
+        let reading = &self.job.run_options.reading;
         let (file, bytes) = open_file(input)?;
         container.source.bytes = bytes;
         let mut seen = Sha256::new();
@@ -50,6 +50,7 @@ impl<E: Space> Maker<'_, E> {
                         Ok(members) => {
                             members.iter().try_for_each(|member| member.append(&mut builder)).map_err(failed)
                         }
+                        Err(error @ FileError::Stopped { .. }) => Err(error),
                         Err(error) => {
                             let key = join(&container.key, &group.key);
                             container.failed.push((key, one_line(&error.to_string())));

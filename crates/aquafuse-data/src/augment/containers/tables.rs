@@ -17,7 +17,7 @@ use crate::dataset::{join, split, stem};
 use crate::files::{FileError, one_line, write_atomically};
 use crate::files::{Hashed, sha256_of};
 use crate::image_file::{Format, ReadOptions, open_file};
-use crate::treatment::Space;
+use crate::pipeline::Space;
 
 /// Bytes of rows that are written as a group, so that no reader needs more.
 const GROUP: usize = 32 << 20;
@@ -57,7 +57,7 @@ impl<E: Space> Maker<'_, E> {
         let (file, bytes) = open_file(input)?;
         container.source.bytes = bytes;
         container.source.sha256 = sha256_of(input)?;
-        let mut table = Table::open(input, file, &self.job.recipe.reading)?;
+        let mut table = Table::open(input, file, &self.job.run_options.reading)?;
         let mut failures = Vec::new();
         // What the table's own reading says is no fault of the writing.
         let mut unread = None;
@@ -75,6 +75,10 @@ impl<E: Space> Maker<'_, E> {
                     }
                 };
                 let more = self.rows(&table, &rows, first, input, container, &mut failures);
+                if let Err(error) = self.job.run_options.stop.check(&path) {
+                    unread = Some(error);
+                    return Err(parquet::errors::ParquetError::General("the run was stopped".into()));
+                }
                 // One by one, for lists in a row may be as large as memory allows.
                 for row in &more {
                     writer.write(&with(&table, &rows, row)?)?;

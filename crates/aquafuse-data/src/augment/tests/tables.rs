@@ -95,7 +95,7 @@ fn tables_are_multiplied_row_by_row_and_keep_every_other_column() {
         let (root, out) = (place.path().join("set"), place.path().join("out"));
         table(&root, &bytes);
         let mut job = job(&root, &out);
-        job.conduct.manifest_table = true;
+        job.manifest_table = true;
         assert_eq!(job.dataset.layout, Layout::Parquet);
         // The row that only names its image fails, and is carried over, as is the one without.
         assert_eq!(run(&job).failed, 1);
@@ -134,7 +134,7 @@ fn a_manifest_is_a_table_too_and_is_no_data_set() {
     let (root, out) = (place.path().join("set"), place.path().join("out"));
     table(&root, &DataType::Binary);
     let mut job = job(&root, &out);
-    job.conduct.manifest_table = true;
+    job.manifest_table = true;
     run(&job);
     let file = File::open(out.join("manifest.parquet")).unwrap();
     let reader = parquet::arrow::arrow_reader::ParquetRecordBatchReader::try_new(file, 64).unwrap();
@@ -205,7 +205,7 @@ fn a_page_that_says_it_unpacks_to_more_than_is_allowed_is_refused() {
     writer.write(&rows).unwrap();
     let at = usize::try_from(writer.close().unwrap().row_group(0).column(0).data_page_offset()).unwrap();
 
-    let options = ReadOptions { most_memory: 1 << 19, ..ReadOptions::default() };
+    let options = ReadOptions { max_memory: 1 << 19, ..ReadOptions::default() };
     let open = || Table::open(&path, open_file(&path).unwrap().0, &options);
     open().unwrap();
     // A page of data, and how much it unpacks to: three bytes hold a mebibyte at most.
@@ -245,7 +245,7 @@ fn a_row_with_a_list_that_takes_more_memory_than_is_allowed_is_refused() {
         writer.close().unwrap();
         let (file, bytes) = open_file(&path).unwrap();
         assert!(bytes < 1 << 16, "{kind}: {bytes}");
-        let options = ReadOptions { most_memory: 1 << 20, ..ReadOptions::default() };
+        let options = ReadOptions { max_memory: 1 << 20, ..ReadOptions::default() };
         let refused = Table::open(&path, file, &options).err().unwrap().to_string();
         assert!(refused.contains("bytes, 1048576 are allowed"), "{kind}: {refused}");
     }

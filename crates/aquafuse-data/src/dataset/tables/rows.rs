@@ -62,7 +62,7 @@ impl Table {
         let metadata = loaded.metadata();
         for group in metadata.row_groups() {
             let (said, most) =
-                (u64::try_from(group.total_byte_size()).unwrap_or(u64::MAX), options.most_memory);
+                (u64::try_from(group.total_byte_size()).unwrap_or(u64::MAX), options.max_memory);
             let needed = catch_panic(|| memory::needed(&from, group, ROWS as u64, most));
             let needed = needed.ok_or_else(|| damaged(FELL.into()))?;
             let needed = needed.map_err(|error| match error.kind() {
@@ -202,7 +202,7 @@ pub(crate) fn texts(kind: &DataType, values: &[Option<&str>]) -> Option<ArrayRef
 /// Reads a table for nothing but that: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_parse(name: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    let options = ReadOptions { most_memory: 1 << 16, ..ReadOptions::default() };
+    let options = ReadOptions { max_memory: 1 << 16, ..ReadOptions::default() };
     let mut table = Table::of(name, bytes::Bytes::copy_from_slice(bytes), &options)?;
     while let Some(rows) = table.next()? {
         let images = table.images(&rows);

@@ -3,8 +3,8 @@
 use super::{Fusion, Reference, Scored};
 use crate::evaluate::report::{Strip, thumbnail};
 use crate::image_file::{Format, ImageFile, Pixels};
+use crate::pipeline::Space;
 use crate::run::Budget;
-use crate::treatment::Space;
 
 /// Results shown at either end.
 const SHOWN: usize = 3;
@@ -39,11 +39,11 @@ impl Fusion {
     ) -> Option<Strip> {
         let (member, other) = (self.contents.get(one.content)?, self.references.get(one.reference)?);
         let reference = references.get(one.reference)?.as_ref()?;
-        let shown = ImageFile::open(&other.path, &self.conduct.reading).ok()?;
+        let shown = ImageFile::open(&other.path, &self.run_options.reading).ok()?;
         let room = budget.reserve(shown.memory());
         let seen = thumbnail(&shown.decode().ok()?.upright().pixels.into_bytes());
         drop(room);
-        let opened = ImageFile::open(&member.path, &self.conduct.reading).ok()?;
+        let opened = ImageFile::open(&member.path, &self.run_options.reading).ok()?;
         let beside = opened.pixels().saturating_mul(self.bytes_a_pixel::<E>());
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside).ok()?);
         let content = self.read_content::<E>(opened.decode().ok()?).ok()?;

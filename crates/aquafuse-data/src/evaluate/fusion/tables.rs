@@ -7,7 +7,7 @@ use crate::evaluate::chance::Chance;
 use crate::evaluate::report::{Cell, Items, ItemsRow, Report, Row, Score, Shown, Strip, Table};
 use crate::evaluate::statistics::summarise;
 use crate::evaluate::{Failed, Lpips, Method};
-use crate::treatment::Space;
+use crate::pipeline::Space;
 
 /// The scores, in the order of [`Likeness::values`](super::Likeness::values).
 const SCORES: [Score; 6] = [

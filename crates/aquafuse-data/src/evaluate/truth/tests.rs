@@ -2,8 +2,8 @@ use super::*;
 use std::num::NonZeroUsize;
 
 fn run(exchanges: usize, linear: bool, threads: usize) -> Report {
-    let conduct = Conduct { threads: NonZeroUsize::new(threads), ..Conduct::default() };
-    Truth { exchanges, linear, seed: 0, conduct }.run(&|_| {})
+    let run_options = RunOptions { threads: NonZeroUsize::new(threads), ..RunOptions::default() };
+    Truth { exchanges, linear, seed: 0, run_options }.run(&|_| {}).unwrap()
 }
 
 fn mean(report: &Report, way: &str, method: &str, key: &str) -> f64 {

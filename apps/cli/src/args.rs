@@ -1,0 +1,12 @@
+//! What the command line says, as values of the library: parsed and checked here, used by the commands.
+
+pub(crate) mod batch;
+pub(crate) mod common;
+pub(crate) mod depth;
+pub(crate) mod depth_model;
+pub(crate) mod enhance;
+pub(crate) mod evaluation;
+pub(crate) mod failures;
+pub(crate) mod fusion;
+pub(crate) mod reading;
+pub(crate) mod water;

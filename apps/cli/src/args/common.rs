@@ -1,0 +1,34 @@
+//! What every command takes.
+
+use std::num::NonZeroUsize;
+
+use aquafuse_data::run::RunOptions;
+use clap::Args;
+
+use crate::args::reading::Reading;
+
+/// Where the help lists what every command takes.
+pub(crate) const HEADING: &str = "Common options";
+
+#[derive(Args)]
+pub(crate) struct Common {
+    /// Number of threads [default: one per core]. No output depends on it.
+    #[arg(long, global = true, help_heading = HEADING, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
+    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+    /// Print only errors and the requested result.
+    #[arg(long, global = true, help_heading = HEADING)]
+    pub(crate) quiet: bool,
+}
+
+impl Common {
+    /// How a run of the library works, as these options say.
+    pub(crate) fn run_options(&self) -> RunOptions {
+        RunOptions {
+            threads: self.threads.and_then(|threads| NonZeroUsize::new(threads.into())),
+            reading: self.reading.options(),
+            ..RunOptions::default()
+        }
+    }
+}

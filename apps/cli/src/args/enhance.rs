@@ -1,0 +1,39 @@
+//! How images are made clearer by fusion with clear water.
+
+use aquafuse::depth::DepthModel;
+use aquafuse::fusion::{Gain, Incidence, Model, Options};
+use clap::Args;
+
+use crate::args::depth_model::DepthModelArg;
+use crate::args::fusion::{gain, incidence, model};
+use crate::args::water::WaterArguments;
+use crate::failure::Failure;
+
+/// How images are made clearer.
+#[derive(Args)]
+pub(crate) struct EnhanceSettings {
+    /// What is exchanged, as in `fuse`.
+    #[arg(long, default_value = Model::Physical.name(), value_parser = model())]
+    model: Model,
+    /// Strength, from 0 (most) to 90 (none) degrees [default: 0].
+    #[arg(long, value_name = "DEG", value_parser = incidence, allow_negative_numbers = true)]
+    theta: Option<Incidence>,
+    /// Gain on the clear water's colour, 0 or more: at 0 its veil is taken off and none put in.
+    #[arg(long, value_name = "A", value_parser = gain, default_value = "0.5", allow_negative_numbers = true)]
+    alpha: Gain,
+    #[command(flatten)]
+    depth_model: DepthModelArg,
+    #[command(flatten)]
+    pub(crate) waters: WaterArguments,
+}
+
+impl EnhanceSettings {
+    pub(crate) fn depth_model(&self) -> DepthModel {
+        self.depth_model.get()
+    }
+
+    pub(crate) fn options(&self) -> Result<Options, Failure> {
+        let incidence = self.theta.unwrap_or(Incidence::from_degrees(0.0).map_err(Failure::usage)?);
+        Ok(Options { incidence, gain: self.alpha, ..Options::for_model(self.model) })
+    }
+}

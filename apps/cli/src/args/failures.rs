@@ -1,0 +1,20 @@
+//! `--fail-fast` and `--max-errors`: how many failures end a run.
+
+use clap::Args;
+
+#[derive(Args)]
+pub(crate) struct FailureArguments {
+    /// Stop at the first image that fails, as `--max-errors 0`.
+    #[arg(long, conflicts_with = "max_errors")]
+    fail_fast: bool,
+    /// Stop once more images than this have failed [default: go on].
+    #[arg(long, value_name = "N")]
+    max_errors: Option<usize>,
+}
+
+impl FailureArguments {
+    /// Failures that a run bears; `None`: any number.
+    pub(crate) fn max(&self) -> Option<usize> {
+        if self.fail_fast { Some(0) } else { self.max_errors }
+    }
+}

@@ -1,0 +1,159 @@
+//! `WATER`: an image, a `*.water.json` file, or `preset:NAME`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
+use aquafuse::waterbody::Estimate;
+use aquafuse::waterbody::presets::{Conditions, Preset, White};
+use aquafuse_data::files::display;
+use aquafuse_data::pipeline::Space;
+use aquafuse_data::pipeline::{DepthSource, analyse};
+use aquafuse_data::water_file::{WaterFile, has_suffix};
+use clap::{Args, ValueEnum};
+
+use crate::args::reading::Reading;
+use crate::failure::Failure;
+
+/// Where a water comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum WaterSource {
+    Image(PathBuf),
+    File(PathBuf),
+    Preset(Preset),
+}
+
+/// How presets and units are read.
+#[derive(Args)]
+pub(crate) struct WaterArguments {
+    /// How far below the surface a preset is looked at, 0 to 100.
+    #[arg(long, value_name = "METRES", default_value_t = 5.0, help_heading = "Presets and units")]
+    below_surface: f64,
+    /// How the camera that looks at a preset is balanced.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t, help_heading = "Presets and units")]
+    white: Balance,
+    /// What relative depth 1 is, where a water per metre meets depth without a unit, or the other way round.
+    #[arg(long, value_name = "METRES", default_value_t = RelativeScale::default().metres_at_one(), help_heading = "Presets and units")]
+    metres_at_one: f32,
+}
+
+/// [`White`] on the command line.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Balance {
+    /// For daylight, exposed at depth: water is blue or green.
+    #[default]
+    Daylight,
+    /// At depth: a white card is white there.
+    AtDepth,
+    /// For daylight, exposed just below the surface: darker with depth.
+    AtSurface,
+}
+
+impl WaterSource {
+    /// Reads what is said on the command line.
+    pub(crate) fn parse(said: &Path) -> Result<Self, Failure> {
+        let Some(name) = said.to_str().and_then(|text| text.strip_prefix("preset:")) else {
+            let named = said.to_str().and_then(Preset::from_name).filter(|_| !said.exists());
+            if let Some(preset) = named {
+                let name = preset.name();
+                return Err(Failure::usage(anyhow!("there is no file {name}; did you mean preset:{name}?")));
+            }
+            let path = said.to_owned();
+            return Ok(if has_suffix(said) { Self::File(path) } else { Self::Image(path) });
+        };
+        Preset::from_name(name).map(Self::Preset).ok_or_else(|| {
+            let names = Preset::ALL.map(Preset::name).join(", ");
+            Failure::usage(anyhow!(
+                "there is no preset {name:?}; the presets are {names} (`aquafuse water list`)"
+            ))
+        })
+    }
+
+    /// The file it is read from.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Image(path) | Self::File(path) => Some(path),
+            Self::Preset(_) => None,
+        }
+    }
+
+    /// What to call it.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Image(path) | Self::File(path) => display(path).to_string(),
+            Self::Preset(preset) => format!("preset:{}", preset.name()),
+        }
+    }
+}
+
+impl WaterArguments {
+    /// How far below the surface a preset is looked at, in metres.
+    pub(crate) fn below_surface(&self) -> f64 {
+        self.below_surface
+    }
+
+    /// How the camera is balanced, in words.
+    pub(crate) fn white(&self) -> &'static str {
+        match self.white {
+            Balance::Daylight => "balanced for daylight and exposed at depth",
+            Balance::AtDepth => "balanced at depth",
+            Balance::AtSurface => "balanced for daylight and exposed just below the surface",
+        }
+    }
+
+    /// Where a preset is looked at.
+    pub(crate) fn conditions(&self) -> Result<Conditions, Failure> {
+        let white = match self.white {
+            Balance::Daylight => White::Daylight,
+            Balance::AtDepth => White::AtDepth,
+            Balance::AtSurface => White::AtSurface,
+        };
+        let conditions = Conditions::default().with_white(white);
+        conditions.with_depth_below_surface(self.below_surface).map_err(Failure::usage)
+    }
+
+    /// The water as it is, and what one unit of its z is.
+    pub(crate) fn read<E: Space>(
+        &self,
+        source: &WaterSource,
+        model: DepthModel,
+        reading: &Reading,
+    ) -> Result<WaterFile<E>, Failure> {
+        match source {
+            WaterSource::File(path) => Ok(WaterFile::read(path)?),
+            WaterSource::Preset(preset) => Ok(WaterFile {
+                from: vec![source.name()],
+                depth_kind: DepthKind::Metres,
+                estimate: Estimate::given(preset.water(&self.conditions()?)),
+            }),
+            WaterSource::Image(path) => {
+                let found = analyse(&reading.read(path)?, &DepthSource::Estimated(model))?;
+                Ok(WaterFile {
+                    from: vec![display(path).to_string()],
+                    depth_kind: found.depth.kind(),
+                    estimate: found.estimate,
+                })
+            }
+        }
+    }
+
+    /// The water per unit of depth of `kind`.
+    pub(crate) fn per<E: Space>(&self, kind: DepthKind, file: &WaterFile<E>) -> Result<Estimate<E>, Failure> {
+        let scale = RelativeScale::new(self.metres_at_one).map_err(Failure::usage)?;
+        let mut estimate = file.estimate;
+        let (water, times) = match (file.depth_kind, kind) {
+            (DepthKind::Metres, DepthKind::Relative) => {
+                (estimate.water.per_relative(scale), scale.metres_at_one())
+            }
+            (DepthKind::Relative, DepthKind::Metres) => {
+                (estimate.water.per_metre(scale), 1.0 / scale.metres_at_one())
+            }
+            _ => return Ok(estimate),
+        };
+        estimate.water = water.map_err(Failure::work)?;
+        for end in estimate.intervals.backscatter_coefficient.as_flattened_mut() {
+            *end *= times;
+        }
+        Ok(estimate)
+    }
+}

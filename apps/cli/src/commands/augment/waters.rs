@@ -1,0 +1,80 @@
+//! The waters to draw from.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use aquafuse::depth::{DepthKind, DepthModel};
+use aquafuse::waterbody::Verdict;
+use aquafuse_data::augment::{OnDoubtful, Water};
+use aquafuse_data::files::sha256;
+use aquafuse_data::files::{FileError, display};
+use aquafuse_data::image_file;
+use aquafuse_data::pipeline::Space;
+use aquafuse_data::water_file::{WaterFile, has_suffix};
+
+use crate::args::common::Common;
+use crate::args::water::{WaterArguments, WaterSource};
+use crate::failure::Failure;
+
+/// What was named, folders taken for the images and water files in them.
+pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
+    let mut sources = Vec::new();
+    for path in named {
+        if !path.is_dir() {
+            sources.push(WaterSource::parse(path)?);
+            continue;
+        }
+        let failed = |error| FileError::Read { path: path.clone(), error };
+        let mut inside: Vec<PathBuf> = image_file::list(path)?.images;
+        for entry in std::fs::read_dir(path).map_err(failed)? {
+            inside.extend(Some(entry.map_err(failed)?.path()).filter(|path| has_suffix(path)));
+        }
+        if inside.is_empty() {
+            let cause = anyhow!("{} holds no images and no waters; name one that does", display(path));
+            return Err(Failure::usage(cause));
+        }
+        inside.sort();
+        for path in inside {
+            sources.push(WaterSource::parse(&path)?);
+        }
+    }
+    Ok(sources)
+}
+
+/// Reads a water, per unit of the images' depth.
+pub(super) fn read<E: Space>(
+    source: &WaterSource,
+    arguments: &WaterArguments,
+    model: DepthModel,
+    kind: DepthKind,
+    common: &Common,
+) -> Result<Water<E>, Failure> {
+    let file: WaterFile<E> = arguments.read(source, model, &common.reading)?;
+    let estimate = arguments.per(kind, &file)?;
+    let digest = |path: &std::path::Path| {
+        let failed = |error| FileError::Read { path: path.to_owned(), error };
+        std::fs::read(path).map_err(failed).map(|bytes| sha256(&bytes))
+    };
+    let sha256 = source.path().map(digest).transpose()?;
+    let file = WaterFile { depth_kind: kind, estimate, ..file };
+    Ok(Water { name: source.name(), sha256, file })
+}
+
+/// The waters to draw from, after what is to be done about doubtful ones.
+pub(super) fn without_doubtful<E: Space>(waters: Vec<Water<E>>, how: &OnDoubtful<E>) -> Vec<Water<E>> {
+    let is_good = |water: &Water<E>| water.file.estimate.quality.verdict == Verdict::Good;
+    match how {
+        OnDoubtful::Flag => waters,
+        OnDoubtful::Skip => waters.into_iter().filter(is_good).collect(),
+        OnDoubtful::Instead(water) => {
+            let mut good: Vec<Water<E>> = Vec::new();
+            for kept in waters.into_iter().map(|own| if is_good(&own) { own } else { (**water).clone() }) {
+                // One that stands for several is drawn no oftener for it.
+                if !good.iter().any(|other| other.name == kept.name) {
+                    good.push(kept);
+                }
+            }
+            good
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! `aquafuse bench`: how fast this machine is, on images made by the program.
+
+mod machine;
+mod measure;
+mod table;
+
+use aquafuse::smooth::Smoothing;
+use aquafuse::truth::Size;
+use clap::Args;
+use serde::Serialize;
+
+use crate::args::common::Common;
+use crate::args::fusion::smoothing;
+use crate::failure::Failure;
+use crate::report::output;
+use machine::Machine;
+use measure::{Images, Reference};
+use table::{Case, Restoration};
+
+/// The sizes of the paper's table.
+const SIZES: [(usize, usize); 4] = [(256, 256), (512, 512), (1024, 1024), (1920, 1080)];
+/// Nothing larger is made: a side of this is 256 megapixels at most.
+const LONGEST_SIDE: usize = 16_384;
+
+const HELP: &str = "\
+A frame is an image of bytes in memory: its depth and water are estimated and it is fused with the model
+`aquafuse`, in the memory of the frame before. Cached: the reference's water is known; estimated: it is
+estimated for every frame as well. The JSON also has the stages, each by itself and in memory of its own, and
+`restore`. Times are medians.";
+
+/// Measure how fast this machine is.
+///
+/// On scenes made by the program, on one thread and on all of them, or on as many as --threads says.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub(crate) struct Bench {
+    /// Size of the images; may be given several times [default: the paper's four].
+    #[arg(long = "size", value_name = "WIDTHxHEIGHT", value_parser = size)]
+    sizes: Vec<Size>,
+    /// Frames of each case [default: what half a second allows, 5 at least].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Only this: `cached` or `estimated` references [default: both].
+    #[arg(long, value_name = "WHICH")]
+    reference: Option<Reference>,
+    /// Only this smoothing [default: with and without].
+    #[arg(long, value_name = "HOW", value_parser = smoothing())]
+    smooth: Option<Smoothing>,
+    /// Print JSON for programs.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    schema: u32,
+    machine: Machine,
+    results: Vec<Case>,
+    restorations: Vec<Restoration>,
+}
+
+impl Bench {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let machine = Machine::this();
+        let mut threads = vec![common.threads.map_or(1, usize::from)];
+        if common.threads.is_none() && machine.cores > 1 {
+            threads.push(machine.cores);
+        }
+        let default = SIZES.map(|(width, height)| Size { width, height });
+        let sizes = if self.sizes.is_empty() { &default[..] } else { &self.sizes };
+        self.tell(&format!("{machine}\n\n{}", Case::HEADING))?;
+        let mut report = Report { schema: 1, machine, results: Vec::new(), restorations: Vec::new() };
+        for &size in sizes {
+            // The images are made on all cores, whatever is measured.
+            let all = rayon::ThreadPoolBuilder::new().num_threads(report.machine.cores).build();
+            let images = all.map_err(Failure::work)?.install(|| Images::new(size)).map_err(Failure::work)?;
+            for &threads in &threads {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                pool.map_err(Failure::work)?.install(|| self.measure(&images, threads, &mut report))?;
+            }
+        }
+        if self.json {
+            let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
+            return output::print(&format!("{json}\n"));
+        }
+        Ok(())
+    }
+
+    /// The cases of one size on so many threads, which this is called on.
+    fn measure(&self, images: &Images, threads: usize, report: &mut Report) -> Result<(), Failure> {
+        let stages = images.stages(self.frames).map_err(Failure::work)?;
+        for smooth in Smoothing::ALL.into_iter().filter(|one| self.smooth.is_none_or(|only| only == *one)) {
+            for reference in
+                Reference::ALL.into_iter().filter(|one| self.reference.is_none_or(|only| only == *one))
+            {
+                let speed = images.fused(reference, smooth, self.frames).map_err(Failure::work)?;
+                let case = Case::new(images.size(), threads, reference, smooth, speed, stages);
+                self.tell(&case.to_string())?;
+                report.results.push(case);
+            }
+        }
+        if self.smooth.is_none() && self.reference.is_none() {
+            let speed = images.restored(self.frames).map_err(Failure::work)?;
+            let restoration = Restoration::new(images.size(), threads, speed);
+            self.tell(&restoration.to_string())?;
+            report.restorations.push(restoration);
+        }
+        Ok(())
+    }
+
+    /// A line for people, as soon as it is known.
+    fn tell(&self, line: &str) -> Result<(), Failure> {
+        if self.json { Ok(()) } else { output::print(&format!("{line}\n")) }
+    }
+}
+
+fn size(given: &str) -> Result<Size, String> {
+    let sides =
+        given.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    match sides {
+        Some((width, height))
+            if (1..=LONGEST_SIDE).contains(&width) && (1..=LONGEST_SIDE).contains(&height) =>
+        {
+            Ok(Size { width, height })
+        }
+        _ => Err(format!("give WIDTHxHEIGHT, such as 1920x1080, each side from 1 to {LONGEST_SIDE}")),
+    }
+}

@@ -1,0 +1,111 @@
+//! `aquafuse crossover`: two images, each in the other's water.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use aquafuse::image::{Encoded, Linear};
+use aquafuse_data::files::{FileError, display, make_folder, remove_stale_parts};
+use aquafuse_data::image_file::WriteOptions;
+use aquafuse_data::pipeline::{DepthSource, analyse};
+use aquafuse_data::pipeline::{Operation, Space};
+use clap::Args;
+
+use crate::args::common::Common;
+use crate::args::fusion::{Settings, SettingsArgs};
+use crate::failure::Failure;
+use crate::report::output;
+use crate::report::water::veiling_light;
+
+/// Put two images each into the other's water: twice the data.
+///
+/// Writes DIR/A__B.png, A's objects in B's water, and DIR/B__A.png (their names without extension).
+#[derive(Args)]
+#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/ --model physical")]
+pub(crate) struct Crossover {
+    /// One image.
+    a: PathBuf,
+    /// The other.
+    b: PathBuf,
+    /// Folder to write into; made if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Work in linear light.
+    #[arg(long)]
+    linear: bool,
+    /// Replace images that exist.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl Crossover {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match self.linear {
+            true => self.run_in::<Linear>(common),
+            false => self.run_in::<Encoded>(common),
+        }
+    }
+
+    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let outputs = self.outputs()?;
+        let Settings { depth_model, options, smoothing } = self.settings.get();
+        let source = DepthSource::Estimated(depth_model);
+        let (a, b) = (common.reading.read(&self.a)?, common.reading.read(&self.b)?);
+        let waters = [analyse::<E>(&a, &source)?, analyse::<E>(&b, &source)?];
+        remove_stale_parts(&self.output);
+        let says: Vec<String> = [(&self.a, &waters[0]), (&self.b, &waters[1])]
+            .map(|(path, found)| format!("{}: {}\n", display(path), veiling_light(&found.estimate)))
+            .into();
+        if !common.quiet {
+            output::print(&says.concat())?;
+        }
+        for (i, (mut image, path)) in [a, b].into_iter().zip(&outputs).enumerate() {
+            let operation = Operation::Fuse { reference: waters[1 - i].estimate, options };
+            let outcome = operation.apply(&mut image.pixels, &waters[i]).map_err(Failure::work)?;
+            image.pixels = image.pixels.smoothed(smoothing);
+            image.write(path, &WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() })?;
+            if !common.quiet {
+                let clipped = 100.0 * outcome.clipping.share();
+                output::print(&format!(
+                    "{}: written, {clipped:.2} % of the values clipped\n",
+                    display(path)
+                ))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where both go, once it is sure that nothing is replaced.
+    fn outputs(&self) -> Result<[PathBuf; 2], Failure> {
+        let (a, b) = (stem(&self.a), stem(&self.b));
+        if a == b {
+            return Err(Failure::usage(anyhow!(
+                "{} and {} would both become {}__{}.png; rename one of them",
+                display(&self.a),
+                display(&self.b),
+                display(a.as_ref()),
+                display(b.as_ref())
+            )));
+        }
+        make_folder(&self.output)?;
+        let named = |of: &OsString, water: &OsString| {
+            let mut name = of.clone();
+            name.push("__");
+            name.push(water);
+            name.push(".png");
+            self.output.join(name)
+        };
+        let outputs = [named(&a, &b), named(&b, &a)];
+        let existing = outputs.iter().find(|path| !self.overwrite && path.symlink_metadata().is_ok());
+        match existing {
+            Some(path) => Err(FileError::Exists { path: path.clone() }.into()),
+            None => Ok(outputs),
+        }
+    }
+}
+
+fn stem(path: &Path) -> OsString {
+    path.file_stem().unwrap_or_default().to_owned()
+}

@@ -1,0 +1,135 @@
+//! `aquafuse demo`: the main job on images it makes itself.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use aquafuse::fusion::{Bounded, Model, Options, fuse};
+use aquafuse::truth::{NamedWater, Scene, Size, waters};
+use aquafuse_data::files::{display, make_folder};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
+use aquafuse_data::pipeline::{Analysis, DepthSource, analyse};
+use aquafuse_data::sheet::{Cell, lay_out};
+use clap::Args;
+
+use crate::failure::Failure;
+use crate::report::output;
+
+/// See what it does, on underwater images it makes itself.
+///
+/// Ray-marches places on a sea floor, sees them through different waters, and fuses each with each: the
+/// estimators are given nothing but the images.
+#[derive(Args)]
+pub(crate) struct Demo {
+    /// Where to write.
+    #[arg(short, long, value_name = "DIR", default_value = "aquafuse-demo")]
+    output: PathBuf,
+    /// Which places to make.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Write into a folder that is not empty, replacing images of the same names.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+const CONTENT: Size = Size { width: 480, height: 320 };
+/// References are only looked at for their water.
+const REFERENCE: Size = Size { width: 240, height: 160 };
+
+impl Demo {
+    pub(crate) fn run(&self, quiet: bool) -> Result<(), Failure> {
+        let say = |text: &str| if quiet { Ok(()) } else { output::print(text) };
+        if !self.overwrite {
+            output::refuse_filled(&self.output, &[])?;
+        }
+        make_folder(&self.output)?;
+        let began = Instant::now();
+        let [blue, green, turbid, clear, deep] = waters();
+        say(&format!("Making images and fusing them, into {}:\n", display(&self.output)))?;
+
+        let mut references = Vec::new();
+        for (i, water) in [green, clear, deep].into_iter().enumerate() {
+            let scene = Scene::new(self.seed.wrapping_add(10 + i as u64), REFERENCE);
+            let made = Made::new(&scene, water)?;
+            let path = self.write(&format!("reference_{}.png", water.name), &made.image_file)?;
+            say(&format!("  {}   after {:.1} s\n", display(&path), began.elapsed().as_secs_f32()))?;
+            references.push(made);
+        }
+        let mut rows = vec![heading(&references)];
+        for (i, water) in [blue, turbid].into_iter().enumerate() {
+            let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water)?;
+            let name = format!("content_{}", water.name);
+            let path = self.write(&format!("{name}.png"), &content.image_file)?;
+            say(&format!("  {}   after {:.1} s\n", display(&path), began.elapsed().as_secs_f32()))?;
+            say(&content.veils())?;
+            for model in [Model::Physical, Model::Aquafuse] {
+                let mut row = vec![cell(&format!("content, {} water", water.name), &content.image_file)];
+                for reference in &references {
+                    let fused = content.fused(reference, model);
+                    let file = format!("{name}__{}__{}.png", reference.water.name, model.name());
+                    self.write(&file, &fused)?;
+                    row.push(cell(&format!("in {} water, {}", reference.water.name, model.name()), &fused));
+                }
+                rows.push(row);
+            }
+        }
+        let sheet = ImageFile::new(lay_out(&rows, 320, 214));
+        let path = self.write("sheet.jpg", &sheet)?;
+        say(&format!(
+            "  {}   all of them side by side, after {:.1} s\n\n\
+             Look at that sheet first. Your own images, once\n\
+             `cargo install --locked --path apps/cli` has put aquafuse on your PATH:\n  \
+             aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
+            display(&path),
+            began.elapsed().as_secs_f32(),
+            display(&self.output.join("reference_green.png"))
+        ))
+    }
+
+    fn write(&self, name: &str, image_file: &ImageFile) -> Result<PathBuf, Failure> {
+        let path = self.output.join(name);
+        image_file.write(&path, &WriteOptions { overwrite: self.overwrite, quality: 90 })?;
+        Ok(path)
+    }
+}
+
+/// A made image, the water it was made with, and the water that was estimated from it.
+struct Made {
+    image_file: ImageFile,
+    water: NamedWater,
+    found: Analysis,
+}
+
+impl Made {
+    fn new(scene: &Scene, water: NamedWater) -> Result<Self, Failure> {
+        let image_file = ImageFile::new(scene.seen_through(&water.water).to_samples::<u8>());
+        let found = analyse(&image_file, &DepthSource::default())?;
+        Ok(Self { image_file, water, found })
+    }
+
+    fn fused(&self, reference: &Made, model: Model) -> ImageFile {
+        let (content, reference) = (&self.found.estimate, &reference.found.estimate);
+        let bounded = Bounded::new(content, reference, Options::for_model(model));
+        let fused = fuse(&self.image_file.bytes(), &self.found.depth, bounded.waters(), &bounded.options);
+        ImageFile::new(fused.expect("the depth map was made from this image").image)
+    }
+
+    fn veils(&self) -> String {
+        let [r, g, b] = self.found.estimate.water.veiling_light.rgb();
+        let [true_r, true_g, true_b] = self.water.water.veiling_light.rgb();
+        format!(
+            "    its water: veiling light {r:.2} {g:.2} {b:.2} estimated, {true_r:.2} {true_g:.2} {true_b:.2} true\n"
+        )
+    }
+}
+
+fn heading(references: &[Made]) -> Vec<Cell> {
+    let title = Cell { caption: "the waters to fuse with:".into(), image: None };
+    let named = references
+        .iter()
+        .map(|made| cell(&format!("reference, {} water", made.water.name), &made.image_file));
+    std::iter::once(title).chain(named).collect()
+}
+
+fn cell(caption: &str, image_file: &ImageFile) -> Cell {
+    Cell { caption: caption.into(), image: Some(image_file.bytes().into_owned()) }
+}

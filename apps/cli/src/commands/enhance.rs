@@ -1,0 +1,78 @@
+//! `aquafuse enhance`: fusion with clear water, scored before and after.
+
+use std::path::PathBuf;
+
+use aquafuse::image::{Encoded, Linear};
+use aquafuse_data::batch::Recipe;
+use aquafuse_data::pipeline::{Operation, Space};
+use aquafuse_data::water_file::Numbers;
+use clap::Args;
+use serde_json::json;
+
+use crate::args::batch::BatchArguments;
+use crate::args::common::Common;
+use crate::args::enhance::EnhanceSettings;
+use crate::args::water::WaterSource;
+use crate::failure::Failure;
+use crate::report::batch::{self, Words};
+use crate::report::water::veiling_light;
+
+const HELP: &str = "\
+The scores: UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that
+are parts of the first, the sharpness that is part of the second. Higher is held to be better;
+all are fooled by oversaturation and noise, so look at the image.
+
+Example:
+  aquafuse enhance reef.jpg -o reef_enhanced.jpg
+  aquafuse enhance photos/ clear_day.jpg -o enhanced/";
+
+/// Make an image, or a folder of them, clearer by fusion with clear water.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub(crate) struct Enhance {
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
+    content: PathBuf,
+    /// Clear water: an image, NAME.water.json or preset:NAME. By default that of the clearest ocean.
+    #[arg(default_value = "preset:jerlov-I")]
+    clear: PathBuf,
+    #[command(flatten)]
+    batch: BatchArguments,
+    #[command(flatten)]
+    settings: EnhanceSettings,
+}
+
+impl Enhance {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match self.batch.linear {
+            true => self.run_in::<Linear>(common),
+            false => self.run_in::<Encoded>(common),
+        }
+    }
+
+    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let depth_model = self.settings.depth_model();
+        let water = WaterSource::parse(&self.clear)?;
+        let inputs: Vec<_> = water.path().into_iter().collect();
+        let plan = self.batch.plan(&self.content, &inputs, depth_model, true)?;
+        let file = self.settings.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let reference = self.settings.waters.per(self.batch.depth.kind_of_map(), &file)?;
+        let options = self.settings.options()?;
+        let words = Words {
+            heading: format!("{}: {}\n", water.name(), veiling_light(&reference)),
+            settings: json!({
+                "command": "enhance",
+                "encoding": E::NAME,
+                "model": options.model.name(),
+                "theta": options.incidence.degrees(),
+                "alpha": options.gain.get(),
+                "depth_model": depth_model.name(),
+                "water": water.name(),
+                "waterbody": Numbers::from(&reference.water),
+            }),
+        };
+        let operation = Operation::Fuse { reference, options };
+        let recipe =
+            Recipe { upright: self.batch.upright, quality: self.batch.quality, ..Recipe::new(operation) };
+        batch::run(&plan, &recipe, words, &self.batch, common)
+    }
+}

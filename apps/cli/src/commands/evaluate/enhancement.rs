@@ -1,0 +1,78 @@
+//! `aquafuse evaluate enhancement`: images before and after.
+
+use std::path::PathBuf;
+
+use aquafuse::depth::DepthKind;
+use aquafuse::image::{Encoded, Linear};
+use aquafuse_data::evaluate::{Enhancement, GroupBy, Listener};
+use aquafuse_data::pipeline::DepthSource;
+use aquafuse_data::pipeline::Space;
+use clap::Args;
+
+use crate::args::common::Common;
+use crate::args::enhance::EnhanceSettings;
+use crate::args::evaluation::{Named, ReportArguments, named, outputs};
+use crate::args::water::WaterSource;
+use crate::failure::Failure;
+
+const HELP: &str = "\
+UCIQE and UIQM need no other image; higher is held to be better, and both are fooled by oversaturation
+and noise. The second table takes the change image by image, so that its interval tells whether it is one.
+
+Examples:
+  aquafuse evaluate enhancement dives/ -o enhanced.html
+  aquafuse evaluate enhancement dives/ --method sea-thru=restored/ -o methods.md
+                                                     beside what another tool wrote as restored/PICTURE.png";
+
+/// Score images before and after `enhance`, and after other tools.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub(crate) struct EnhancementArguments {
+    /// A folder of images.
+    images: PathBuf,
+    /// Clear water: an image, NAME.water.json or preset:NAME, as in `enhance`.
+    #[arg(long, value_name = "WATER", default_value = "preset:jerlov-I")]
+    clear: PathBuf,
+    #[command(flatten)]
+    settings: EnhanceSettings,
+    /// Work in linear light.
+    #[arg(long)]
+    linear: bool,
+    /// Also score what another tool has made: images in DIR of the same stems. May be given several times.
+    #[arg(long, value_name = "NAME=DIR", value_parser = named)]
+    method: Vec<Named>,
+    /// What resamplings are drawn by.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    report: ReportArguments,
+}
+
+impl EnhancementArguments {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match self.linear {
+            true => self.run_in::<Linear>(common),
+            false => self.run_in::<Encoded>(common),
+        }
+    }
+
+    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        self.report.check()?;
+        let image_files = GroupBy::Nothing.list(&self.images)?;
+        let outputs = outputs(&self.method, &[])?;
+        let depth_model = self.settings.depth_model();
+        let water = WaterSource::parse(&self.clear)?;
+        let file = self.settings.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let enhancement = Enhancement {
+            image_files,
+            clear: self.settings.waters.per(DepthKind::Relative, &file)?,
+            options: self.settings.options()?,
+            source: DepthSource::Estimated(depth_model),
+            outputs,
+            seed: self.seed,
+            run_options: common.run_options(),
+            water: water.name(),
+        };
+        self.report.run(common, |listener: Listener<'_>| enhancement.run(listener), |_| {})
+    }
+}

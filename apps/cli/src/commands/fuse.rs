@@ -1,0 +1,90 @@
+//! `aquafuse fuse`: an image, or a folder of them, in another image's water.
+
+mod sweep;
+
+use std::path::PathBuf;
+
+use crate::args::fusion::{self, Settings, SettingsArgs};
+use aquafuse::image::{Encoded, Linear};
+use aquafuse_data::batch::Recipe;
+use aquafuse_data::pipeline::{Operation, Space};
+use aquafuse_data::water_file::Numbers;
+use clap::Args;
+use serde_json::json;
+use sweep::Sweep;
+
+use crate::args::batch::BatchArguments;
+use crate::args::common::Common;
+use crate::args::water::{WaterArguments, WaterSource};
+use crate::failure::Failure;
+use crate::report::batch::{self, Words};
+use crate::report::water::veiling_light;
+
+/// Put an image, or a folder of them, into another image's water.
+///
+/// A folder's run that was stopped goes on where it was: the same command makes what is missing.
+#[derive(Args)]
+#[command(after_help = fusion::HELP)]
+pub(crate) struct Fuse {
+    /// The objects: an image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
+    /// Folders inside it are not entered.
+    content: PathBuf,
+    /// The reference, whose water is taken: an image (best one with open water in view), NAME.water.json from `water
+    /// extract`, or preset:NAME from `water list`.
+    water: PathBuf,
+    #[command(flatten)]
+    batch: BatchArguments,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    #[command(flatten)]
+    waters: WaterArguments,
+    /// Instead of one image a strip of them, theta=0,30,60,90 or alpha=0.5,1,2 for example: CONTENT, then one for
+    /// each value.
+    #[arg(long, value_name = "NAME=V,V", conflicts_with_all = ["json", "maps", "report", "upright"])]
+    sweep: Option<Sweep>,
+}
+
+impl Fuse {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match self.batch.linear {
+            true => self.run_in::<Linear>(common),
+            false => self.run_in::<Encoded>(common),
+        }
+    }
+
+    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let Settings { depth_model, options, smoothing } = self.settings.get();
+        let water = WaterSource::parse(&self.water)?;
+        let inputs: Vec<_> = water.path().into_iter().collect();
+        let plan = self.batch.plan(&self.content, &inputs, depth_model, false)?;
+        let file = self.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let reference = self.waters.per(self.batch.depth.kind_of_map(), &file)?;
+        if let Some(sweep) = &self.sweep {
+            self.settings.refuse_beside(sweep.name()).map_err(Failure::usage)?;
+            let settings = Settings { depth_model, options, smoothing };
+            return sweep.run(plan.items(), &reference, &settings, &self.batch, common);
+        }
+        let words = Words {
+            heading: format!("{}: {}\n", water.name(), veiling_light(&reference)),
+            settings: json!({
+                "command": "fuse",
+                "encoding": E::NAME,
+                "model": options.model.name(),
+                "theta": options.incidence.degrees(),
+                "alpha": options.gain.get(),
+                "smooth": smoothing.name(),
+                "depth_model": depth_model.name(),
+                "water": water.name(),
+                "waterbody": Numbers::from(&reference.water),
+                "quality": reference.quality,
+            }),
+        };
+        let recipe = Recipe {
+            operation: Operation::Fuse { reference, options },
+            smoothing,
+            upright: self.batch.upright,
+            quality: self.batch.quality,
+        };
+        batch::run(&plan, &recipe, words, &self.batch, common)
+    }
+}

@@ -1,0 +1,82 @@
+//! `aquafuse inspect`: what an image tells about its depth and its water.
+
+mod plots;
+mod report;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
+use aquafuse_data::pipeline::analyse;
+use clap::Args;
+
+use crate::args::depth::DepthArguments;
+use crate::args::depth_model::DepthModelArg;
+use crate::args::reading::Reading;
+use crate::failure::Failure;
+use crate::report::output;
+use report::Report;
+
+/// Show what an image tells about its depth and its water.
+///
+/// `fuse` uses exactly these estimates: depth z, the veiling light B∞ (the colour of open water), how fast
+/// backscatter grows with z (β_B) and how fast the scene's own light fades (β_D). At the far end, β z is the
+/// thickness of the water seen through: .1 is hardly any, 1 is much, 3 hides nearly everything.
+#[derive(Args)]
+// Nothing is left to estimate here where depth is given; `fuse` still needs the model, for its reference.
+#[command(mut_arg("depth_model", |model| model.conflicts_with("depth")), after_help = crate::report::doubts::explained())]
+pub(crate) struct Inspect {
+    /// PNG, JPEG, TIFF, WebP, BMP or GIF.
+    image: PathBuf,
+    #[command(flatten)]
+    depth: DepthArguments,
+    #[command(flatten)]
+    model: DepthModelArg,
+    /// Print JSON for programs.
+    #[arg(long)]
+    json: bool,
+    /// Draw it too, as DIR/STEM.inspect.png: depth, where the veiling light was read, the samples behind β_B and β_D
+    /// with their curves, what is left of the light, and the image without its water. A missing DIR is made.
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Replace the file of --plots if it exists.
+    #[arg(long, requires = "plots")]
+    overwrite: bool,
+}
+
+impl Inspect {
+    pub(crate) fn run(&self, reading: &Reading) -> Result<(), Failure> {
+        let plot = self.plots.as_deref().map(|folder| self.plot_in(folder)).transpose()?;
+        let image_file = reading.read(&self.image)?;
+        let supply = self.depth.supply(false, self.model.get()).map_err(Failure::usage)?;
+        let source = supply.of(&self.image).map_err(Failure::usage)?;
+        let found = analyse(&image_file, &source)?;
+        if let Some(path) = &plot {
+            let name = self.image.file_name().unwrap_or_default();
+            let figure = plots::draw(&display(name.as_ref()).to_string(), &image_file, &found)
+                .map_err(Failure::work)?;
+            let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+            remove_stale_parts(make_folder_of(path)?);
+            ImageFile::new(figure).write(path, &options)?;
+        }
+        if self.json {
+            let report = Report::new(&image_file, &found);
+            let json = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
+            output::print(&format!("{json}\n"))
+        } else {
+            output::print(&text::text(&image_file, &found, plot.as_deref()))
+        }
+    }
+
+    /// The file that the plot becomes; refused before any work if it must not be touched.
+    fn plot_in(&self, folder: &Path) -> Result<PathBuf, Failure> {
+        let mut name = self.image.file_stem().unwrap_or_default().to_owned();
+        name.push(".inspect.png");
+        let path = folder.join(name);
+        if !self.overwrite && path.symlink_metadata().is_ok() {
+            return Err(FileError::Exists { path }.into());
+        }
+        Ok(path)
+    }
+}

@@ -1,0 +1,71 @@
+//! The verdict with its reasons, and the numbers.
+
+use anyhow::Result;
+use aquafuse::waterbody::{Reason, Verdict};
+use aquafuse_data::pipeline::Analysis;
+use plotters::prelude::RGBColor;
+
+use super::charts::CHANNELS;
+use super::sheet::{self, Cell, INK, font};
+
+const LEFT: i32 = 14;
+/// Where the numbers of each channel begin.
+const COLUMNS: [i32; 3] = [176, 252, 328];
+const WIDTH: i32 = 388;
+const LINE: i32 = 22;
+
+pub(super) fn write(cell: &Cell<'_>, found: &Analysis, unit: &str) -> Result<()> {
+    let estimate = &found.estimate;
+    let quality = estimate.quality;
+    let colour = match quality.verdict {
+        Verdict::Good => RGBColor(24, 120, 60),
+        Verdict::Doubtful => RGBColor(176, 100, 0),
+        Verdict::Failed => RGBColor(180, 30, 30),
+    };
+    let mut y = 10;
+    line(cell, &format!("verdict: {}", quality.verdict.name()), y, (24, colour))?;
+    y += LINE + 8;
+    if quality.reasons.is_empty() {
+        line(cell, "nothing speaks against these numbers", y, (15, INK))?;
+        y += LINE;
+    }
+    for reason in quality.reasons.iter().map(Reason::describe) {
+        line(cell, &format!("– {reason}"), y, (15, INK))?;
+        y += LINE;
+    }
+    y += LINE / 2;
+    for ((name, x), colour) in ["red", "green", "blue"].into_iter().zip(COLUMNS).zip(CHANNELS) {
+        cell.area.draw_text(name, &font(16, colour), (x, y))?;
+    }
+    let per = if unit == "m" { "per m" } else { "per unit of z" };
+    let water = &estimate.water;
+    let z95 = found.depth.percentile(0.95);
+    let of_growth = water.backscatter_coefficient;
+    let rows: [(String, [String; 3]); 6] = [
+        ("B∞".into(), water.veiling_light.rgb().map(|value| format!("{value:.3}"))),
+        ("   nine in ten within".into(), estimate.intervals.veiling_light.map(|range| between(range, 2))),
+        (format!("β_B, {per}"), of_growth.map(|value| format!("{value:.2}"))),
+        (
+            "   nine in ten within".into(),
+            estimate.intervals.backscatter_coefficient.map(|range| between(range, 1)),
+        ),
+        ("β_B z at 95 %".into(), of_growth.map(|value| format!("{:.2}", value * z95))),
+        ("β_D z at 95 %".into(), water.attenuation.map(|curve| format!("{:.2}", curve.optical_depth(z95)))),
+    ];
+    for (name, values) in rows {
+        y += LINE;
+        cell.area.draw_text(&name, &font(15, INK), (LEFT, y))?;
+        for (value, x) in values.iter().zip(COLUMNS) {
+            cell.area.draw_text(value, &font(15, INK), (x, y))?;
+        }
+    }
+    Ok(())
+}
+
+fn line(cell: &Cell<'_>, text: &str, y: i32, style: (u32, RGBColor)) -> Result<()> {
+    sheet::write(&cell.area, text, (LEFT, y), style, WIDTH, 1)
+}
+
+fn between([low, high]: [f32; 2], decimals: usize) -> String {
+    format!("{low:.decimals$}–{high:.decimals$}")
+}

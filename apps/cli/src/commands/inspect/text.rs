@@ -1,0 +1,76 @@
+//! What `inspect` prints for people.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use aquafuse::depth::DepthKind;
+use aquafuse::waterbody::Verdict;
+use aquafuse_data::files::display;
+use aquafuse_data::image_file::ImageFile;
+use aquafuse_data::pipeline::Analysis;
+
+use super::report::{Depth, Size};
+use crate::report::water::{hex, reasons, source};
+
+/// The report for people.
+pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> String {
+    let (depth, water) = (Depth::new(found), &found.estimate.water);
+    let [r, g, b] = water.veiling_light.rgb();
+    let [beta_r, beta_g, beta_b] = water.backscatter_coefficient;
+    let [tau_r, tau_g, tau_b] = water.backscatter_coefficient.map(|beta| beta * depth.p95);
+    let [fade_r, fade_g, fade_b] = water.attenuation.map(|curve| curve.optical_depth(depth.p95));
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<28}{value}");
+    };
+    let quality = found.estimate.quality;
+    line(
+        "verdict",
+        match quality.verdict {
+            Verdict::Good => "good".to_owned(),
+            other => format!("{}: {}", other.name(), reasons(quality)),
+        },
+    );
+    let Size { width, height } = Size::of(image);
+    line("size", format!("{width} x {height}"));
+    if let Some(damage) = &image.damage {
+        line("  WARNING", format!("the file is damaged: {damage}"));
+    }
+    let unit = match depth.kind {
+        DepthKind::Metres => "metres",
+        _ => "relative: 0 near, 1 far; it has no unit",
+    };
+    line("depth z", format!("{}, {unit}", depth.source));
+    if let Some(supplied) = &depth.supplied {
+        let invalid = 100.0 * supplied.invalid_share;
+        line("  file", format!("{}, {}", display(supplied.file.as_ref()), supplied.kind.name()));
+        line("  without a value", format!("{invalid:.1} % of the pixels: depth from colour there"));
+        for warning in &supplied.warnings {
+            line("  WARNING", format!("the map {warning}"));
+        }
+    }
+    line("  mean, 5 %, 95 %", format!("{:.2} {:.2} {:.2}", depth.mean, depth.p05, depth.p95));
+    line("veiling light B∞", format!("{r:.3} {g:.3} {b:.3} (red, green, blue)   {}", hex([r, g, b])));
+    line("  nine in ten within", ranges(found.estimate.intervals.veiling_light, 3));
+    line("  read from", source(&found.estimate));
+    line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
+    line("  nine in ten within", ranges(found.estimate.intervals.backscatter_coefficient, 2));
+    line("  at the far end, β_B z95", format!("{tau_r:.2} {tau_g:.2} {tau_b:.2}"));
+    if found.estimate.depth_factors.is_some() {
+        line(
+            "  for `physical`",
+            "how much of each depth is open water too: the table F(z), in --json".to_owned(),
+        );
+    }
+    line("attenuation", "the curve β_D(z), in --json".to_owned());
+    line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
+    if let Some(path) = plot {
+        line("drawn", display(path).to_string());
+    }
+    text
+}
+
+/// Three ranges.
+fn ranges(of: [[f32; 2]; 3], decimals: usize) -> String {
+    of.map(|[low, high]| format!("{low:.decimals$}-{high:.decimals$}")).join(" ")
+}

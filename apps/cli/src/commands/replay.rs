@@ -1,0 +1,73 @@
+//! `aquafuse replay`: variants made again from their manifest.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use aquafuse::image::{Encoded, Linear};
+use aquafuse_data::augment::{Again, Replayed, replay};
+use aquafuse_data::files::display;
+use clap::Args;
+
+use crate::args::common::Common;
+use crate::failure::Failure;
+use crate::report::output;
+
+/// Make variants again, as their manifest says, and compare them with it.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  aquafuse replay more/manifest.jsonl --only images/reef__green__0.jpg -o again/"
+)]
+pub(crate) struct Replay {
+    /// The manifest that `augment` wrote, or its folder.
+    manifest: PathBuf,
+    /// Of the variants only this one, by its path in the manifest, or those of this image [default: all].
+    #[arg(long, value_name = "KEY")]
+    only: Option<String>,
+    /// Where to write them.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Where the dataset is now [default: where it was].
+    #[arg(long, value_name = "DIR")]
+    dataset: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    overwrite: bool,
+    /// The manifest is of a run with --linear.
+    #[arg(long)]
+    linear: bool,
+}
+
+impl Replay {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let reading = common.reading.options();
+        let (only, dataset) = (self.only.as_deref(), self.dataset.as_deref());
+        let manifest = match self.manifest.is_dir() {
+            true => self.manifest.join("manifest.jsonl"),
+            false => self.manifest.clone(),
+        };
+        let again = Again { only, dataset, output: &self.output, overwrite: self.overwrite, reading };
+        let made = match self.linear {
+            true => replay::<Linear>(&manifest, &again),
+            false => replay::<Encoded>(&manifest, &again),
+        };
+        let Replayed { equal, different, failed } = made?;
+        for (_, error) in &failed {
+            output::complain(error);
+        }
+        for path in &different {
+            output::complain(&format!(
+                "{}: its bytes are others than in the manifest; the image or the version changed",
+                display(path)
+            ));
+        }
+        if !common.quiet {
+            output::print(&format!("{} variants made again, equal to the manifest\n", equal.len()))?;
+        }
+        match (different.len(), failed.len()) {
+            (0, 0) => Ok(()),
+            (different, failed) => {
+                Err(Failure::work(anyhow!("not made: {failed}, made but not equal: {different}; see above")))
+            }
+        }
+    }
+}

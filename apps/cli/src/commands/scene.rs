@@ -1,0 +1,83 @@
+//! `aquafuse scene`: scenes in 3D.
+
+mod compare;
+mod export;
+mod fuse;
+mod looked_through;
+mod render;
+mod sfm;
+mod splats_file;
+mod train;
+mod view;
+
+use aquafuse_scene::capture::CaptureError;
+use aquafuse_scene::files::SceneFileError;
+use clap::{Args, Subcommand};
+
+use crate::args::common::Common;
+use crate::failure::Failure;
+
+/// Scenes in 3D: splats trained on a CPU, with the water inside.
+#[derive(Args)]
+#[command(after_help = "\
+SCENE is a folder with the cameras that structure from motion found (COLMAP's cameras, images and
+points3D, .bin or .txt, in it, in sparse/0, sparse or colmap_text; or transforms.json) and the
+images, in its folder images or beside them.
+
+Examples:
+  aquafuse scene sfm photos/ -o reef/
+  aquafuse scene train reef/ -o reef.ply --water learn
+  aquafuse scene render reef.ply reef/ -o dewatered/ --water none
+  aquafuse scene view reef.ply reef/ -o reef.html
+  aquafuse scene fuse reef/ green.jpg -o reef_green/ --model physical
+  aquafuse scene train reef_green/ -o reef_green.ply
+  aquafuse scene compare reef/ reef_green/ --original reef.ply --fused reef_green.ply -o reef.html")]
+pub(crate) struct Scene {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Sfm(sfm::Sfm),
+    Train(train::Train),
+    Render(render::Render),
+    Fuse(fuse::Fuse),
+    Compare(compare::Compare),
+    Export(export::Export),
+    View(view::View),
+}
+
+impl Scene {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match &self.command {
+            Command::Sfm(sfm) => sfm.run(common),
+            Command::Train(train) => train.run(common),
+            Command::Render(render) => render.run(common),
+            Command::Fuse(fuse) => fuse.run(common),
+            Command::Compare(compare) => compare.run(common),
+            Command::Export(export) => export.run(common),
+            Command::View(view) => view.run(common),
+        }
+    }
+}
+
+impl From<SceneFileError> for Failure {
+    fn from(error: SceneFileError) -> Self {
+        match error {
+            SceneFileError::File(error) => error.into(),
+            SceneFileError::NoCameras { .. } => Self::usage(error),
+            error => Self::work(error),
+        }
+    }
+}
+
+impl From<CaptureError> for Failure {
+    fn from(error: CaptureError) -> Self {
+        match error {
+            CaptureError::Cameras(error) => error.into(),
+            CaptureError::Image(error) => error.into(),
+            error => Self::work(error),
+        }
+    }
+}

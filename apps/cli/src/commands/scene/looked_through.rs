@@ -1,0 +1,36 @@
+//! `--water` of what is drawn: what a trained scene is seen through.
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::depth::{DepthKind, DepthModel};
+use aquafuse::image::Encoded;
+use aquafuse_scene::medium::Medium;
+use clap::Args;
+
+use super::splats_file::known;
+use crate::args::common::Common;
+use crate::args::water::{WaterArguments, WaterSource};
+use crate::failure::Failure;
+
+#[derive(Args)]
+pub(crate) struct LookedThrough {
+    /// What it is seen through: `none` for air, or an image, NAME.water.json or preset:NAME.
+    #[arg(long, value_name = "WATER")]
+    water: Option<PathBuf>,
+    #[command(flatten)]
+    waters: WaterArguments,
+}
+
+impl LookedThrough {
+    /// The water that is asked for, or the one that a scene was trained through.
+    pub(crate) fn medium(&self, trained: Medium<f32>, common: &Common) -> Result<Medium<f32>, Failure> {
+        let Some(said) = &self.water else { return Ok(trained) };
+        if said == Path::new("none") {
+            return Ok(Medium::Air);
+        }
+        let source = WaterSource::parse(said)?;
+        let mut file = self.waters.read::<Encoded>(&source, DepthModel::default(), &common.reading)?;
+        file.estimate = self.waters.per(DepthKind::Metres, &file)?;
+        Ok(known(&file))
+    }
+}

@@ -1,0 +1,144 @@
+//! `aquafuse scene render`: a trained scene as its cameras see it, or round about, through any water.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use aquafuse::depth::{DepthKind, DepthMap};
+use aquafuse_data::depth_file;
+use aquafuse_data::files::{display, make_folder, remove_stale_parts};
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
+use aquafuse_scene::around::Around;
+use aquafuse_scene::camera::Camera;
+use aquafuse_scene::compare::{distances, image};
+use aquafuse_scene::files::read_cameras;
+use aquafuse_scene::render::{memory, render};
+use aquafuse_scene::splats::{MOST_DEGREE, Splats};
+use clap::Args;
+
+use super::looked_through::LookedThrough;
+use super::splats_file::Trained;
+use crate::args::common::Common;
+use crate::failure::Failure;
+use crate::report::output;
+use crate::report::progress::Progress;
+
+/// Draw a trained scene as its cameras see it, or as one that goes round it would.
+#[derive(Args)]
+#[command(after_help = "\
+Through the water that was learned unless --water says otherwise. A unit of the scene counts as a metre.
+
+Examples:
+  aquafuse scene render reef.ply reef/ -o views/
+  aquafuse scene render reef.ply reef/ -o dewatered/ --water none
+  aquafuse scene render reef.ply reef/ -o coast/ --water preset:jerlov-3C --depth
+  aquafuse scene render reef.ply reef/ -o orbit/ --orbit 120       orbit/orbit_000.png, ...; frames of a film")]
+pub(crate) struct Render {
+    /// A trained scene.
+    splats: PathBuf,
+    /// The folder with its cameras.
+    scene: PathBuf,
+    /// Folder to write into, NAME.png for each camera; made if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    through: LookedThrough,
+    /// Not the cameras' own views but this many on an orbit: once around where cameras stood all around, else swaying where
+    /// they stood. The last comes before the first.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    orbit: Option<u32>,
+    /// Distances too, NAME.depth.tiff in units of the scene; 0 where nothing is opaque.
+    #[arg(long)]
+    depth: bool,
+    /// Images have this many pixels on their longer side.
+    #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=16384))]
+    longest: u32,
+    /// Replace images that exist.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl Render {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let Trained { splats, medium } = Trained::read(&self.splats)?;
+        let medium = self.through.medium(medium, common)?;
+        let views = self.views(&splats)?;
+        make_folder(&self.output)?;
+        remove_stale_parts(&self.output);
+        let writing = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+        let progress = Progress::new(common.quiet);
+        progress.start(views.len());
+        for (name, camera) in &views {
+            let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
+            let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
+            let camera = camera.scaled_to(side(camera.width), side(camera.height));
+            let (needed, most) =
+                (memory(&splats, MOST_DEGREE, &camera, &medium), common.reading.options().max_memory);
+            if needed > most {
+                return Err(Failure::work(anyhow!(
+                    "{name} takes {needed} bytes to draw, more than the {most} of --max-memory; raise that, or lower --longest"
+                )));
+            }
+            let drawn = render(&splats, MOST_DEGREE, &camera, &medium).drawing;
+            let path = self.output.join(format!("{name}.png"));
+            ImageFile::new(image(&drawn).to_samples::<u8>()).write(&path, &writing)?;
+            if self.depth {
+                let known = distances(&drawn).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
+                let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
+                depth_file::write(
+                    &path.with_extension("depth.tiff"),
+                    &map.map_err(Failure::work)?,
+                    &writing,
+                )?;
+            }
+            progress.done(display(&path).to_string());
+        }
+        progress.finish();
+        let text = format!("{}: {} views of {} splats\n", display(&self.output), views.len(), splats.len());
+        if common.quiet { Ok(()) } else { output::print(&text) }
+    }
+
+    /// What is drawn: a name and a camera each.
+    fn views(&self, splats: &Splats<f32>) -> Result<Vec<(String, Camera)>, Failure> {
+        let taken = read_cameras(&self.scene)?.taken;
+        if let Some(count) = self.orbit {
+            let cameras: Vec<&Camera> = taken.iter().map(|one| &one.lens.camera).collect();
+            let around = Around::new(&cameras, splats).ok_or_else(|| {
+                Failure::usage(anyhow!(
+                    "the cameras of {} look nowhere; leave out --orbit",
+                    display(&self.scene)
+                ))
+            })?;
+            let digits = (count - 1).to_string().len().max(3);
+            let orbit = around.orbit(count as usize).into_iter().enumerate();
+            return Ok(orbit.map(|(i, camera)| (format!("orbit_{i:0digits$}"), camera)).collect());
+        }
+        let views: Vec<_> = taken.into_iter().map(|one| (flat(&one.name), one.lens.camera)).collect();
+        if views.iter().map(|(name, _)| name).collect::<BTreeSet<_>>().len() < views.len() {
+            return Err(Failure::usage(anyhow!(
+                "{} has images that differ in their extension alone; rename one of each",
+                display(&self.scene)
+            )));
+        }
+        Ok(views)
+    }
+}
+
+/// An image's name without folders and extension, so that all outputs stand in one folder. What follows an earlier dot
+/// is no extension.
+fn flat(name: &Path) -> String {
+    let parts: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();
+    let whole = parts.join("__");
+    whole.rsplit_once('.').map_or(whole.as_str(), |(stem, _)| stem).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_keep_all_but_their_extension() {
+        assert_eq!(flat("left/frame_08.500.jpg".as_ref()), "left__frame_08.500");
+        assert_eq!(flat("frame".as_ref()), "frame");
+    }
+}

@@ -1,0 +1,152 @@
+//! `aquafuse water`: waterbodies as files, and those from tables.
+
+mod show;
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use aquafuse::image::{Encoded, Linear};
+use aquafuse::waterbody::pool;
+use aquafuse::waterbody::presets::Preset;
+use aquafuse_data::files::{display, make_folder_of, remove_stale_parts};
+use aquafuse_data::pipeline::analyse;
+use aquafuse_data::pipeline::{DepthSupply, Space};
+use aquafuse_data::water_file::WaterFile;
+use clap::{Args, Subcommand};
+use show::Show;
+
+use crate::args::common::Common;
+use crate::args::depth::DepthArguments;
+use crate::args::depth_model::DepthModelArg;
+use crate::args::water::WaterArguments;
+use crate::failure::Failure;
+use crate::report::output;
+use crate::report::water::{hex, veiling_light};
+
+/// Keep an image's water as a file, and look at waters.
+#[derive(Args)]
+pub(crate) struct Water {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Extract(Extract),
+    List(List),
+    Show(Show),
+}
+
+/// Write the water of an image, or of several of one water, as a file.
+#[derive(Args)]
+#[command(after_help = "\
+Of several images each number is the median, weighted by how sure each image is.
+
+Example:
+  aquafuse water extract harbour.jpg -o harbour.water.json
+  aquafuse fuse reef.jpg harbour.water.json -o fused.jpg --model physical")]
+struct Extract {
+    /// Images of one water.
+    #[arg(required = true)]
+    images: Vec<PathBuf>,
+    /// Where to write, NAME.water.json; a missing folder is made.
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    #[command(flatten)]
+    depth: DepthArguments,
+    #[command(flatten)]
+    model: DepthModelArg,
+    /// Tell the water of the light, not of the values that cameras write: for `fuse --linear` and the like.
+    #[arg(long)]
+    linear: bool,
+    /// Replace OUT if it exists.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// List the waters that can be named as preset:NAME.
+#[derive(Args)]
+struct List {
+    #[command(flatten)]
+    waters: WaterArguments,
+    /// Print JSON for programs.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Water {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        match &self.command {
+            Command::Extract(extract) if extract.linear => extract.run::<Linear>(common),
+            Command::Extract(extract) => extract.run::<Encoded>(common),
+            Command::List(list) => list.run(),
+            Command::Show(show) => show.run(common),
+        }
+    }
+}
+
+impl Extract {
+    fn run<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let mut estimates = Vec::new();
+        let mut kind = None;
+        let supply = self.supply()?;
+        for path in &self.images {
+            let source = supply.of(path).map_err(Failure::usage)?;
+            let found = analyse::<E>(&common.reading.read(path)?, &source)?;
+            kind = Some(found.depth.kind());
+            if !common.quiet {
+                output::print(&format!("{}: {}\n", display(path), veiling_light(&found.estimate)))?;
+            }
+            estimates.push(found.estimate);
+        }
+        let nothing = || Failure::usage(anyhow!("name an image"));
+        let file = WaterFile {
+            from: self.images.iter().map(|path| display(path).to_string()).collect(),
+            depth_kind: kind.ok_or_else(nothing)?,
+            estimate: pool(&estimates).ok_or_else(nothing)?,
+        };
+        remove_stale_parts(make_folder_of(&self.output)?);
+        file.write(&self.output, self.overwrite)?;
+        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&self.output))) }
+    }
+
+    /// Where the depth of each image comes from: with several, --depth is a folder.
+    fn supply(&self) -> Result<DepthSupply, Failure> {
+        self.depth.supply(self.images.len() > 1, self.model.get()).map_err(Failure::usage)
+    }
+}
+
+impl List {
+    fn run(&self) -> Result<(), Failure> {
+        let conditions = self.waters.conditions()?;
+        if self.json {
+            let all = Preset::ALL.map(|preset| show::preset_json(preset, &conditions));
+            return output::print(&format!("{:#}\n", serde_json::json!({ "schema": 1, "presets": all })));
+        }
+        let mut text = format!(
+            "{:<20}{:<10}{:<20}{:<20}\n",
+            "name", "colour", "veiling light B_inf", "beta_B per metre"
+        );
+        for preset in Preset::ALL {
+            let water = preset.water::<Encoded>(&conditions);
+            let ([r, g, b], [x, y, z]) = (water.veiling_light.rgb(), water.backscatter_coefficient);
+            let name = format!("preset:{}", preset.name());
+            let _ = writeln!(
+                text,
+                "{name:<20}{:<10}{:<20}{:<20}",
+                hex([r, g, b]),
+                format!("{r:.2} {g:.2} {b:.2}"),
+                format!("{x:.2} {y:.2} {z:.2}")
+            );
+        }
+        text += "\nOf red, green and blue. Water types after Jerlov, oceans from clear to turbid, then coasts, as a camera sees them\n";
+        let _ = writeln!(
+            text,
+            "that is {}, {} m below the surface; `aquafuse water show preset:NAME` tells all that a preset rests on.",
+            self.waters.white(),
+            self.waters.below_surface()
+        );
+        output::print(&text)
+    }
+}

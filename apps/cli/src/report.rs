@@ -1,0 +1,11 @@
+//! What people and programs see: progress, summaries, tables, JSON and words for an estimate.
+
+pub(crate) mod batch;
+pub(crate) mod doubts;
+pub(crate) mod evaluation;
+mod json;
+pub(crate) mod output;
+pub(crate) mod progress;
+pub(crate) mod published;
+mod summary;
+pub(crate) mod water;

@@ -1,0 +1,108 @@
+//! A batch at work: progress, a line for each image, the summary, the report.
+
+use std::path::Path;
+use std::sync::Mutex;
+
+use anyhow::anyhow;
+use aquafuse_data::batch::{Plan, RECORD, Recipe};
+use aquafuse_data::files::{display, make_folder_of, write_text};
+use aquafuse_data::pipeline::Space;
+use aquafuse_data::run::{Event, RunOptions, Summary};
+use serde::Serialize;
+use serde_json::Value;
+use serde_json::value::RawValue;
+
+use super::progress::Progress;
+use super::{json, output, summary};
+use crate::args::batch::BatchArguments;
+use crate::args::common::Common;
+use crate::failure::Failure;
+
+/// What a command says of its batch.
+pub(crate) struct Words {
+    /// The first line of the summary.
+    pub(crate) heading: String,
+    /// The settings in the report.
+    pub(crate) settings: Value,
+}
+
+/// `--report`; `schema` changes when a field changes its meaning or goes.
+#[derive(Serialize)]
+struct Report {
+    schema: u32,
+    version: &'static str,
+    settings: Value,
+    #[serde(rename = "pictures")]
+    images: Vec<Box<RawValue>>,
+}
+
+/// Runs a plan, shows how far it is, and prints what came of it.
+pub(crate) fn run<E: Space>(
+    plan: &Plan,
+    recipe: &Recipe<E>,
+    words: Words,
+    arguments: &BatchArguments,
+    common: &Common,
+) -> Result<(), Failure> {
+    let options = RunOptions { max_failures: arguments.failures.max(), ..common.run_options() };
+    let progress = Progress::new(common.quiet || plan.items().len() == 1);
+    let (reports, records) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
+    let ended = plan.run(recipe, &options, &|event| {
+        if (arguments.json || arguments.report.is_some())
+            && let Some(record) = json::record(&event)
+        {
+            if arguments.json {
+                // A reader that has gone away does not stop the work.
+                let _ = output::print(&format!("{record}\n"));
+            }
+            if let Ok(mut records) = records.lock() {
+                records.push(record);
+            }
+        }
+        progress.show(&event, |item| display(&item.output).to_string());
+        if let (Event::Done { item, result }, Ok(mut reports)) = (event, reports.lock()) {
+            reports.push((item.clone(), *result));
+        }
+    });
+    progress.finish();
+    let ended = ended?;
+    let mut reports = reports.into_inner().unwrap_or_default();
+    reports.sort_by(|(a, _), (b, _)| a.output.cmp(&b.output));
+    if !common.quiet && !arguments.json {
+        output::print(&(words.heading + &summary::of(&reports, ended.skipped)))?;
+    }
+    if let Some(path) = &arguments.report {
+        let images = records.into_inner().unwrap_or_default();
+        write_report(path, words.settings, images, arguments.overwrite)?;
+    }
+    outcome(&ended, plan.items().len(), &arguments.output)
+}
+
+fn write_report(
+    path: &Path,
+    settings: Value,
+    mut images: Vec<Box<RawValue>>,
+    overwrite: bool,
+) -> Result<(), Failure> {
+    // Images get done in any order; their names stand first in their records.
+    images.sort_by(|a, b| a.get().cmp(b.get()));
+    let report = Report { schema: 1, version: env!("CARGO_PKG_VERSION"), settings, images };
+    let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
+    make_folder_of(path)?;
+    Ok(write_text(path, &(text + "\n"), overwrite)?)
+}
+
+fn outcome(ended: &Summary, all: usize, output: &Path) -> Result<(), Failure> {
+    match ended {
+        Summary { failed: 0, .. } => Ok(()),
+        // Its own line has said why.
+        _ if all == 1 => Err(Failure::Told),
+        Summary { failed, left, .. } => {
+            let left = if *left > 0 { format!(", {left} were not tried") } else { String::new() };
+            Err(Failure::work(anyhow!(
+                "{failed} of {all} failed{left}; the messages above say why, and {} lists them",
+                display(&output.join(RECORD))
+            )))
+        }
+    }
+}

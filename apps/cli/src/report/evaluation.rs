@@ -1,0 +1,71 @@
+//! An evaluation at work: how far it is, its tables, its report.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::anyhow;
+use aquafuse_data::evaluate::report::{self, markdown_of_table};
+use aquafuse_data::evaluate::{EvaluateError, Listener, Report};
+use aquafuse_data::files::{display, make_folder, make_folder_of};
+use aquafuse_data::run::Event;
+
+use super::output;
+use super::progress::Progress;
+use crate::args::common::Common;
+use crate::args::evaluation::ReportArguments;
+use crate::failure::Failure;
+
+/// Complaints shown while it runs; the report lists all.
+const COMPLAINTS: usize = 12;
+
+impl ReportArguments {
+    /// Runs an evaluation, showing how far it is, and hands its figures out. `more` may add to them.
+    pub(crate) fn run(
+        &self,
+        common: &Common,
+        evaluation: impl FnOnce(Listener<'_>) -> Result<Report, EvaluateError>,
+        more: impl FnOnce(&mut Report),
+    ) -> Result<(), Failure> {
+        let progress = Progress::new(common.quiet);
+        let complaints = AtomicUsize::new(0);
+        let found = evaluation(&|event| match event {
+            Event::Started { total } => progress.start(total),
+            Event::Done { item, .. } => progress.done(item.to_owned()),
+            Event::Failed { error, .. } => match complaints.fetch_add(1, Ordering::Relaxed) {
+                earlier if earlier < COMPLAINTS => progress.complain(&error.error),
+                COMPLAINTS => progress.complain(&"there are more failures; the report lists them all"),
+                _ => {}
+            },
+            _ => {}
+        });
+        progress.finish();
+        let mut report = found?;
+        more(&mut report);
+        if let Some(path) = &self.output {
+            match path.extension() {
+                Some(_) if !path.is_dir() => make_folder_of(path).map(|_| ())?,
+                _ => make_folder(path)?,
+            }
+            report::write(&report, path, self.overwrite)?;
+        }
+        if self.json {
+            output::print(&report::json(&report))?;
+        } else if !common.quiet {
+            output::print(&text(&report, self.output.as_deref()))?;
+        }
+        match report.failed.len() {
+            0 => Ok(()),
+            count => Err(Failure::work(anyhow!(
+                "{count} failed and are left out of the figures; the report lists them"
+            ))),
+        }
+    }
+}
+
+/// The tables, and where the report is.
+fn text(report: &Report, path: Option<&Path>) -> String {
+    let tables =
+        report.tables.iter().map(|table| format!("{}\n\n{}\n", table.title, markdown_of_table(table)));
+    let written = path.map(|path| format!("{}: written\n", display(path)));
+    tables.chain(written).collect()
+}

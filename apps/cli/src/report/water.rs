@@ -1,0 +1,44 @@
+//! Words for an estimate: the veiling light, where it was read, and what speaks against it.
+
+use aquafuse::image::Encoding;
+use aquafuse::waterbody::{Estimate, Quality, Reason, VeilingLightSource, Verdict};
+
+/// What speaks against an estimate, in words.
+pub(crate) fn reasons(quality: Quality) -> String {
+    quality.reasons.iter().map(Reason::describe).collect::<Vec<_>>().join(", ")
+}
+
+pub(crate) fn hex(rgb: [f32; 3]) -> String {
+    let [r, g, b] = rgb.map(|value| (value * 255.0).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Where the veiling light was read, and from how much of the image.
+pub(crate) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
+    let share = 100.0 * estimate.veiling_light_share;
+    match estimate.veiling_light_source {
+        VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the image"),
+        VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
+        VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
+        VeilingLightSource::BottomCorners => {
+            "the bottom corners: neither the far end nor the top has the water's colour".into()
+        }
+        VeilingLightSource::Unfiltered => {
+            format!("the farthest {share:.1} %, whatever their colour: no water was found")
+        }
+        VeilingLightSource::Given => "what is known of it".into(),
+    }
+}
+
+/// One line on a water: its colour, where that was read, and what speaks against it.
+pub(crate) fn veiling_light<E: Encoding>(estimate: &Estimate<E>) -> String {
+    let light = format!(
+        "veiling light {}, from {}",
+        hex(estimate.water.veiling_light.rgb().map(E::to_encoded)),
+        source(estimate)
+    );
+    match estimate.quality.verdict {
+        Verdict::Good => light,
+        verdict => format!("{light}; {}: {}", verdict.name(), reasons(estimate.quality)),
+    }
+}

@@ -1,0 +1,293 @@
+//! Images made from images, one or a folder of them: planned once, then run.
+//!
+//! # Examples
+//!
+//! ```
+//! use aquafuse::{fusion::Options, smooth::Smoothing};
+//! use aquafuse_data::batch::{Plan, Recipe, Request};
+//! use aquafuse_data::image_file::{ImageFile, WriteOptions};
+//! use aquafuse_data::pipeline::{DepthSource, DepthSupply, Operation, analyse};
+//! use aquafuse_data::run::{Event, RunOptions};
+//! # use aquafuse::truth::{Scene, Size, waters};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = |name: &str| folder.path().join(name);
+//! # for (name, water) in ["content.png", "reference.png"].into_iter().zip(waters()) {
+//! #     let scene = Scene::new(1, Size { width: 64, height: 48 });
+//! #     let image = scene.seen_through(&water.water).to_samples::<u8>();
+//! #     ImageFile::new(image).write(&path(name), &WriteOptions::default())?;
+//! # }
+//!
+//! let reference = ImageFile::read(&path("reference.png"))?;
+//! let reference = analyse(&reference, &DepthSource::default())?.estimate;
+//! let recipe: Recipe = Recipe::new(Operation::Fuse { reference, options: Options::default() });
+//! let depth = DepthSupply::Estimated(Default::default());
+//! let plan = Plan::new(&Request::new(&path("content.png"), &path("fused.png"), &depth))?;
+//! let summary = plan.run(&recipe, &RunOptions::default(), &|event| {
+//!     if let Event::Done { item, result } = event {
+//!         println!("{}: {:?}", item.output.display(), result.quality.verdict);
+//!     }
+//! })?;
+//! assert_eq!((summary.done, summary.failed), (1, 0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod plan;
+mod record;
+
+use std::path::PathBuf;
+
+use aquafuse::depth::SuppliedReport;
+use aquafuse::image::{Encoded, Encoding};
+use aquafuse::smooth::Smoothing;
+use aquafuse::waterbody::Quality;
+use serde_json::{Value, json};
+
+use crate::files::{FileError, make_folder, make_folder_of, remove_stale_parts};
+use crate::image_file::{Format, ImageFile, Opened, WriteOptions};
+use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, Space, analyse, maps};
+use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
+use crate::water_file::Numbers;
+
+pub use plan::{Plan, PlanError, Request};
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use record::try_parse;
+pub use record::{RECORD, Record, State};
+
+/// One image of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// The content.
+    pub input: PathBuf,
+    /// Where the result goes.
+    pub output: PathBuf,
+    /// How the content's depth is obtained.
+    pub depth: DepthSource,
+}
+
+/// Everything but the images that decides what is written.
+#[derive(Clone, Debug)]
+pub struct Recipe<E: Encoding = Encoded> {
+    /// What is done to each image.
+    pub operation: Operation<E>,
+    /// How outputs are smoothed. Default: not at all.
+    pub smoothing: Smoothing,
+    /// Turn each output as its EXIF orientation asks for. Default: no.
+    pub upright: bool,
+    /// JPEG quality, 1 to 100. Default: 95.
+    pub quality: u8,
+}
+
+/// What is known of an image that was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// What the operation did.
+    pub outcome: Outcome,
+    /// The content's own water, in the encoding that the operation worked in.
+    pub water: Numbers,
+    /// Scores before and after, where they were asked for.
+    pub scores: Option<[Scores; 2]>,
+    /// The verdict on the estimate of the content, with its reasons.
+    pub quality: Quality,
+    /// What is known of supplied depth.
+    pub supplied: Option<SuppliedReport>,
+    /// What was wrong with the content's file, where that was accepted.
+    pub damage: Option<String>,
+    /// What the content's file holds and the output does not, in words.
+    pub left_out: Vec<&'static str>,
+}
+
+/// Whoever listens to a batch.
+pub type Listener<'a> = run::Listener<'a, Item, Box<Report>>;
+
+impl<E: Space> Recipe<E> {
+    /// An operation, with the defaults for everything else.
+    pub fn new(operation: Operation<E>) -> Self {
+        let quality = WriteOptions::default().quality;
+        Self { operation, smoothing: Smoothing::default(), upright: false, quality }
+    }
+
+    /// Everything that decides what is written: two recipes of one fingerprint write the same bytes.
+    pub fn fingerprint(&self, lenient: bool) -> Value {
+        let Self { operation, smoothing, upright, quality } = self;
+        let operation = match operation {
+            Operation::Fuse { reference, options } => json!({
+                "model": options.model.name(),
+                "theta": options.incidence.degrees(),
+                "alpha": options.gain.get(),
+                "most_gain": options.max_gain,
+                "water": Numbers::from(&reference.water),
+                "quality": reference.quality,
+            }),
+            Operation::Restore(options) => json!({ "restore": { "most_gain": options.max_gain } }),
+        };
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "encoding": E::NAME,
+            "treatment": operation,
+            "smooth": smoothing.name(),
+            "upright": upright,
+            "lenient": lenient,
+            "quality": quality,
+        })
+    }
+}
+
+impl Plan {
+    /// Makes every image of the plan that is not made yet, and reports to `listener` in the order in which images get
+    /// done.
+    ///
+    /// The files do not depend on threads or order. A folder's run that was stopped goes on where it stopped.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanError`] when the run cannot begin: nothing was written then. An image that fails is an event.
+    pub fn run<E: Space>(
+        &self,
+        recipe: &Recipe<E>,
+        options: &RunOptions,
+        listener: Listener<'_>,
+    ) -> Result<Summary, PlanError> {
+        let record = self.prepare(recipe, options)?;
+        listener(Event::Started { total: self.items().len() });
+        let work = Work { plan: self, recipe, options, record, budget: options.budget() };
+        Ok(options.each(self.items(), &|item, permit| match work.make(item, permit) {
+            Ok(Some(report)) => {
+                listener(Event::Done { item, result: Box::new(report) });
+                Ending::Done
+            }
+            Ok(None) => {
+                listener(Event::Skipped { item });
+                Ending::Skipped
+            }
+            Err(FileError::Stopped { .. }) => Ending::Left,
+            Err(error) => {
+                listener(Event::Failed { item, error });
+                Ending::Failed
+            }
+        }))
+    }
+
+    /// Makes the folders of the outputs ready, and opens the record of a folder's run.
+    fn prepare<E: Space>(
+        &self,
+        recipe: &Recipe<E>,
+        options: &RunOptions,
+    ) -> Result<Option<Record>, PlanError> {
+        // All outputs of a run stand in one folder.
+        let Some(first) = self.items().first() else { return Ok(None) };
+        let folder = make_folder_of(&first.output)?;
+        remove_stale_parts(folder);
+        let record = match self.is_folder() {
+            true => {
+                let settings = recipe.fingerprint(options.reading.lenient);
+                let record = Record::open(folder, &settings, self.overwrite())?;
+                self.refuse_foreign(&record)?;
+                Some(record)
+            }
+            false => None,
+        };
+        if let Some(maps) = self.maps() {
+            make_folder(maps)?;
+            self.refuse_maps(maps, record.as_ref())?;
+        }
+        Ok(record)
+    }
+}
+
+/// A plan at work.
+struct Work<'a, E: Encoding> {
+    plan: &'a Plan,
+    recipe: &'a Recipe<E>,
+    options: &'a RunOptions,
+    record: Option<Record>,
+    budget: Budget,
+}
+
+impl<E: Space> Work<'_, E> {
+    /// Makes one image; `None` if a run before this one has made it.
+    fn make(&self, item: &Item, permit: &mut Permit<'_>) -> Result<Option<Report>, FileError> {
+        let mut writing = WriteOptions { overwrite: self.plan.overwrite(), quality: self.recipe.quality };
+        if let Some(record) = &self.record {
+            match record.state(item, writing.overwrite) {
+                State::Made => return Ok(None),
+                State::Replaceable => writing.overwrite = true,
+                State::Missing | State::Foreign => {}
+            }
+        }
+        let made = self.operate(item, permit, &writing);
+        if let (Err(error), Some(record)) = (&made, &self.record)
+            && !matches!(error, FileError::Stopped { .. })
+        {
+            record.failed(item, error)?;
+        }
+        made.map(Some)
+    }
+
+    fn operate(
+        &self,
+        item: &Item,
+        permit: &mut Permit<'_>,
+        writing: &WriteOptions,
+    ) -> Result<Report, FileError> {
+        let Self { recipe, options, .. } = self;
+        let sources = self.record.as_ref().map(|record| record.sources(item)).transpose()?;
+        let opened = ImageFile::open(&item.input, &options.reading)?;
+        let format = Format::written(&item.output).unwrap_or(Format::Png);
+        let room = self.budget.reserve(opened.memory_until_written(format, self.beside(item, &opened))?);
+        options.stop.check(&item.output)?;
+        let mut image = opened.decode()?;
+        options.stop.check(&item.output)?;
+        let found = analyse::<E>(&image, &item.depth)?;
+        options.stop.check(&item.output)?;
+        let scored = |image: &ImageFile| self.plan.scores().then(|| Scores::of(&image.bytes()));
+        let before = scored(&image);
+        if let Some(folder) = self.plan.maps() {
+            maps::write(folder, &item.input, &image, &found, &recipe.operation)?;
+        }
+        let outcome =
+            recipe.operation.apply(&mut image.pixels, &found).expect("the depth map is this image's");
+        let (estimate, supplied) = (found.estimate, found.supplied);
+        drop(found.depth);
+        image.pixels = image.pixels.smoothed(recipe.smoothing);
+        let scores = before.zip(scored(&image)).map(|(before, after)| [before, after]);
+        if recipe.upright {
+            image = image.upright();
+        }
+        options.stop.check(&item.output)?;
+        let staged = image.stage(&item.output, writing)?;
+        let ImageFile { metadata, damage, pixels } = image;
+        drop((pixels, room));
+        permit.release();
+        if let (Some(record), Some(sources)) = (&self.record, &sources) {
+            record.begin(item, sources)?;
+        }
+        staged.persist()?;
+        if let (Some(record), Some(sources)) = (&self.record, sources) {
+            record.done(item, sources)?;
+        }
+        Ok(Report {
+            outcome,
+            water: Numbers::from(&estimate.water),
+            scores,
+            quality: estimate.quality,
+            supplied,
+            damage,
+            left_out: metadata.left_out,
+        })
+    }
+
+    /// Memory that an item takes beside its image.
+    fn beside(&self, item: &Item, opened: &Opened) -> u64 {
+        let supplied = match &item.depth {
+            DepthSource::Supplied { .. } => SUPPLIED,
+            DepthSource::Estimated(_) => 0,
+        };
+        let scores = if self.plan.scores() { SCORED } else { 0 };
+        let maps = if self.plan.maps().is_some() { maps::BYTES_A_PIXEL } else { 0 };
+        let a_pixel = [supplied, scores, maps, self.recipe.operation.bytes_a_pixel()];
+        opened.pixels().saturating_mul(a_pixel.into_iter().fold(0, u64::saturating_add))
+    }
+}
+
+/// What scoring takes in bytes a pixel: colours in CIELab, chroma and lightness by themselves.
+const SCORED: u64 = 48;

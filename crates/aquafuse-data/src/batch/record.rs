@@ -1,0 +1,353 @@
+//! The record of a folder's job: what is begun and what is done, so that a job that was stopped goes on.
+//!
+//! One JSON object a line. The first says what the folder is made with; then each image has a line when its
+//! output is about to get its name, and one when it has it, or failed. An image with the first line but not the
+//! second may be there or not: it is made again. A line without its end was being written when the process was
+//! killed, and is cut off. What failed is listed for people; it decides nothing.
+
+use std::collections::HashMap;
+use std::ffi::{OsStr, OsString};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::UNIX_EPOCH;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::Item;
+use crate::files::FileError;
+use crate::files::lock;
+use crate::pipeline::DepthSource;
+use crate::run::differences;
+
+/// The name of the record in the folder of a job's outputs.
+pub const RECORD: &str = "aquafuse-job.jsonl";
+/// More than the lines of a million images.
+const MOST_BYTES: u64 = 1 << 30;
+/// More than any settings or names take; a line's values take up to fifty times its length while it is read.
+const MOST_LINE: usize = 1 << 20;
+
+/// A record, open and locked against other processes until dropped.
+#[derive(Debug)]
+pub struct Record {
+    path: PathBuf,
+    file: Mutex<File>,
+    items: HashMap<OsString, Known>,
+}
+
+/// What is known of an output.
+#[derive(Clone, Debug, PartialEq)]
+enum Known {
+    /// It may have its name or not; `before` is what stood there and was not ours.
+    Begun {
+        source: Source,
+        before: Option<Stamp>,
+    },
+    Done {
+        source: Source,
+        output: Stamp,
+    },
+}
+
+/// What stands at the output of an item.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// A run before this one has made it.
+    Made,
+    /// There is no such file.
+    Missing,
+    /// There is a file that is ours, or that may be replaced.
+    Replaceable,
+    /// There is a file that is not ours, or was changed since.
+    Foreign,
+}
+
+/// What an output is made from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Source {
+    /// The content, by its absolute path as it was named: to follow links would double the time of a resume.
+    path: Name,
+    content: Stamp,
+    /// How its depth is come by.
+    depth: String,
+    /// The file of its depth.
+    map: Option<Stamp>,
+}
+
+/// Size and time of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Stamp {
+    bytes: u64,
+    modified_ns: u64,
+}
+
+impl Stamp {
+    fn of(path: &Path) -> io::Result<Self> {
+        let about = path.metadata()?;
+        let modified = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        let modified_ns = modified.and_then(|since| u64::try_from(since.as_nanos()).ok()).unwrap_or(0);
+        Ok(Self { bytes: about.len(), modified_ns })
+    }
+}
+
+impl Source {
+    fn of(item: &Item) -> io::Result<Self> {
+        let map = match &item.depth {
+            DepthSource::Supplied { path, .. } => Some(Stamp::of(path)?),
+            DepthSource::Estimated(_) => None,
+        };
+        Ok(Self {
+            path: Name::of(std::path::absolute(&item.input)?.as_os_str()),
+            content: Stamp::of(&item.input)?,
+            depth: format!("{:?}", item.depth),
+            map,
+        })
+    }
+
+    /// Whether it is the same image with depth come by in the same way, be the files changed or not.
+    fn is_of(&self, other: &Self) -> bool {
+        (&self.path, &self.depth) == (&other.path, &other.depth)
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Line {
+    Job { schema: u32, settings: Value },
+    Begun { output: Name, source: Source, before: Option<Stamp> },
+    Done { output: Name, source: Source, stamp: Stamp },
+    Failed { output: Name, error: String },
+}
+
+const SCHEMA: u32 = 1;
+
+/// A file name: as text where it is text.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+enum Name {
+    Text(String),
+    Bytes(Vec<u8>),
+}
+
+impl Name {
+    fn of(name: &OsStr) -> Self {
+        match name.to_str() {
+            Some(text) => Self::Text(text.to_owned()),
+            None => Self::Bytes(name.as_encoded_bytes().to_vec()),
+        }
+    }
+
+    fn into_os(self) -> OsString {
+        match self {
+            Self::Text(text) => text.into(),
+            #[cfg(unix)]
+            Self::Bytes(bytes) => std::os::unix::ffi::OsStringExt::from_vec(bytes),
+            #[cfg(not(unix))]
+            Self::Bytes(bytes) => String::from_utf8_lossy(&bytes).into_owned().into(),
+        }
+    }
+}
+
+/// The settings, and the state of each output by its name.
+type Recorded = (Option<Value>, HashMap<OsString, Known>);
+
+/// What a record of whole lines says; the number of the line that is none otherwise.
+fn parse(text: &[u8]) -> Result<Recorded, usize> {
+    let (mut settings, mut items) = (None, HashMap::new());
+    let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        if line.len() > MOST_LINE {
+            return Err(number);
+        }
+        let (name, state) = match serde_json::from_slice(line).map_err(|_| number)? {
+            Line::Job { schema: SCHEMA, settings: made_with } if settings.is_none() => {
+                settings = Some(made_with);
+                continue;
+            }
+            Line::Begun { output, source, before } if settings.is_some() => {
+                (output, Known::Begun { source, before })
+            }
+            Line::Done { output, source, stamp } if settings.is_some() => {
+                (output, Known::Done { source, output: stamp })
+            }
+            Line::Failed { .. } if settings.is_some() => continue,
+            _ => return Err(number),
+        };
+        items.insert(name.into_os(), state);
+    }
+    Ok((settings, items))
+}
+
+/// Reads a record for nothing but that: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_parse(text: &[u8]) {
+    let _ = parse(text);
+}
+
+impl Record {
+    /// Opens the record in `folder`, or begins one.
+    ///
+    /// `settings` is everything but the files themselves that decides what the outputs hold. With `overwrite`, a
+    /// record of other settings is begun again.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when another process works in the folder, the folder was made with other settings, or the
+    /// record cannot be read or written.
+    pub fn open(folder: &Path, settings: &Value, overwrite: bool) -> Result<Self, FileError> {
+        let path = folder.join(RECORD);
+        let cannot_write =
+            |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
+        let file =
+            OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(cannot_write)?;
+        if !lock(&file) {
+            return Err(FileError::Busy { folder: folder.to_owned() });
+        }
+        let mut record = Self { path: path.clone(), file: Mutex::new(file), items: HashMap::new() };
+        let made_with = record.read_lines()?;
+        match made_with {
+            Some(made_with) if made_with == *settings => return Ok(record),
+            Some(made_with) if !overwrite => {
+                let differences = differences(&made_with, settings);
+                return Err(FileError::OtherSettings { folder: folder.to_owned(), differences });
+            }
+            _ => {}
+        }
+        record.items.clear();
+        record.file().set_len(0).map_err(cannot_write)?;
+        record.append(&Line::Job { schema: SCHEMA, settings: settings.clone() })?;
+        Ok(record)
+    }
+
+    fn file(&self) -> std::sync::MutexGuard<'_, File> {
+        self.file.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Reads what is recorded, and gives the settings.
+    fn read_lines(&mut self) -> Result<Option<Value>, FileError> {
+        let cannot_read = |error| FileError::Read { path: self.path.clone(), error };
+        let mut text = Vec::new();
+        {
+            let mut file = self.file();
+            file.seek(SeekFrom::Start(0)).map_err(cannot_read)?;
+            let length = file.metadata().map_err(cannot_read)?.len();
+            if length > MOST_BYTES {
+                let cause = format!("it has {length} bytes, and no job's record has more than {MOST_BYTES}");
+                return Err(FileError::TooLarge { path: self.path.clone(), cause });
+            }
+            file.read_to_end(&mut text).map_err(cannot_read)?;
+            let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at.saturating_add(1));
+            if whole < text.len() {
+                file.set_len(whole as u64).map_err(cannot_read)?;
+                text.truncate(whole);
+            }
+        }
+        let lines =
+            parse(&text).map_err(|line| FileError::DamagedRecord { path: self.path.clone(), line })?;
+        self.items = lines.1;
+        Ok(lines.0)
+    }
+
+    fn append(&self, line: &Line) -> Result<(), FileError> {
+        let failed = |cause: String| FileError::Write { path: self.path.clone(), cause };
+        let mut text = serde_json::to_vec(line).map_err(|error| failed(error.to_string()))?;
+        text.push(b'\n');
+        let mut file = self.file();
+        let whole = file.metadata().map_err(|error| failed(error.to_string()))?.len();
+        file.write_all(&text).map_err(|error| {
+            // Half a line on a full disk would spoil the next one.
+            let _ = file.set_len(whole);
+            failed(error.to_string())
+        })
+    }
+
+    /// What stands at the output of an item.
+    pub fn state(&self, item: &Item, overwrite: bool) -> State {
+        let there = Stamp::of(&item.output).ok();
+        if there.is_none() && item.output.symlink_metadata().is_err() {
+            return State::Missing;
+        }
+        let source = Source::of(item).ok();
+        let ours = match self.items.get(item.output.file_name().unwrap_or_default()) {
+            Some(Known::Done { source: known, output }) if there.as_ref() == Some(output) => {
+                if source.as_ref() == Some(known) {
+                    return State::Made;
+                }
+                source.is_some_and(|source| source.is_of(known))
+            }
+            // What stood there before it was begun is still nobody's but its owner's.
+            Some(Known::Begun { source: known, before }) => {
+                before.as_ref() != there.as_ref() && source.is_some_and(|source| source.is_of(known))
+            }
+            _ => false,
+        };
+        if ours || overwrite { State::Replaceable } else { State::Foreign }
+    }
+
+    /// Makes one output that is no image of a [`Plan`](super::Plan), unless it is done; says whether it was.
+    ///
+    /// `write` is told whether it may replace what is there.
+    ///
+    /// # Errors
+    ///
+    /// What `write` says, or [`FileError`] when the record cannot be written.
+    pub fn make<E: From<FileError>>(
+        &self,
+        item: &Item,
+        overwrite: bool,
+        write: impl FnOnce(bool) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        let may_replace = match self.state(item, overwrite) {
+            State::Made => return Ok(true),
+            State::Replaceable => true,
+            State::Missing | State::Foreign => overwrite,
+        };
+        let sources = self.sources(item)?;
+        self.begin(item, &sources)?;
+        write(may_replace)?;
+        self.done(item, sources)?;
+        Ok(false)
+    }
+
+    /// Remembers what an output will be made from, before its files are read.
+    pub(super) fn sources(&self, item: &Item) -> Result<Sources, FileError> {
+        let source = Source::of(item).map_err(|error| FileError::Read { path: item.input.clone(), error })?;
+        let is_ours = self.state(item, false) != State::Foreign;
+        let before = if is_ours { None } else { Stamp::of(&item.output).ok() };
+        Ok(Sources { source, before })
+    }
+
+    /// An output is about to get its name.
+    pub(super) fn begin(&self, item: &Item, sources: &Sources) -> Result<(), FileError> {
+        let Sources { source, before } = sources.clone();
+        self.append(&Line::Begun { output: output_name(item), source, before })
+    }
+
+    /// An output has its name.
+    pub(super) fn done(&self, item: &Item, sources: Sources) -> Result<(), FileError> {
+        let stamp =
+            Stamp::of(&item.output).map_err(|error| FileError::Read { path: item.output.clone(), error })?;
+        self.append(&Line::Done { output: output_name(item), source: sources.source, stamp })
+    }
+
+    /// An item failed.
+    pub(super) fn failed(&self, item: &Item, error: &FileError) -> Result<(), FileError> {
+        self.append(&Line::Failed { output: output_name(item), error: error.to_string() })
+    }
+}
+
+/// What an output is made from, as it was before it was read.
+#[derive(Clone, Debug)]
+pub(super) struct Sources {
+    source: Source,
+    before: Option<Stamp>,
+}
+
+fn output_name(item: &Item) -> Name {
+    Name::of(item.output.file_name().unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,14 @@
+//! What happens to one image: depth and water are estimated, an operation changes it, maps and scores say what
+//! was done.
+
+mod estimate;
+pub(crate) mod maps;
+mod operation;
+mod scores;
+mod supply;
+
+pub use estimate::{Analysis, DepthSource, analyse, evidence};
+pub use operation::{Limited, Operation, Outcome, Space};
+pub use scores::Scores;
+pub use supply::DepthSupply;
+pub(crate) use supply::SUPPLIED;

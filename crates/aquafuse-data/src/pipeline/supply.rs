@@ -1,0 +1,40 @@
+//! Where the depth of each image of a run comes from.
+
+use std::path::{Path, PathBuf};
+
+use aquafuse::depth::{DepthModel, SuppliedKind};
+
+use super::DepthSource;
+use crate::depth_file::DepthFolder;
+use crate::files::FileError;
+
+/// What a supplied depth map takes in bytes a pixel: as stored, as floats of its file and as distances.
+pub(crate) const SUPPLIED: u64 = 16;
+
+/// The depth of all images of a run.
+#[derive(Clone, Debug)]
+pub enum DepthSupply {
+    /// Estimated from colour.
+    Estimated(DepthModel),
+    /// One file, for a run over one image.
+    File(PathBuf, SuppliedKind),
+    /// A folder with a depth map for each image, of the same stem.
+    Folder(DepthFolder, SuppliedKind),
+}
+
+impl DepthSupply {
+    /// The depth of one image.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::NoDepthBeside`] when the folder has no depth map of that stem, or more than one.
+    pub fn of(&self, image: &Path) -> Result<DepthSource, FileError> {
+        Ok(match self {
+            Self::Estimated(model) => DepthSource::Estimated(*model),
+            Self::File(path, kind) => DepthSource::Supplied { path: path.clone(), kind: *kind },
+            Self::Folder(folder, kind) => {
+                DepthSource::Supplied { path: folder.map_of(image)?.to_owned(), kind: *kind }
+            }
+        })
+    }
+}

@@ -82,14 +82,14 @@ impl<E: Space> Treatment<E> {
                 let bounded = Bounded::new(&found.estimate, reference, *options);
                 let hides = options.model == Model::Exchange;
                 let before = hides.then(|| deviation(image));
-                let clipping = fuse_mut(image, &found.depth, bounded.waters(), &bounded.options)?;
+                let clipping = fuse_mut(&mut *image, &found.depth, bounded.waters(), &bounded.options)?;
                 let bounds = Held { fusion: bounded.bounds, ..Held::default() };
                 // An image that had no contrast has lost none.
                 let left = before.map(|before| if before > 0.0 { deviation(image) / before } else { 1.0 });
                 Ok(Treated { clipping, bounds, contrast_left: left })
             }
             Self::Restore(options) => {
-                let bounded = BoundedRestoration::new(image, &found.depth, &found.estimate, options)?;
+                let bounded = BoundedRestoration::new(&*image, &found.depth, &found.estimate, options)?;
                 let clipping = restore_mut(image, &found.depth, &bounded.water, &bounded.options)?;
                 let bounds = Held { restoration: bounded.bounds, ..Held::default() };
                 Ok(Treated { clipping, bounds, contrast_left: None })

@@ -7,12 +7,15 @@
 mod encoding;
 mod sample;
 mod top_edge;
+mod view;
 
 use std::marker::PhantomData;
 
 pub use encoding::{Encoded, Encoding, Linear};
 pub use sample::Sample;
 pub use top_edge::TopEdge;
+pub(crate) use view::runs_mut;
+pub use view::{ImageMut, ImageRef};
 
 /// An RGB image, rows from the top, three interleaved samples a pixel.
 ///
@@ -51,6 +54,14 @@ pub enum SizeError {
         expected: usize,
         /// Values found.
         found: usize,
+    },
+    /// Rows overlap: the next begins before one has ended.
+    #[error("rows {stride} samples apart cannot hold {width} pixels of three samples")]
+    Stride {
+        /// Columns asked for.
+        width: usize,
+        /// Samples from the start of a row to that of the next.
+        stride: usize,
     },
     /// An image has no pixels at all.
     #[error("an image of {width}x{height} has no pixels")]
@@ -131,18 +142,17 @@ impl<T: Sample, E: Encoding> Image<T, E> {
     }
 
     /// The pixels of row `y`, counted from the top.
-    pub(crate) fn row(&self, y: usize) -> &[[T; 3]] {
+    ///
+    /// # Panics
+    ///
+    /// When there is no such row.
+    pub fn row(&self, y: usize) -> &[[T; 3]] {
         &self.pixels()[y * self.width..][..self.width]
     }
 
     /// All samples, interleaved.
     pub fn as_raw(&self) -> &[T] {
         &self.samples
-    }
-
-    /// All samples for writing, interleaved.
-    pub(crate) fn samples_mut(&mut self) -> &mut [T] {
-        &mut self.samples
     }
 
     /// Gives the samples back.

@@ -2,7 +2,7 @@
 
 use crate::depth::{DepthMap, DepthModel};
 use crate::fusion::{self, Bounded, Clipping};
-use crate::image::{Image, SizeError};
+use crate::image::{Image, ImageMut, ImageRef, SizeError};
 use crate::smooth::{self, Smoothing};
 use crate::waterbody::{self, Estimate, EstimateOptions, Scratch};
 
@@ -91,7 +91,8 @@ impl Stream {
     }
 
     /// The water of an image in the memory of this stream, estimated as the contents' is: a new reference, say.
-    pub fn estimate(&mut self, image: &Image<u8>) -> Estimate {
+    pub fn estimate<'a>(&mut self, image: impl Into<ImageRef<'a, u8>>) -> Estimate {
+        let image = image.into();
         let depth = self.depth_of(image);
         let found = self.water_of(image, &depth);
         self.levels = depth.into_levels();
@@ -103,7 +104,12 @@ impl Stream {
     /// # Errors
     ///
     /// [`SizeError`] when the two differ in size.
-    pub fn fuse_into(&mut self, frame: &Image<u8>, fused: &mut Image<u8>) -> Result<Clipping, SizeError> {
+    pub fn fuse_into<'a, 'b>(
+        &mut self,
+        frame: impl Into<ImageRef<'a, u8>>,
+        fused: impl Into<ImageMut<'b, u8>>,
+    ) -> Result<Clipping, SizeError> {
+        let (frame, fused) = (frame.into(), fused.into());
         crate::image::check_same_size(frame.size(), fused.size())?;
         if self.options.smoothing == Smoothing::Bilateral {
             let (rough, clipping) = self.rough(frame);
@@ -117,23 +123,24 @@ impl Stream {
     }
 
     /// [`Stream::fuse_into`] in place.
-    pub fn fuse_mut(&mut self, frame: &mut Image<u8>) -> Clipping {
+    pub fn fuse_mut<'a>(&mut self, frame: impl Into<ImageMut<'a, u8>>) -> Clipping {
+        let frame = frame.into();
         if self.options.smoothing == Smoothing::Bilateral {
-            let (rough, clipping) = self.rough(frame);
+            let (rough, clipping) = self.rough(frame.as_ref());
             self.smooth(rough, frame);
             return clipping;
         }
-        let (depth, bounded) = self.look_at(frame);
+        let (depth, bounded) = self.look_at(frame.as_ref());
         let clipping = fusion::fuse_mut(frame, &depth, bounded.waters(), &bounded.options);
         self.levels = depth.into_levels();
         clipping.expect("the depth map was made for this frame")
     }
 
     /// A frame fused and not smoothed yet, in the memory of the last one.
-    fn rough(&mut self, frame: &Image<u8>) -> (Image<u8>, Clipping) {
+    fn rough(&mut self, frame: ImageRef<'_, u8>) -> (Image<u8>, Clipping) {
         let (depth, bounded) = self.look_at(frame);
         let mut samples = std::mem::take(&mut self.samples);
-        samples.resize(frame.as_raw().len(), 0);
+        samples.resize(3 * frame.width() * frame.height(), 0);
         let mut rough =
             Image::from_raw(frame.width(), frame.height(), samples).expect("there is room for all");
         let clipping = fusion::fuse_into(frame, &depth, bounded.waters(), &bounded.options, &mut rough);
@@ -141,12 +148,12 @@ impl Stream {
         (rough, clipping.expect("depth map and room were made for this frame"))
     }
 
-    fn smooth(&mut self, rough: Image<u8>, smoothed: &mut Image<u8>) {
+    fn smooth(&mut self, rough: Image<u8>, smoothed: ImageMut<'_, u8>) {
         smooth::bilateral_into(&rough, smoothed).expect("the sizes are those of one frame");
         self.samples = rough.into_raw();
     }
 
-    fn look_at(&mut self, frame: &Image<u8>) -> (DepthMap, Bounded<crate::image::Encoded>) {
+    fn look_at(&mut self, frame: ImageRef<'_, u8>) -> (DepthMap, Bounded<crate::image::Encoded>) {
         let depth = self.depth_of(frame);
         let content = match self.content.filter(|_| self.age < self.options.every) {
             Some(known) => known,
@@ -160,11 +167,11 @@ impl Stream {
         (depth, Bounded::new(&content, &self.reference, self.options.fusion))
     }
 
-    fn depth_of(&mut self, frame: &Image<u8>) -> DepthMap {
+    fn depth_of(&mut self, frame: ImageRef<'_, u8>) -> DepthMap {
         self.options.depth.estimate_in(frame, self.options.estimate.top, std::mem::take(&mut self.levels))
     }
 
-    fn water_of(&mut self, frame: &Image<u8>, depth: &DepthMap) -> Estimate {
+    fn water_of(&mut self, frame: ImageRef<'_, u8>, depth: &DepthMap) -> Estimate {
         let found = waterbody::estimate_in(frame, depth, &self.options.estimate, &mut self.scratch);
         found.expect("the depth map was made for this frame")
     }

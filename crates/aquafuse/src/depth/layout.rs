@@ -3,7 +3,7 @@
 mod box_mean;
 
 use super::DARK;
-use crate::image::{Image, Sample, TopEdge};
+use crate::image::{ImageRef, Sample, TopEdge};
 use box_mean::box_mean;
 
 /// Weights of the three cues: log ratio, likeness to the top, height in the image. Chosen on the measured
@@ -20,10 +20,10 @@ const CUT: f64 = 0.01;
 const ONE: f64 = 65536.0;
 
 /// The level of each pixel of an image whose edge `top` is up.
-pub(super) fn levels<T: Sample>(image: &Image<T>, top: TopEdge) -> Vec<u8> {
+pub(super) fn levels<T: Sample>(image: ImageRef<'_, T>, top: TopEdge) -> Vec<u8> {
     let (width, height) = image.size();
     let seen = Seen { width, height, top };
-    let pixels: Vec<[u8; 3]> = image.pixels().iter().map(|pixel| pixel.map(T::to_byte)).collect();
+    let pixels: Vec<[u8; 3]> = image.pixels().map(|pixel| pixel.map(T::to_byte)).collect();
     let reach = seen.width_as_seen() / (2 * BOX_SHARE);
     let smooth = |cue: Vec<i32>| Standard::of(box_mean(width, height, reach, &cue));
     let ratio = smooth(log_ratio(&pixels));

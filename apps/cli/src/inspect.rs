@@ -1,13 +1,13 @@
 //! `aquafuse inspect`: what an image tells about its depth and its water.
 
 mod doubts;
-mod plots;
 mod report;
 mod text;
 
 use std::path::{Path, PathBuf};
 
 use aquafuse_data::analysis::analyse;
+use aquafuse_data::drawing::{self, Captions};
 use aquafuse_data::image_file::{FileError, ImageFile, WriteOptions, remove_stale_parts, shown};
 use clap::Args;
 
@@ -55,8 +55,11 @@ impl Inspect {
         let found = analyse(&image_file, &source)?;
         if let Some(path) = &plot {
             let name = self.image.file_name().unwrap_or_default();
-            let figure =
-                plots::draw(&shown(name.as_ref()).to_string(), &image_file, &found).map_err(Failure::work)?;
+            let captions = Captions {
+                name: &shown(name.as_ref()).to_string(),
+                veiling_light: &text::veiling_light_in_short(&found.estimate),
+            };
+            let figure = drawing::estimates(captions, &image_file, &found).map_err(Failure::work)?;
             let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
             remove_stale_parts(output::make_folder_of(path)?);
             ImageFile::new(figure).write(path, &options)?;

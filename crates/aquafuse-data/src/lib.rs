@@ -60,7 +60,7 @@
 //! | [`maps`] | what a fusion is made from, as images |
 //! | [`scores`] | how good an image looks |
 //! | [`evaluate`] | what methods are worth: on anybody's images, on scenes of known truth, before and after, against depth maps |
-//! | [`sheet`] | images side by side with captions |
+//! | [`drawing`] | images side by side with captions, and what the estimates of an image rest on, as sheets |
 //!
 //! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing; `lpips` adds
 //! [`evaluate::Lpips`] with a network from a file; `parquet` reads and writes datasets as tables.
@@ -86,10 +86,18 @@
 pub mod analysis;
 pub mod augment;
 mod barrier;
-mod base64;
 pub mod dataset;
 pub mod depth_file;
 pub mod digest;
+#[allow(
+    clippy::arithmetic_side_effects,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    clippy::indexing_slicing,
+    reason = "it draws images that are read already, at places that we choose"
+)]
+pub mod drawing;
 pub mod evaluate;
 pub mod folder;
 pub mod image_file;
@@ -101,19 +109,9 @@ pub mod model_file;
 pub mod pairs;
 pub mod scores;
 mod settings;
-#[allow(
-    clippy::arithmetic_side_effects,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    clippy::indexing_slicing,
-    reason = "it draws images that are read already, at places that we choose"
-)]
-pub mod sheet;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;
 pub mod treatment;
 pub mod water_file;
 
 pub use barrier::hush_decoders;
-pub use base64::base64;

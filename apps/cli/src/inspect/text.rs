@@ -85,7 +85,7 @@ pub(crate) fn hex(rgb: [f32; 3]) -> String {
 }
 
 /// Where the veiling light was read, and from how much of the image.
-pub(super) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
+fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
     let share = 100.0 * estimate.veiling_light_share;
     match estimate.veiling_light_source {
         VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the image"),
@@ -99,6 +99,11 @@ pub(super) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
         }
         VeilingLightSource::Given => "what is known of it".into(),
     }
+}
+
+/// The veiling light, and where it was read.
+pub(super) fn veiling_light_in_short(estimate: &Estimate) -> String {
+    format!("B∞ {}, from {}", hex(estimate.water.veiling_light.rgb()), source(estimate))
 }
 
 /// One line on a water: its colour, where that was read, and what speaks against it.

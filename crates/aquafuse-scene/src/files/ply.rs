@@ -137,7 +137,7 @@ fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {
 
 /// Reads splats for fuzzing: what was read is written, and read as the same.
 #[cfg(feature = "fuzz-targets")]
-pub(super) fn try_parse(path: &Path, file: &[u8]) -> Result<(), SceneFileError> {
+pub(crate) fn try_parse(path: &Path, file: &[u8]) -> Result<(), SceneFileError> {
     let splats = parse(path, file)?;
     assert_eq!(parse(path, &ply_bytes(&splats))?, splats);
     Ok(())

@@ -124,7 +124,7 @@ fn strips(text: &mut String, gallery: &[Strip]) {
     if gallery.is_empty() {
         return;
     }
-    text.push_str("<h2>Pictures</h2>\n");
+    text.push_str("<h2>Images</h2>\n");
     for strip in gallery {
         let _ = writeln!(text, "<p>{}</p>\n<div class=\"strip\">", escaped(&strip.caption));
         for (caption, image) in &strip.images {

@@ -1,15 +1,24 @@
-//! The end of a table, read before the library does: a list of a few bytes can say that it has thousands of millions of
-//! Booleans, which the library passes over one by one.
+//! What a table asks of whoever reads it, found before the library `parquet` reads it: that limits neither the length of a
+//! list in the footer, nor the size that a page says it unpacks to, nor the memory that a group of rows takes. A file of
+//! a few bytes can ask for gigabytes, or for minutes. All of this module can go once the library limits these itself.
 //!
-//! Before the last eight bytes, which are the footer's length and four letters, stands the footer, a struct of
-//! [`super::thrift`]. <https://parquet.apache.org/docs/file-format/>
+//! The footer is checked here; `pages` reads the headers of pages, both by `thrift` and the `shapes` of the format, and
+//! `memory` adds up what a group takes. Before the last eight bytes of a file, which are the footer's length and four letters,
+//! stands the footer, a struct of [`thrift`]. <https://parquet.apache.org/docs/file-format/>
+
+mod memory;
+mod pages;
+mod shapes;
+mod thrift;
+
+pub(super) use memory::needed;
 
 use std::io::{self, BufReader, ErrorKind, Read};
 
 use parquet::file::reader::ChunkReader;
 
-use super::shapes::FOOTER;
-use super::thrift::{odd, pass_over_struct};
+use shapes::FOOTER;
+use thrift::{odd, pass_over_struct};
 
 /// After the footer: its length and what tables begin and end with.
 const TAIL: u64 = 8;
@@ -21,7 +30,7 @@ const DEEPEST: u32 = 16;
 /// # Errors
 ///
 /// What is wrong with the footer; of the tail the library makes better errors.
-pub(super) fn check<R: ChunkReader>(from: &R) -> io::Result<()> {
+pub(super) fn check_footer<R: ChunkReader>(from: &R) -> io::Result<()> {
     let Some(end) = from.len().checked_sub(TAIL) else { return Ok(()) };
     let mut length = [0; 4];
     from.get_read(end).map_err(io::Error::other)?.read_exact(&mut length)?;

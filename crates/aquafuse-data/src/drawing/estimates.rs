@@ -1,38 +1,54 @@
-//! What `inspect --plots` draws: one sheet with all that the estimates rest on, to be read from left to right.
+//! One sheet with all that the estimates of an image rest on, to be read from left to right.
 
 mod charts;
 mod numbers;
-mod sheet;
+mod panels;
 mod view;
 
-use anyhow::Result;
+use crate::image_file::ImageFile;
+use crate::pipeline::{Analysis, DepthSource, evidence};
 use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
 use aquafuse::image::Image;
-use aquafuse_data::image_file::ImageFile;
-use aquafuse_data::pipeline::{Analysis, DepthSource, evidence};
 
-use crate::report::water::{hex, source};
+use super::DrawError;
 use charts::{Chart, Charts};
-use sheet::{Cell, Sheet};
+use panels::{Panel, Sheet};
 use view::View;
 
 /// Share of the pixels that is drawn black in a depth map.
 const NEAREST: f32 = 0.02;
 const NAMES: [&str; 3] = ["R", "G", "B"];
 
-/// Draws what was found in an image; `name` is its file's.
-pub(super) fn draw(name: &str, image: &ImageFile, found: &Analysis) -> Result<Image<u8>> {
+/// What the sheet says in words.
+#[derive(Clone, Copy, Debug)]
+pub struct Captions<'a> {
+    /// The name of the image.
+    pub name: &'a str,
+    /// The colour of the veiling light, and where it was read.
+    pub veiling_light: &'a str,
+}
+
+/// Draws what was found in an image.
+///
+/// # Errors
+///
+/// [`DrawError`] when `found` is of an image of another size.
+pub fn estimates(
+    captions: Captions<'_>,
+    image: &ImageFile,
+    found: &Analysis,
+) -> Result<Image<u8>, DrawError> {
     let seen = evidence(image, found)?;
-    let view = View::new(image, sheet::ROOM);
+    let view = View::new(image, panels::ROOM);
     let z = view.depth(&found.depth);
     let water = &found.estimate.water;
     let unit = unit(found.depth.kind());
     let depth_factors = found.estimate.depth_factors.as_ref();
     let charts = Charts { water, depth_factors, evidence: &seen, unit };
-    Sheet::draw(&format!("{name}: what it tells about its depth and its water"), |sheet| {
+    Sheet::draw(&format!("{}: depth and water, estimated", captions.name), |sheet| {
         let shown = view.content();
-        let mut cells = sheet.cells(shown.height());
-        let mut next = |title: &str| cells.next(title);
+        let mut panels = sheet.panels(shown.height());
+        let mut next = |title: &str| panels.next(title);
 
         let content = next("content U")?;
         content.image(&shown)?;
@@ -43,7 +59,7 @@ pub(super) fn draw(name: &str, image: &ImageFile, found: &Analysis) -> Result<Im
         red.caption("water takes red away first: dark is far, or was dark to begin with")?;
         let stronger = next("the stronger of green and blue, M = max(G, B)")?;
         stronger.image(&view.grey(|[_, g, b]| g.max(b)))?;
-        stronger.caption("depth from colour is told by R against M")?;
+        stronger.caption("depth from colour is estimated from R and M")?;
         depth(
             &next(&depth_title(&found.depth_source))?,
             &view,
@@ -55,7 +71,7 @@ pub(super) fn draw(name: &str, image: &ImageFile, found: &Analysis) -> Result<Im
         mask.image(&view.mask(&seen.read_from))?;
         let veil = water.veiling_light.rgb();
         mask.swatch(veil.map(|value| (255.0 * value).round() as u8))?;
-        mask.caption_beside(&format!("B∞ {}, from {}", hex(veil), source(&found.estimate)))?;
+        mask.caption_beside(captions.veiling_light)?;
         charts.draw(Chart::Backscatter, &next("backscatter B(z) = B∞ (1 − e^(−β_B z))")?)?;
         charts.draw(Chart::Attenuation, &next("attenuation coefficient β_D(z)")?)?;
         match found.depth_source {
@@ -76,11 +92,12 @@ pub(super) fn draw(name: &str, image: &ImageFile, found: &Analysis) -> Result<Im
         for (channel, what) in [(0, "R".to_owned()), (m, format!("M (here {})", NAMES[m]))] {
             let map = next(&format!("illumination map E for {what}"))?;
             map.image(&view.grey_of(&z, |z| water.illumination(z)[channel]))?;
-            map.bar("0: no light of things left", "1: all of it")?;
+            map.bar("0: none of the light left", "1: all of it")?;
         }
         let restored = next("restored I = (U − B) / E")?;
         restored.image(&view.restored(&z, &found.estimate)?)?;
-        restored.caption("as `aquafuse restore` makes it: within its bounds, so that nothing burns")?;
+        restored
+            .caption("as `aquafuse restore` makes it: its gain is limited, so that highlights do not clip")?;
         numbers::write(&next("")?, found, unit)
     })
 }
@@ -97,9 +114,9 @@ fn depth_title(source: &DepthSource) -> String {
 }
 
 /// A depth map, black up to the nearer end of the range, white from the farther one on.
-fn depth(cell: &Cell<'_>, view: &View<'_>, z: &DepthMap, [near, far]: [f32; 2]) -> Result<()> {
+fn depth(panel: &Panel<'_>, view: &View<'_>, z: &DepthMap, [near, far]: [f32; 2]) -> Result<(), DrawError> {
     let width = (far - near).max(f32::MIN_POSITIVE);
-    cell.image(&view.grey_of(z, |z| (z - near) / width))?;
+    panel.image(&view.grey_of(z, |z| (z - near) / width))?;
     let unit = unit(z.kind());
-    cell.bar(&format!("near: {near:.2} {unit}"), &format!("far: {far:.2} {unit}"))
+    panel.bar(&format!("near: {near:.2} {unit}"), &format!("far: {far:.2} {unit}"))
 }

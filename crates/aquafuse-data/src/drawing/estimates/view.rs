@@ -1,12 +1,12 @@
 //! An image and what belongs to its pixels, as small as they are shown, and upright.
 
-use anyhow::Result;
+use crate::drawing::DrawError;
+use crate::image_file::{ImageFile, Pixels};
+use ::image::{ImageBuffer, Rgb, imageops};
 use aquafuse::depth::DepthMap;
 use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore};
 use aquafuse::image::{Image, Sample};
 use aquafuse::waterbody::Estimate;
-use aquafuse_data::image_file::{ImageFile, Pixels};
-use image::{ImageBuffer, Rgb, imageops};
 
 pub(super) struct View<'a> {
     image_file: &'a ImageFile,
@@ -63,7 +63,7 @@ impl<'a> View<'a> {
     }
 
     /// The image without its water; `z` is [`View::depth`].
-    pub(super) fn restored(&self, z: &DepthMap, estimate: &Estimate) -> Result<Image<u8>> {
+    pub(super) fn restored(&self, z: &DepthMap, estimate: &Estimate) -> Result<Image<u8>, DrawError> {
         let bounded = BoundedRestoration::new(&self.small, z, estimate, &RestoreOptions::default())?;
         Ok(self.upright(restore(&self.small, z, &bounded.water, &bounded.options)?.to_samples()))
     }

@@ -1,10 +1,11 @@
 //! Samples and fitted curves over depth, one colour a channel.
 
-use anyhow::Result;
 use aquafuse::waterbody::{DepthBin, DepthFactors, Evidence, Waterbody};
 use plotters::prelude::{ChartBuilder, Circle, Color, DashedLineSeries, LineSeries, RGBColor};
 
-use super::sheet::{Cell, INK, font};
+use super::panels::Panel;
+use crate::drawing::DrawError;
+use crate::drawing::canvas::{INK, font};
 
 /// Red, green and blue as lines are seen well on paper.
 pub(super) const CHANNELS: [RGBColor; 3] =
@@ -34,7 +35,7 @@ pub(super) enum Chart {
 }
 
 impl Charts<'_> {
-    pub(super) fn draw(&self, chart: Chart, cell: &Cell<'_>) -> Result<()> {
+    pub(super) fn draw(&self, chart: Chart, panel: &Panel<'_>) -> Result<(), DrawError> {
         let farthest = self.evidence.bins.last().map_or(0.0, |bin| bin.z);
         // What is beyond all numbers has no axis.
         let far = (1.05 * farthest.max(self.evidence.z95)).min(FARTHEST);
@@ -57,7 +58,7 @@ impl Charts<'_> {
         };
         let top = if top > 0.0 { 1.08 * top } else { 1.0 };
 
-        let mut axes = ChartBuilder::on(&cell.room())
+        let mut axes = ChartBuilder::on(&panel.room())
             .x_label_area_size(40)
             .y_label_area_size(58)
             .margin_top(6)
@@ -91,12 +92,12 @@ impl Charts<'_> {
                 dots.iter().filter_map(|(z, of)| Some((*z, of[c]?))).filter(|&(_, value)| value <= top);
             axes.draw_series(seen.map(|place| Circle::new(place, 3, colour.mix(0.75).filled())))?;
         }
-        cell.foot(match chart {
+        panel.foot(match chart {
             Chart::Backscatter if self.depth_factors.is_some() => {
-                "dots: the darkest things; dashed: B∞ (1 − F) of `physical`"
+                "dots: the darkest pixels; dashed: B∞ (1 − F) of `physical`"
             }
-            Chart::Backscatter => "dots: the darkest things; black ones lie on the curve",
-            Chart::Attenuation => "dots: −ln E / z of each depth; pale: β_D held",
+            Chart::Backscatter => "dots: the darkest pixels; black ones lie on the curve",
+            Chart::Attenuation => "dots: −ln E / z of each depth; pale: β_D held constant",
             Chart::Illumination => "dots: mean direct signal U − B of each depth, scaled",
         })
     }

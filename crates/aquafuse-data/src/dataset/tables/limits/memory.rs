@@ -1,4 +1,4 @@
-//! The memory that reading a group of rows takes, told before it is taken: a value that is repeated costs a table no bytes,
+//! The memory that reading a group of rows takes, computed before it is taken: a value that is repeated costs a table no bytes,
 //! and so a list in one row can be thousands of millions of values long, each of them a text.
 
 use std::io;
@@ -25,7 +25,7 @@ const TEXT: u64 = 16;
 /// # Errors
 ///
 /// What is wrong with a page.
-pub(super) fn needed<R: ChunkReader>(
+pub(in crate::dataset::tables) fn needed<R: ChunkReader>(
     from: &R,
     group: &RowGroupMetaData,
     rows: u64,

@@ -1,12 +1,13 @@
 //! The verdict with its reasons, and the numbers.
 
-use anyhow::Result;
+use crate::pipeline::Analysis;
 use aquafuse::waterbody::{Reason, Verdict};
-use aquafuse_data::pipeline::Analysis;
 use plotters::prelude::RGBColor;
 
 use super::charts::CHANNELS;
-use super::sheet::{self, Cell, INK, font};
+use super::panels::Panel;
+use crate::drawing::DrawError;
+use crate::drawing::canvas::{INK, font, write as write_lines};
 
 const LEFT: i32 = 14;
 /// Where the numbers of each channel begin.
@@ -14,7 +15,7 @@ const COLUMNS: [i32; 3] = [176, 252, 328];
 const WIDTH: i32 = 388;
 const LINE: i32 = 22;
 
-pub(super) fn write(cell: &Cell<'_>, found: &Analysis, unit: &str) -> Result<()> {
+pub(super) fn write(panel: &Panel<'_>, found: &Analysis, unit: &str) -> Result<(), DrawError> {
     let estimate = &found.estimate;
     let quality = estimate.quality;
     let colour = match quality.verdict {
@@ -23,19 +24,19 @@ pub(super) fn write(cell: &Cell<'_>, found: &Analysis, unit: &str) -> Result<()>
         Verdict::Failed => RGBColor(180, 30, 30),
     };
     let mut y = 10;
-    line(cell, &format!("verdict: {}", quality.verdict.name()), y, (24, colour))?;
+    line(panel, &format!("verdict: {}", quality.verdict.name()), y, (24, colour))?;
     y += LINE + 8;
     if quality.reasons.is_empty() {
-        line(cell, "nothing speaks against these numbers", y, (15, INK))?;
+        line(panel, "nothing speaks against these numbers", y, (15, INK))?;
         y += LINE;
     }
     for reason in quality.reasons.iter().map(Reason::describe) {
-        line(cell, &format!("– {reason}"), y, (15, INK))?;
+        line(panel, &format!("– {reason}"), y, (15, INK))?;
         y += LINE;
     }
     y += LINE / 2;
     for ((name, x), colour) in ["red", "green", "blue"].into_iter().zip(COLUMNS).zip(CHANNELS) {
-        cell.area.draw_text(name, &font(16, colour), (x, y))?;
+        panel.area.draw_text(name, &font(16, colour), (x, y))?;
     }
     let per = if unit == "m" { "per m" } else { "per unit of z" };
     let water = &estimate.water;
@@ -54,16 +55,16 @@ pub(super) fn write(cell: &Cell<'_>, found: &Analysis, unit: &str) -> Result<()>
     ];
     for (name, values) in rows {
         y += LINE;
-        cell.area.draw_text(&name, &font(15, INK), (LEFT, y))?;
+        panel.area.draw_text(&name, &font(15, INK), (LEFT, y))?;
         for (value, x) in values.iter().zip(COLUMNS) {
-            cell.area.draw_text(value, &font(15, INK), (x, y))?;
+            panel.area.draw_text(value, &font(15, INK), (x, y))?;
         }
     }
     Ok(())
 }
 
-fn line(cell: &Cell<'_>, text: &str, y: i32, style: (u32, RGBColor)) -> Result<()> {
-    sheet::write(&cell.area, text, (LEFT, y), style, WIDTH, 1)
+fn line(panel: &Panel<'_>, text: &str, y: i32, (size, colour): (u32, RGBColor)) -> Result<(), DrawError> {
+    write_lines(&panel.area, text, (LEFT, y), &font(size, colour), WIDTH, 1)
 }
 
 fn between([low, high]: [f32; 2], decimals: usize) -> String {

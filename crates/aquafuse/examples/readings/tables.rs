@@ -93,7 +93,7 @@ fn direct_laws(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
                 let fused = reading.at(degrees).fuse::<_, Encoded>(&one.content, reference)?;
                 Ok(255.0 * rms(fused.as_raw(), one.content.image.to_unit().as_raw()))
             };
-            Ok(mean(exchanges.iter().map(of).collect::<Result<Vec<f64>, _>>()?.into_iter()))
+            Ok(mean(exchanges.iter().map(of).collect::<Result<Vec<f64>, SizeError>>()?.into_iter()))
         };
         println!("| {name} | {:.1} | {:.1} |", changed(0.0, true)?, changed(90.0, false)?);
     }

@@ -69,8 +69,9 @@ pub struct Waters<'a, E: Encoding> {
 }
 
 impl<'a, E: Encoding> Waters<'a, E> {
-    /// The waters by their numbers alone. Those of two estimates, with depth factors and within bounds, are
-    /// [`Bounded::waters`].
+    /// The waters by their numbers alone: **the safety bounds are left out**, and so are the depth factors. A doubtful
+    /// estimate then paints what is not there. Of two estimates, take [`Bounded::waters`], or leave it all to
+    /// [`Fuser`](crate::Fuser).
     pub fn new(content: &'a Waterbody<E>, reference: &'a Waterbody<E>) -> Self {
         Self { content, reference, depth_factors: None }
     }

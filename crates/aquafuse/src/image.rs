@@ -9,6 +9,7 @@ mod sample;
 mod top_edge;
 mod view;
 
+use std::convert::Infallible;
 use std::marker::PhantomData;
 
 pub use encoding::{Encoded, Encoding, Linear};
@@ -79,6 +80,13 @@ pub enum SizeError {
         /// Width and height of the second.
         right: (usize, usize),
     },
+}
+
+/// What converts without fail converts without error: for functions that take whatever converts to a view.
+impl From<Infallible> for SizeError {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
 }
 
 /// Checks that `values` fill `width` x `height` places of `per_place` values, and that there is a place.

@@ -10,7 +10,7 @@ use std::hint::black_box;
 use aquafuse::fusion::{Gain, Options, Waters, fuse_into};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::smooth::bilateral;
-use aquafuse::stream::{self, Stream};
+use aquafuse::stream::Stream;
 use aquafuse::{depth, waterbody};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "bilateral" => times.for_each(|_| drop(black_box(bilateral(&image)))),
         "frame" => {
-            let mut stream = Stream::new(estimate, stream::Options::default());
+            let mut stream = Stream::new(estimate.into());
             let mut fused = image.clone();
             stream.fuse_into(&image, &mut fused)?;
             for _ in times {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use aquafuse::stream::{Options, Stream};
+use aquafuse::stream::Stream;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::{depth, waterbody};
 use aquafuse_data::image_file::{ImageFile, Pixels, WriteOptions};
@@ -29,7 +29,7 @@ pub(crate) fn memory(file: &Path) -> Result<()> {
     // The highest so far becomes what is held now.
     std::fs::write("/proc/self/clear_refs", "5")?;
     let before = kilobytes("VmRSS:")?;
-    Stream::new(reference, Options::default()).fuse_mut(&mut frame.image);
+    Stream::new(reference.into()).fuse_mut(&mut frame.image)?;
     println!("{:.1}", (kilobytes("VmHWM:")? - before) / 1024.0);
     Ok(())
 }

@@ -6,6 +6,7 @@ mod run;
 
 use aquafuse::metrics::psnr;
 use aquafuse_data::image_file::ImageFile;
+use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::water_file::WaterFile;
 use run::{Run, reef, scene};
 use serde_json::Value;
@@ -24,8 +25,8 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
         said.contains("splats") && said.contains("B_inf") && said.contains("2 images held back: PSNR"),
         "{said}"
     );
-    let water = WaterFile::<aquafuse::image::Encoded>::read(&run.path("reef.water.json")).unwrap();
-    assert!(water.estimate.water.veiling_light.rgb()[2] > 0.3);
+    let water = WaterFile::read(&run.path("reef.water.json"), PixelEncoding::Encoded).unwrap();
+    assert!(water.estimate.veiling_light_as_seen()[2] > 0.3);
     assert!(!run.path("reef.ply.checkpoint").exists());
 
     // Seen again through the water it was trained in, and without.

@@ -76,7 +76,7 @@ struct Told {
 
 impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        let Settings { depth_model, options, smoothing } = self.settings.get();
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         let source = DepthSource::Estimated(depth_model);
         let water = WaterSource::parse(&self.water)?;
         let cameras = read_cameras(&self.scene)?;

@@ -7,7 +7,7 @@ mod operation;
 mod scores;
 mod supply;
 
-pub use estimate::{Analysis, DepthSource, analyse, evidence};
+pub use estimate::{Analysis, DepthSource, analyse, analyse_with_evidence};
 pub use operation::{Limited, Operation, Outcome, Space};
 pub use scores::Scores;
 pub use supply::DepthSupply;

@@ -17,7 +17,7 @@ use aquafuse_scene::medium::{Medium, Water};
 use aquafuse_scene::render::render;
 use aquafuse_scene::splats::Splats;
 use aquafuse_scene::train::loss::Target;
-use aquafuse_scene::train::{Options, Rates, Shot, Trainer};
+use aquafuse_scene::train::{Options, Rates, TrainView, Trainer};
 use aquafuse_scene::truth::TruthView;
 use aquafuse_scene::{points, truth};
 
@@ -103,8 +103,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn options(rates: Rates, iterations: u32, most_splats: usize) -> Options {
-    Options { iterations, most_splats, rates, ..Options::default() }
+fn options(rates: Rates, iterations: u32, max_splats: usize) -> Options {
+    Options { iterations, max_splats, rates, ..Options::default() }
 }
 
 struct Place {
@@ -132,7 +132,7 @@ impl Place {
     fn run(&self, images: &[Image<f32>], options: &Options, every: usize, water: Option<Water<f32>>) -> Run {
         let begin = points::splats(&truth::points(&self.views, images, every), 0);
         let kept = self.views.iter().zip(images).enumerate().filter(|(i, _)| i % HELD != 0);
-        let shots = kept.map(|(_, (view, image))| Shot {
+        let shots = kept.map(|(_, (view, image))| TrainView {
             camera: view.camera.clone(),
             target: Target::new(view.camera.width, view.camera.height, image.pixels()),
         });
@@ -151,7 +151,7 @@ impl Place {
     }
 
     fn drawn(&self, splats: &Splats<f32>, medium: &Medium<f32>) -> Vec<Image<f32>> {
-        self.held(&self.views).map(|view| image(&render(splats, 0, &view.camera, medium).drawing)).collect()
+        self.held(&self.views).map(|view| image(&render(splats, 0, &view.camera, medium).rendering)).collect()
     }
 
     /// PSNR and SSIM of what was drawn for the views held back, against all images.
@@ -200,7 +200,7 @@ fn cost(size: Size, splats: usize) -> String {
     let begin = points::splats(&points, 0);
     let camera = &place.views[1].camera;
     let target = Target::new(size.width, size.height, images[1].pixels());
-    let shot = Shot { camera: camera.clone(), target: target.clone() };
+    let shot = TrainView { camera: camera.clone(), target: target.clone() };
     let mut trainer =
         Trainer::new(Options { iterations: 100_000, ..Options::default() }, vec![shot], begin, None);
     for _ in 0..TIMED {
@@ -216,9 +216,9 @@ fn cost(size: Size, splats: usize) -> String {
     });
     let splats = trainer.splats();
     let drawn = render(splats, 0, camera, &Medium::Air);
-    let (_, gradient) = aquafuse_scene::train::loss::loss(&drawn.drawing, &target, 0.2);
+    let (_, gradient) = aquafuse_scene::train::loss::loss(&drawn.rendering, &target, 0.2);
     let draw = timed(&mut || drop(render(splats, 0, camera, &Medium::Air)));
-    let loss = timed(&mut || drop(aquafuse_scene::train::loss::loss(&drawn.drawing, &target, 0.2)));
+    let loss = timed(&mut || drop(aquafuse_scene::train::loss::loss(&drawn.rendering, &target, 0.2)));
     let back = timed(&mut || drop(drawn.back(splats, &Medium::Air, &gradient)));
     format!(
         "| {}x{} | {} | {} | {draw:.1} | {loss:.1} | {back:.1} | {whole:.1} |",

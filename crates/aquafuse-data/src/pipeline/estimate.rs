@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
-use aquafuse::image::{Encoded, Encoding, SizeError};
+use aquafuse::image::{Encoded, Encoding};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use crate::depth_file;
-use crate::files::FileError;
+use crate::files::{FileError, Step, count};
 use crate::image_file::ImageFile;
 
 /// How to come by an image's depth.
@@ -97,6 +97,7 @@ pub fn analyse<E: Encoding>(image: &ImageFile, source: &DepthSource) -> Result<A
             (found.depth, Some(found.report))
         }
     };
+    count(Step::WaterEstimated);
     let mut estimate =
         waterbody::estimate(&bytes, &depth, &options(image)).expect("the depth map was made for this image");
     if supplied.is_some_and(|report| report.looks_turned_round()) {
@@ -105,13 +106,20 @@ pub fn analyse<E: Encoding>(image: &ImageFile, source: &DepthSource) -> Result<A
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
 }
 
-/// What the water of [`Analysis::estimate`] was fitted to, read again from the `image` that was analysed.
+/// As [`analyse`], with what the water was fitted to: for plots of an estimate.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when it is another image, of another size.
-pub fn evidence(image: &ImageFile, found: &Analysis) -> Result<Evidence, SizeError> {
-    waterbody::evidence::<Encoded>(&image.bytes(), &found.depth, &options(image))
+/// As [`analyse`].
+pub fn analyse_with_evidence(
+    image: &ImageFile,
+    source: &DepthSource,
+) -> Result<(Analysis, Evidence), FileError> {
+    let found = analyse(image, source)?;
+    // The core gives either the estimate or its evidence, and works out both each time: so it is counted twice.
+    count(Step::WaterEstimated);
+    let evidence = waterbody::evidence::<Encoded>(&image.bytes(), &found.depth, &options(image));
+    Ok((found, evidence.expect("the depth map was made for this image")))
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {

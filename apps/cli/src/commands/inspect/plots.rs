@@ -8,8 +8,9 @@ mod view;
 use anyhow::Result;
 use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
 use aquafuse::image::Image;
+use aquafuse::waterbody::Evidence;
 use aquafuse_data::image_file::ImageFile;
-use aquafuse_data::pipeline::{Analysis, DepthSource, evidence};
+use aquafuse_data::pipeline::{Analysis, DepthSource};
 
 use crate::report::water::{hex, source};
 use charts::{Chart, Charts};
@@ -20,15 +21,14 @@ use view::View;
 const NEAREST: f32 = 0.02;
 const NAMES: [&str; 3] = ["R", "G", "B"];
 
-/// Draws what was found in an image; `name` is its file's.
-pub(super) fn draw(name: &str, image: &ImageFile, found: &Analysis) -> Result<Image<u8>> {
-    let seen = evidence(image, found)?;
+/// Draws what was found in an image, by what evidence; `name` is its file's.
+pub(super) fn draw(name: &str, image: &ImageFile, found: &Analysis, seen: &Evidence) -> Result<Image<u8>> {
     let view = View::new(image, sheet::ROOM);
     let z = view.depth(&found.depth);
     let water = &found.estimate.water;
     let unit = unit(found.depth.kind());
     let depth_factors = found.estimate.depth_factors.as_ref();
-    let charts = Charts { water, depth_factors, evidence: &seen, unit };
+    let charts = Charts { water, depth_factors, evidence: seen, unit };
     Sheet::draw(&format!("{name}: what it tells about its depth and its water"), |sheet| {
         let shown = view.content();
         let mut cells = sheet.cells(shown.height());

@@ -1,23 +1,25 @@
-//! What the checks and tests need beyond Rust: system packages, a Python environment, cargo-deny.
+//! What the checks, tests and measurements need beyond Rust: system packages, Python environments, cargo-deny.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use crate::shell::{cargo, command, root, run, say, succeeds};
+use crate::shell::{cargo, command, output, root, run, say, succeeds};
 
 /// The tools that are there once set-up is done.
-pub(crate) struct Tools {
+#[derive(Clone, Debug)]
+pub struct Tools {
     /// Python with the packages of `requirements.txt`.
-    pub(crate) python: PathBuf,
+    pub python: PathBuf,
     /// The spelling checker that comes with them.
-    pub(crate) typos: PathBuf,
-    pub(crate) cargo_deny: PathBuf,
+    pub typos: PathBuf,
+    /// The checker of dependencies.
+    pub cargo_deny: PathBuf,
 }
 
 /// System packages are missing and we may not install them.
 #[derive(Debug)]
-pub(crate) struct Missing(String);
+pub struct Missing(String);
 
 impl std::fmt::Display for Missing {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -29,25 +31,34 @@ impl std::error::Error for Missing {}
 
 /// The only packages a fresh Debian lacks: Python's own means to make an environment.
 const PACKAGES: [&str; 2] = ["python3", "python3-venv"];
-/// Built from source once and kept; the version is part of the path, so a new one is a new folder.
+/// The version that `requirements.txt` names too. Built from source it is kept; the version is part of its path.
 const CARGO_DENY: &str = "0.20.2";
 
-pub(crate) fn set_up() -> Result<Tools> {
-    system_packages()?;
+/// Sets up what is missing, but changes nothing outside the checkout and the folder of tools.
+///
+/// # Errors
+///
+/// [`Missing`] if system packages are missing, and whatever else goes wrong.
+pub fn set_up() -> Result<Tools> {
     let environment = python_environment("python", "xtask/requirements.txt")?;
     Ok(Tools {
         python: environment.join("bin/python"),
         typos: environment.join("bin/typos"),
-        cargo_deny: cargo_deny()?,
+        cargo_deny: cargo_deny(&environment)?,
     })
 }
 
-fn system_packages() -> Result<()> {
-    if succeeds(command("python3", &["-c", "import venv, ensurepip"])) {
+/// Installs the system packages that are missing, if we are root on a system with apt.
+///
+/// # Errors
+///
+/// [`Missing`] if we may not.
+pub fn install_system_packages() -> Result<()> {
+    if has_system_packages() {
         return Ok(());
     }
-    let install = [&["apt-get", "install", "--yes"][..], &PACKAGES].concat();
-    let is_root = crate::shell::output(command("id", &["-u"])).is_ok_and(|id| id.trim() == "0");
+    let install = install_command();
+    let is_root = output(command("id", &["-u"])).is_ok_and(|id| id.trim() == "0");
     if !is_root || !succeeds(command("apt-get", &["--version"])) {
         return Err(Missing(format!("sudo {}", install.join(" "))).into());
     }
@@ -56,23 +67,37 @@ fn system_packages() -> Result<()> {
     run(command(install[0], &install[1..]))
 }
 
-/// Python with the rivals of `cargo xtask bench`.
-pub(crate) fn rivals_python() -> Result<PathBuf> {
-    Ok(python_environment("python-rivals", "benches/requirements.txt")?.join("bin/python"))
+fn has_system_packages() -> bool {
+    succeeds(command("python3", &["-c", "import venv, ensurepip"]))
 }
 
-/// Python with what `cargo xtask helps` trains with.
-pub(crate) fn trainer_python() -> Result<PathBuf> {
-    Ok(python_environment("python-trainer", "examples/does_it_help/requirements.txt")?.join("bin/python"))
+fn install_command() -> Vec<&'static str> {
+    [&["apt-get", "install", "--yes"][..], &PACKAGES].concat()
+}
+
+/// The Python of [`Tools`].
+///
+/// # Errors
+///
+/// As [`set_up`].
+pub fn python() -> Result<PathBuf> {
+    Ok(python_environment("python", "xtask/requirements.txt")?.join("bin/python"))
 }
 
 /// An environment under `target/` with the packages of a list.
-fn python_environment(name: &str, list: &str) -> Result<PathBuf> {
+///
+/// # Errors
+///
+/// [`Missing`] if Python cannot make environments, and whatever else goes wrong.
+pub fn python_environment(name: &str, list: &str) -> Result<PathBuf> {
     let environment = root().join("target").join(name);
     let wanted = std::fs::read_to_string(root().join(list)).with_context(|| format!("cannot read {list}"))?;
     let stamp = environment.join("requirements.txt");
     if std::fs::read_to_string(&stamp).is_ok_and(|made_for| made_for == wanted) {
         return Ok(environment);
+    }
+    if !has_system_packages() {
+        return Err(Missing(format!("sudo {}", install_command().join(" "))).into());
     }
     let place = format!("target/{name}");
     say(&format!("Making a Python environment in {place}"));
@@ -84,20 +109,26 @@ fn python_environment(name: &str, list: &str) -> Result<PathBuf> {
     Ok(environment)
 }
 
-fn cargo_deny() -> Result<PathBuf> {
+/// That of the Python environment, or one built from source.
+fn cargo_deny(environment: &Path) -> Result<PathBuf> {
     let place = tool_folder().join(format!("cargo-deny-{CARGO_DENY}"));
-    let program = place.join("bin/cargo-deny");
-    if succeeds(command(&program, &["--version"])) {
-        return Ok(program);
+    let programs = [environment, &place].map(|folder| folder.join("bin/cargo-deny"));
+    if let Some(program) = programs.iter().find(|program| succeeds(command(program, &["--version"]))) {
+        return Ok(program.clone());
     }
     say("Building cargo-deny (some minutes, once a machine)");
     let place = place.to_string_lossy();
-    run(cargo(&["install", "cargo-deny", "--locked", "--quiet", "--version", CARGO_DENY, "--root", &place]))?;
+    // Its release is linked as one unit, which takes as long as all the rest; it runs for seconds.
+    let install = ["install", "cargo-deny", "--locked", "--quiet", "--debug", "--version", CARGO_DENY];
+    let mut build = cargo(&[&install[..], &["--root", &place]].concat());
+    build.env("CARGO_PROFILE_DEV_DEBUG", "0");
+    run(build)?;
+    let [_, program] = programs;
     Ok(program)
 }
 
-/// Outside the checkout, so that the next checkout finds them; inside, where there is no home.
-pub(crate) fn tool_folder() -> PathBuf {
+/// Where tools are kept: outside the checkout, so that the next checkout finds them; inside, where there is no home.
+pub fn tool_folder() -> PathBuf {
     let cache = std::env::var_os("AQUAFUSE_CACHE").map(PathBuf::from);
     let home = || std::env::var_os("HOME").map(|home| Path::new(&home).join(".cache/aquafuse"));
     cache.or_else(home).unwrap_or_else(|| root().join("target/tools"))

@@ -6,34 +6,38 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 /// Announces a step before it acts.
-pub(crate) fn say(step: &str) {
+pub fn say(step: &str) {
     eprintln!("\n== {step}");
 }
 
 /// The workspace's root.
-pub(crate) fn root() -> PathBuf {
+pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_owned).unwrap_or_default()
 }
 
 /// Where cargo builds.
-pub(crate) fn target() -> PathBuf {
+pub fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |given| root().join(given))
 }
 
 /// A program with its arguments, in the workspace's root.
-pub(crate) fn command(program: impl AsRef<std::ffi::OsStr>, arguments: &[&str]) -> Command {
+pub fn command(program: impl AsRef<std::ffi::OsStr>, arguments: &[&str]) -> Command {
     let mut command = Command::new(program);
     command.args(arguments).current_dir(root());
     command
 }
 
 /// `cargo` as it called us.
-pub(crate) fn cargo(arguments: &[&str]) -> Command {
+pub fn cargo(arguments: &[&str]) -> Command {
     command(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()), arguments)
 }
 
 /// Shows a command and runs it; its failure is ours.
-pub(crate) fn run(mut command: Command) -> Result<()> {
+///
+/// # Errors
+///
+/// If it cannot be started, or ends without success.
+pub fn run(mut command: Command) -> Result<()> {
     let shown = shown(&command);
     eprintln!("   {shown}");
     let status = command.status().with_context(|| format!("cannot start `{shown}`"))?;
@@ -44,7 +48,11 @@ pub(crate) fn run(mut command: Command) -> Result<()> {
 }
 
 /// Runs a command and gives what it printed.
-pub(crate) fn output(mut command: Command) -> Result<String> {
+///
+/// # Errors
+///
+/// If it cannot be started, or ends without success; then with what it said on standard error.
+pub fn output(mut command: Command) -> Result<String> {
     let shown = shown(&command);
     let output = command.output().with_context(|| format!("cannot start `{shown}`"))?;
     if !output.status.success() {
@@ -54,7 +62,7 @@ pub(crate) fn output(mut command: Command) -> Result<String> {
 }
 
 /// Whether a command runs and succeeds; what it prints is dropped.
-pub(crate) fn succeeds(mut command: Command) -> bool {
+pub fn succeeds(mut command: Command) -> bool {
     command.output().is_ok_and(|output| output.status.success())
 }
 

@@ -7,9 +7,9 @@
 use std::path::{Path, PathBuf};
 
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
+use aquafuse_data::drawing::{self, Cell};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pipeline::{DepthSource, analyse};
-use aquafuse_data::sheet::{Cell, lay_out};
 
 type Error = Box<dyn std::error::Error>;
 
@@ -32,13 +32,13 @@ fn main() -> Result<(), Error> {
             let bounded = Bounded::new(&found.estimate, &water, Options::for_model(model));
             let fused = fuse(&content.bytes(), &found.depth, bounded.waters(), &bounded.options)?;
             let clipped = 100.0 * fused.clipping.share();
-            let held = if bounded.bounds.any() { ", held" } else { "" };
-            let caption = format!("{reference_name}, {clipped:.1} % clipped{held}");
+            let limited = if bounded.bounds.any() { ", limited" } else { "" };
+            let caption = format!("{reference_name}, {clipped:.1} % clipped{limited}");
             row.push(cell(&caption, &ImageFile::new(fused.image)));
         }
         rows.push(row);
     }
-    let sheet = ImageFile::new(lay_out(&rows, 300, 200));
+    let sheet = ImageFile::new(drawing::contact_sheet(&rows, 300, 200)?);
     sheet.write(Path::new(output), &WriteOptions { overwrite: true, quality: 92 })?;
     Ok(())
 }

@@ -7,7 +7,6 @@ mod coco;
 mod fault;
 mod folder;
 mod index;
-mod inside;
 mod masks;
 pub(crate) mod shards;
 pub(crate) mod tables;
@@ -19,8 +18,7 @@ use std::path::{Path, PathBuf};
 
 pub use fault::{Fault, Faults};
 pub use index::{Index, Made};
-pub(crate) use inside::inside;
-pub(crate) use tree::Tree;
+pub(crate) use tree::{Tree, inside};
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use {
     coco::try_parse as try_coco, shards::try_parse as try_shards, tables::try_parse as try_tables,

@@ -24,7 +24,7 @@
 //! | [`augment`] | a dataset multiplied in other waters, with its annotations and a manifest; verified, and made again |
 //! | [`pairs`] | images with known depth, to fit a depth model to |
 //! | [`evaluate`] | scores of methods on images, on scenes of known truth, before and after, and against depth maps |
-//! | [`sheet`] | images side by side with captions |
+//! | [`drawing`] | images side by side with captions, and the sheet of what an estimate rests on |
 //!
 //! The feature `fuzz-targets` adds `targets`, every parser by itself, for fuzzing; `lpips` adds
 //! [`evaluate::Lpips`] with a network from a file; `parquet` reads and writes datasets as tables.
@@ -48,17 +48,9 @@
 )]
 
 pub mod augment;
-mod base64;
 pub mod batch;
 pub mod dataset;
 pub mod depth_file;
-pub mod evaluate;
-pub mod files;
-pub mod image_file;
-pub mod model_file;
-pub mod pairs;
-pub mod pipeline;
-pub mod run;
 #[allow(
     clippy::arithmetic_side_effects,
     clippy::cast_possible_truncation,
@@ -67,9 +59,14 @@ pub mod run;
     clippy::indexing_slicing,
     reason = "it draws images that are read already, at places that we choose"
 )]
-pub mod sheet;
+pub mod drawing;
+pub mod evaluate;
+pub mod files;
+pub mod image_file;
+pub mod model_file;
+pub mod pairs;
+pub mod pipeline;
+pub mod run;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;
 pub mod water_file;
-
-pub use base64::base64;

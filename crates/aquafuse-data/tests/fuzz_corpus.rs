@@ -1,6 +1,6 @@
 //! Every parser on the stored corpus, and on 10,000 files made of it by chance: nothing panics.
 //!
-//! `cargo xtask soak` goes on from here with a fuzzer that looks at the code it reaches.
+//! `cargo lab soak` goes on from here with a fuzzer that looks at the code it reaches.
 
 use std::path::Path;
 

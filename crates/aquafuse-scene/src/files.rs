@@ -25,8 +25,6 @@
     )
 )]
 
-#[cfg(feature = "fuzz-targets")]
-pub(crate) mod attempts;
 mod bytes;
 mod cameras;
 mod cloud;
@@ -43,3 +41,8 @@ pub use colmap_text::write_cameras;
 pub use error::SceneFileError;
 pub use ply::{ply_bytes, read_ply, write_ply};
 pub use splat::{splat_bytes, write_splat};
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use {
+    colmap_binary::try_parse as try_colmap_binary, colmap_text::try_parse as try_colmap_text,
+    ply::try_parse as try_ply, transforms::read as try_transforms,
+};

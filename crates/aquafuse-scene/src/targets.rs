@@ -4,23 +4,28 @@ use std::path::Path;
 
 use aquafuse_data::targets::{Target, check_error};
 
-use crate::files::{SceneFileError, attempts};
+use crate::files::{SceneFileError, try_colmap_binary, try_colmap_text, try_ply, try_transforms};
 use crate::train::try_state;
 
 /// States of training.
 pub const SCENE_CHECKPOINT: Target = Target { name: "scene-checkpoint", run: try_state };
 /// COLMAP's binary models.
 pub const SCENE_COLMAP_BINARY: Target =
-    Target { name: "scene-colmap-binary", run: |bytes| refusals(&attempts::binary(file(), bytes)) };
+    Target { name: "scene-colmap-binary", run: |bytes| refusals(&try_colmap_binary(file(), bytes)) };
 /// COLMAP's text models.
-pub const SCENE_COLMAP_TEXT: Target =
-    Target { name: "scene-colmap-text", run: |bytes| refusals(&attempts::text(file(), bytes)) };
+pub const SCENE_COLMAP_TEXT: Target = Target {
+    name: "scene-colmap-text",
+    run: |bytes| {
+        if let Ok(text) = std::str::from_utf8(bytes) {
+            refusals(&try_colmap_text(file(), text));
+        }
+    },
+};
 /// Splats as PLY.
-pub const SCENE_PLY: Target =
-    Target { name: "scene-ply", run: |bytes| refusals(&attempts::splats(file(), bytes)) };
+pub const SCENE_PLY: Target = Target { name: "scene-ply", run: |bytes| refusals(&[try_ply(file(), bytes)]) };
 /// Cameras as `transforms.json`.
 pub const SCENE_TRANSFORMS: Target =
-    Target { name: "scene-transforms", run: |bytes| refusals(&attempts::frames(file(), bytes)) };
+    Target { name: "scene-transforms", run: |bytes| refusals(&[try_transforms(file(), bytes)]) };
 
 /// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
 pub const ALL: [Target; 5] =
@@ -30,6 +35,6 @@ fn file() -> &'static Path {
     Path::new(aquafuse_data::targets::NAME)
 }
 
-fn refusals(tried: &[Result<(), SceneFileError>]) {
+fn refusals<T>(tried: &[Result<T, SceneFileError>]) {
     tried.iter().filter_map(|one| one.as_ref().err()).for_each(check_error);
 }

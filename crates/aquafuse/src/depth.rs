@@ -22,7 +22,7 @@ pub use model::DepthModel;
 pub use scale::{RelativeScale, ScaleError};
 pub use supplied::{Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport};
 
-use crate::image::{Image, Sample};
+use crate::image::{ImageRef, Sample};
 
 /// e of [`DepthModel::Ratio`]: below it, values are the camera's noise and their ratio means nothing.
 const DARK: f64 = 0.02;
@@ -44,6 +44,6 @@ const DARK: f64 = 0.02;
 /// assert!(z.at(2, 0) < 0.2 && z.at(13, 0) > 0.8);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn estimate<T: Sample>(image: &Image<T>) -> DepthMap {
+pub fn estimate<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> DepthMap {
     DepthModel::default().estimate(image)
 }

@@ -6,7 +6,7 @@ pub use bound::{BoundedRestoration, RestoreBounds};
 
 use crate::depth::DepthMap;
 use crate::fusion::Clipping;
-use crate::image::{Encoding, Image, Sample, SizeError};
+use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError};
 use crate::waterbody::Waterbody;
 
 /// Puts a scene into water: what a camera sees of a clear image through `water`.
@@ -38,15 +38,16 @@ use crate::waterbody::Waterbody;
 /// assert!((seen.pixels()[1][0] - (0.8 * left + 0.1 * (1.0 - left))).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn form<T: Sample, E: Encoding>(
-    clear: &Image<T, E>,
+pub fn form<'a, T: Sample, E: Encoding>(
+    clear: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     water: &Waterbody<E>,
 ) -> Result<Image<f32, E>, SizeError> {
+    let clear = clear.into();
     depth.check_fits(clear.size())?;
     let mut seen = clear.to_unit();
     depth.for_each_pixel(
-        seen.pixels_mut(),
+        seen.view_mut(),
         |z| (water.illumination(z), water.backscatter(z)),
         |pixel, (illumination, backscatter)| {
             for c in 0..3 {
@@ -97,16 +98,17 @@ impl Default for RestoreOptions {
 /// assert!((restored.pixels()[0][0] - 0.8).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn restore<T: Sample, E: Encoding>(
-    image: &Image<T, E>,
+pub fn restore<'a, T: Sample, E: Encoding>(
+    image: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     water: &Waterbody<E>,
     options: &RestoreOptions,
 ) -> Result<Image<f32, E>, SizeError> {
+    let image = image.into();
     depth.check_fits(image.size())?;
     let mut clear = image.to_unit();
     let law = undoing(water, options);
-    depth.for_each_pixel(clear.pixels_mut(), law, |pixel, (gain, backscatter)| {
+    depth.for_each_pixel(clear.view_mut(), law, |pixel, (gain, backscatter)| {
         for c in 0..3 {
             pixel[c] = (pixel[c] - backscatter[c]) * gain[c];
         }
@@ -119,15 +121,15 @@ pub fn restore<T: Sample, E: Encoding>(
 /// # Errors
 ///
 /// [`SizeError`] when image and depth map differ in size; the image is then unchanged.
-pub fn restore_mut<T: Sample, E: Encoding>(
-    image: &mut Image<T, E>,
+pub fn restore_mut<'a, T: Sample, E: Encoding>(
+    image: impl Into<ImageMut<'a, T, E>>,
     depth: &DepthMap,
     water: &Waterbody<E>,
     options: &RestoreOptions,
 ) -> Result<Clipping, SizeError> {
+    let image = image.into();
     depth.check_fits(image.size())?;
-    let pixels = image.pixels_mut();
-    let count = pixels.len() as u64;
+    let count = image.width() as u64 * image.height() as u64;
     let change = |pixel: &mut [T; 3], (gain, backscatter): ([f32; 3], [f32; 3]), clipped: &mut [u64; 3]| {
         for c in 0..3 {
             let (value, is_clipped) = pixel[c].changed(gain[c], -gain[c] * backscatter[c]);
@@ -136,7 +138,7 @@ pub fn restore_mut<T: Sample, E: Encoding>(
         }
     };
     let add = |a: [u64; 3], b: [u64; 3]| std::array::from_fn(|c| a[c] + b[c]);
-    let values = depth.sum_over_pixels(pixels, undoing(water, options), change, add);
+    let values = depth.sum_over_pixels(image, undoing(water, options), change, add);
     Ok(Clipping { values, pixels: count })
 }
 

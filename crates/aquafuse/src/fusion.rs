@@ -25,7 +25,7 @@ use shift::Shifts;
 
 use crate::bands;
 use crate::depth::{DepthMap, level_to_z};
-use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
+use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size, runs_mut};
 use crate::waterbody::{DepthFactors, Waterbody};
 
 /// A fused image.
@@ -69,8 +69,9 @@ pub struct Waters<'a, E: Encoding> {
 }
 
 impl<'a, E: Encoding> Waters<'a, E> {
-    /// The waters by their numbers alone. Those of two estimates, with depth factors and within bounds, are
-    /// [`Bounded::waters`].
+    /// The waters by their numbers alone: **the safety bounds are left out**, and so are the depth factors. A doubtful
+    /// estimate then paints what is not there. Of two estimates, take [`Bounded::waters`], or leave it all to
+    /// [`Fuser`](crate::Fuser).
     pub fn new(content: &'a Waterbody<E>, reference: &'a Waterbody<E>) -> Self {
         Self { content, reference, depth_factors: None }
     }
@@ -102,13 +103,13 @@ impl<'a, E: Encoding> Waters<'a, E> {
 /// assert_eq!(fused.image.size(), content.size());
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn fuse<T: Sample, E: Encoding>(
-    content: &Image<T, E>,
+pub fn fuse<'a, T: Sample, E: Encoding>(
+    content: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
 ) -> Result<Fused<T, E>, SizeError> {
-    let mut image = content.clone();
+    let mut image = content.into().to_image();
     let clipping = fuse_mut(&mut image, depth, waters, options)?;
     Ok(Fused { image, clipping })
 }
@@ -118,13 +119,13 @@ pub fn fuse<T: Sample, E: Encoding>(
 /// # Errors
 ///
 /// [`SizeError`] when content and depth map differ in size; the content is then unchanged.
-pub fn fuse_mut<T: Sample, E: Encoding>(
-    content: &mut Image<T, E>,
+pub fn fuse_mut<'a, T: Sample, E: Encoding>(
+    content: impl Into<ImageMut<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
 ) -> Result<Clipping, SizeError> {
-    fuse_from(None, content, depth, waters, options)
+    fuse_from(None, content.into(), depth, waters, options)
 }
 
 /// [`fuse`] into an image that is there already, which keeps nothing of what it was: nothing is allocated.
@@ -132,21 +133,22 @@ pub fn fuse_mut<T: Sample, E: Encoding>(
 /// # Errors
 ///
 /// [`SizeError`] when content, depth map and `fused` differ in size; `fused` is then unchanged.
-pub fn fuse_into<T: Sample, E: Encoding>(
-    content: &Image<T, E>,
+pub fn fuse_into<'a, 'b, T: Sample, E: Encoding>(
+    content: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
-    fused: &mut Image<T, E>,
+    fused: impl Into<ImageMut<'b, T, E>>,
 ) -> Result<Clipping, SizeError> {
+    let (content, fused) = (content.into(), fused.into());
     check_same_size(content.size(), fused.size())?;
     fuse_from(Some(content), fused, depth, waters, options)
 }
 
 /// Fuses the content, or what stands in `fused` if there is none, into `fused`.
 fn fuse_from<T: Sample, E: Encoding>(
-    content: Option<&Image<T, E>>,
-    fused: &mut Image<T, E>,
+    content: Option<ImageRef<'_, T, E>>,
+    mut fused: ImageMut<'_, T, E>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
@@ -154,42 +156,47 @@ fn fuse_from<T: Sample, E: Encoding>(
     depth.check_fits(fused.size())?;
     let law = Law::new(waters, options);
     let pixels = fused.width() as u64 * fused.height() as u64;
-    if let Some(values) = shift_of_bytes(content, fused, depth, &law, options.model) {
+    if let Some(values) = shift_of_bytes(content, fused.reborrow(), depth, &law, options.model) {
         return Ok(Clipping { values, pixels });
     }
     if let Some(content) = content {
-        fused.samples_mut().copy_from_slice(content.as_raw());
+        fused.copy_from(content)?;
     }
     Ok(Clipping { values: change_pixels(fused, depth, &law, options.model), pixels })
 }
 
 /// The law where it is a shift of bytes by 256 levels of depth, the everyday case; how many values were clipped.
 fn shift_of_bytes<T: Sample, E: Encoding>(
-    content: Option<&Image<T, E>>,
-    fused: &mut Image<T, E>,
+    content: Option<ImageRef<'_, T, E>>,
+    fused: ImageMut<'_, T, E>,
     depth: &DepthMap,
     law: &Law<E>,
     model: Model,
 ) -> Option<[u64; 3]> {
     let levels = depth.levels().filter(|_| model.is_shift())?;
-    let width = fused.width();
-    let content = content.and_then(|content| T::bytes(content.as_raw()));
-    let bytes = T::bytes_mut(fused.samples_mut())?;
+    let (content, fused) = (content.and_then(|content| content.as_bytes()), fused.into_bytes()?);
+    let (width, stride) = (fused.width(), fused.stride());
     let of_level =
         std::array::from_fn(|level| law.at(level_to_z(level as u8)).offset.map(u8::shift_from_unit));
     let shifts = Shifts::new(&of_level)?;
-    let band = |first: usize, values: &mut [u8]| {
+    let band = |first: usize, band: &mut [u8]| {
         if let Some(content) = content {
-            values.copy_from_slice(&content[3 * first * width..][..values.len()]);
+            for (i, row) in band.chunks_mut(stride).enumerate() {
+                row[..3 * width].copy_from_slice(content.row(first + i).as_flattened());
+            }
         }
-        shifts.add(values, &levels[first * width..][..values.len() / 3])
+        let levels = &levels[first * width..];
+        let run = |sum, (start, values): (usize, &mut [u8])| {
+            add(sum, shifts.add(values, &levels[start..][..values.len() / 3]))
+        };
+        runs_mut(band, width, stride).fold([0; 3], run)
     };
-    Some(bands::sum(bytes, 3 * width, band, add))
+    Some(bands::sum(fused.into_samples(), stride, band, add))
 }
 
 /// The law at each pixel, whatever it is; how many values were clipped.
 fn change_pixels<T: Sample, E: Encoding>(
-    content: &mut Image<T, E>,
+    content: ImageMut<'_, T, E>,
     depth: &DepthMap,
     law: &Law<E>,
     model: Model,
@@ -198,19 +205,18 @@ fn change_pixels<T: Sample, E: Encoding>(
         pixel[c] = value;
         clipped[c] += u64::from(is_clipped);
     };
-    let pixels = content.pixels_mut();
     if model.is_shift() {
         // In whole steps of the samples, which is exact and rounds once a depth.
         let steps = |z| law.at(z).offset.map(T::shift_from_unit);
         let change = |pixel: &mut [T; 3], shift: [T::Shift; 3], clipped: &mut [u64; 3]| {
             (0..3).for_each(|c| store(pixel, c, pixel[c].shifted(shift[c]), clipped));
         };
-        depth.sum_over_pixels(pixels, steps, change, add)
+        depth.sum_over_pixels(content, steps, change, add)
     } else {
         let change = |pixel: &mut [T; 3], change: Change, clipped: &mut [u64; 3]| {
             (0..3).for_each(|c| store(pixel, c, pixel[c].changed(change.gain[c], change.offset[c]), clipped));
         };
-        depth.sum_over_pixels(pixels, |z| law.at(z), change, add)
+        depth.sum_over_pixels(content, |z| law.at(z), change, add)
     }
 }
 

@@ -7,12 +7,16 @@
 mod encoding;
 mod sample;
 mod top_edge;
+mod view;
 
+use std::convert::Infallible;
 use std::marker::PhantomData;
 
 pub use encoding::{Encoded, Encoding, Linear};
 pub use sample::Sample;
 pub use top_edge::TopEdge;
+pub(crate) use view::runs_mut;
+pub use view::{ImageMut, ImageRef};
 
 /// An RGB image, rows from the top, three interleaved samples a pixel.
 ///
@@ -52,6 +56,14 @@ pub enum SizeError {
         /// Values found.
         found: usize,
     },
+    /// Rows overlap: the next begins before one has ended.
+    #[error("rows {stride} samples apart cannot hold {width} pixels of three samples")]
+    Stride {
+        /// Columns asked for.
+        width: usize,
+        /// Samples from the start of a row to that of the next.
+        stride: usize,
+    },
     /// An image has no pixels at all.
     #[error("an image of {width}x{height} has no pixels")]
     Empty {
@@ -68,6 +80,13 @@ pub enum SizeError {
         /// Width and height of the second.
         right: (usize, usize),
     },
+}
+
+/// What converts without fail converts without error: for functions that take whatever converts to a view.
+impl From<Infallible> for SizeError {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
 }
 
 /// Checks that `values` fill `width` x `height` places of `per_place` values, and that there is a place.
@@ -131,18 +150,17 @@ impl<T: Sample, E: Encoding> Image<T, E> {
     }
 
     /// The pixels of row `y`, counted from the top.
-    pub(crate) fn row(&self, y: usize) -> &[[T; 3]] {
+    ///
+    /// # Panics
+    ///
+    /// When there is no such row.
+    pub fn row(&self, y: usize) -> &[[T; 3]] {
         &self.pixels()[y * self.width..][..self.width]
     }
 
     /// All samples, interleaved.
     pub fn as_raw(&self) -> &[T] {
         &self.samples
-    }
-
-    /// All samples for writing, interleaved.
-    pub(crate) fn samples_mut(&mut self) -> &mut [T] {
-        &mut self.samples
     }
 
     /// Gives the samples back.

@@ -5,30 +5,29 @@
 //! # Where do I start?
 //!
 //! ```
-//! use aquafuse::{depth, fusion, fusion::Waters, truth, waterbody};
+//! use aquafuse::{Fuser, fusion::Model, truth};
 //!
 //! // Two images of synthetic places in synthetic waters; yours come from a camera.
 //! let size = truth::Size { width: 96, height: 64 };
-//! let content = truth::Scene::new(1, size).seen_through(&truth::waters()[0].water).to_samples::<u8>();
-//! let reference = truth::Scene::new(2, size).seen_through(&truth::waters()[1].water).to_samples::<u8>();
+//! let content = truth::Scene::new(1, size).seen_through(&truth::waters()[0].water);
+//! let reference = truth::Scene::new(2, size).seen_through(&truth::waters()[1].water);
 //!
-//! let z1 = depth::estimate(&content);
-//! let z2 = depth::estimate(&reference);
-//! let own = waterbody::estimate(&content, &z1, &Default::default())?.water;
-//! let other = waterbody::estimate(&reference, &z2, &Default::default())?.water;
-//! let waters = Waters::new(&own, &other);
-//! let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
+//! let fused = Fuser::new(&reference)?.model(Model::Physical).fuse(&content)?;
 //! assert_eq!(fused.image.size(), (96, 64));
 //! # Ok::<(), aquafuse::image::SizeError>(())
 //! ```
 //!
 //! The fused image keeps the content's size, sample type and objects; what did not fit into the range was clipped
-//! and counted. From here:
+//! and counted, and safety bounds keep a doubtful estimate from painting what is not there; `fused.report` says what
+//! happened. From here:
 //!
+//! - somebody else's buffer, with padding between its rows: [`image::ImageRef`] and [`image::ImageMut`];
+//! - [`Fuser`] also fuses in place, into a buffer, with supplied depth, and into a known water; [`stream::Stream`] is
+//!   the same for video;
 //! - another look: [`fusion::Model`] has three, from a safe veil to the whole water, and [`fusion::Options`] how much;
 //! - measured depth: [`depth::Supplied`], of a declared kind;
-//! - doubt: [`waterbody::estimate`] also tells intervals and a verdict, and [`fusion::Bounded`] keeps a doubtful
-//!   estimate from painting what is not there;
+//! - the steps one by one: [`depth::estimate`], [`waterbody::estimate`] (with intervals and a verdict),
+//!   [`fusion::Bounded`] (the safety bounds) and [`fusion::fuse`];
 //! - the scene without water: [`formation::restore`]; a scene in water: [`formation::form`];
 //! - programs to read and run: `cargo run --release -p aquafuse --example` with `restore_scene`, `sweep` (the
 //!   angle θ), `sensor_depth`, `presets` or `scene`.
@@ -52,6 +51,7 @@
 //! | [`waterbody::presets`] | waters from published tables, per metre | |
 //! | [`formation`] | the image formation model, forwards and back | Eq. 1-2 |
 //! | [`fusion`] | scene + reference water → fused image | Eq. 9-11 |
+//! | [`fuser`] | all of it in one call, within safety bounds | |
 //! | [`stream`] | the same, frame after frame, in the memory of the last | |
 //! | [`smooth`] | the bilateral filter the paper ends with; off by default | |
 //! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth, rank correlation, UCIQE, UIQM | |
@@ -88,6 +88,7 @@
 mod bands;
 pub mod depth;
 pub mod formation;
+pub mod fuser;
 pub mod fusion;
 pub mod image;
 pub mod metrics;
@@ -96,3 +97,5 @@ pub mod smooth;
 pub mod stream;
 pub mod truth;
 pub mod waterbody;
+
+pub use fuser::Fuser;

@@ -40,6 +40,10 @@ impl Avx2 {
 impl Level {
     /// The best of this processor.
     pub(crate) fn best() -> Self {
+        #[cfg(test)]
+        if let Some(level) = forced::level() {
+            return level;
+        }
         #[cfg(all(feature = "simd", target_arch = "x86_64"))]
         if let Some(proof) = Avx2::detected() {
             return Self::Avx2(proof);
@@ -56,6 +60,13 @@ impl Level {
         let mut levels = vec![Self::Plain, Self::best()];
         levels.dedup();
         levels
+    }
+
+    /// Does `work` with no better instructions than these on this thread: for whole functions, which ask for the
+    /// best themselves.
+    #[cfg(test)]
+    pub(crate) fn force<R>(self, work: impl FnOnce() -> R) -> R {
+        forced::with(self, work)
     }
 }
 
@@ -85,5 +96,24 @@ pub(crate) fn widest_by<W: Work>(level: Level, work: W) -> W::Output {
         #[cfg(all(feature = "simd", target_arch = "x86_64"))]
         Level::Avx2(proof) => avx2::run(proof, work),
         _ => work.run(),
+    }
+}
+
+#[cfg(test)]
+mod forced {
+    use super::Level;
+    use std::cell::Cell;
+
+    thread_local!(static FORCED: Cell<Option<Level>> = const { Cell::new(None) });
+
+    pub(super) fn level() -> Option<Level> {
+        FORCED.get()
+    }
+
+    pub(super) fn with<R>(level: Level, work: impl FnOnce() -> R) -> R {
+        let before = FORCED.replace(Some(level));
+        let result = work();
+        FORCED.set(before);
+        result
     }
 }

@@ -7,7 +7,7 @@ mod bytes;
 mod weights;
 
 use crate::bands;
-use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
+use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size, runs_mut};
 use weights::{AHEAD, ONE, mirrored, weight};
 
 /// How a fused image is smoothed.
@@ -68,9 +68,10 @@ impl Smoothing {
 /// assert!(20 < worn[1] && worn[1] < worn[2] && worn[2] < 28);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn bilateral<T: Sample, E: Encoding>(image: &Image<T, E>) -> Image<T, E> {
-    let mut smoothed = image.clone();
-    smooth_into(image, &mut smoothed);
+pub fn bilateral<'a, T: Sample, E: Encoding>(image: impl Into<ImageRef<'a, T, E>>) -> Image<T, E> {
+    let image = image.into();
+    let mut smoothed = image.to_image();
+    smooth_into(image, smoothed.view_mut());
     smoothed
 }
 
@@ -79,38 +80,40 @@ pub fn bilateral<T: Sample, E: Encoding>(image: &Image<T, E>) -> Image<T, E> {
 /// # Errors
 ///
 /// [`SizeError`] when the two differ in size; `smoothed` is then unchanged.
-pub fn bilateral_into<T: Sample, E: Encoding>(
-    image: &Image<T, E>,
-    smoothed: &mut Image<T, E>,
+pub fn bilateral_into<'a, 'b, T: Sample, E: Encoding>(
+    image: impl Into<ImageRef<'a, T, E>>,
+    smoothed: impl Into<ImageMut<'b, T, E>>,
 ) -> Result<(), SizeError> {
+    let (image, smoothed) = (image.into(), smoothed.into());
     check_same_size(image.size(), smoothed.size())?;
     smooth_into(image, smoothed);
     Ok(())
 }
 
-fn smooth_into<T: Sample, E: Encoding>(image: &Image<T, E>, smoothed: &mut Image<T, E>) {
-    let width = image.width();
-    if let (Some(values), Some(smoothed)) = (T::bytes(image.as_raw()), T::bytes_mut(smoothed.samples_mut())) {
-        return bytes::smooth(width, values, smoothed);
+fn smooth_into<T: Sample, E: Encoding>(image: ImageRef<'_, T, E>, mut smoothed: ImageMut<'_, T, E>) {
+    if let (Some(image), Some(smoothed)) = (image.as_bytes(), smoothed.reborrow().into_bytes()) {
+        return bytes::smooth(image, smoothed);
     }
-    bands::for_each(smoothed.pixels_mut(), width, |first, band| {
-        for (i, pixel) in band.iter_mut().enumerate() {
-            *pixel = mean_around(image, i % width, first + i / width);
+    let (width, stride) = (smoothed.width(), smoothed.stride());
+    bands::for_each(smoothed.into_samples(), stride, |first, band| {
+        for (start, run) in runs_mut(band, width, stride) {
+            for (i, pixel) in run.as_chunks_mut().0.iter_mut().enumerate() {
+                *pixel = mean_around(image, i % width, first + (start + i) / width);
+            }
         }
     });
 }
 
 /// The weighted mean of the window around one place, rounded; halves go up.
-fn mean_around<T: Sample, E: Encoding>(image: &Image<T, E>, x: usize, y: usize) -> [T; 3] {
+fn mean_around<T: Sample, E: Encoding>(image: ImageRef<'_, T, E>, x: usize, y: usize) -> [T; 3] {
     let (width, height) = image.size();
-    let pixels = image.pixels();
-    let middle = &pixels[y * width + x];
+    let middle = &image.row(y)[x];
     let one = u64::from(ONE);
     let (mut sums, mut total) = (middle.map(|value| one * value.to_steps()), one);
     for (dx, dy) in AHEAD {
         for (dx, dy) in [(dx, dy as isize), (-dx, -(dy as isize))] {
             let column = mirrored(x as isize + dx, width);
-            let other = &pixels[mirrored(y as isize + dy, height) * width + column];
+            let other = &image.row(mirrored(y as isize + dy, height))[column];
             let off = |c: usize| u16::from(middle[c].to_byte().abs_diff(other[c].to_byte()));
             let weight = weight::<0>(off(0) + off(1) + off(2)) as u64;
             total += weight;

@@ -27,7 +27,7 @@ pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::bands;
 use crate::depth::{DepthMap, DepthModel, Quantised};
-use crate::image::{Encoded, Encoding, Image, SizeError, TopEdge};
+use crate::image::{Encoded, Encoding, ImageRef, SizeError, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
 pub(crate) use thumbnail::Scratch;
@@ -150,17 +150,17 @@ pub struct EstimateOptions {
 /// assert!(r < g && g < b);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn estimate<E: Encoding>(
-    image: &Image<u8>,
+pub fn estimate<'a, E: Encoding>(
+    image: impl Into<ImageRef<'a, u8>>,
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Estimate<E>, SizeError> {
-    estimate_in(image, depth, options, &mut Scratch::default())
+    estimate_in(image.into(), depth, options, &mut Scratch::default())
 }
 
 /// [`estimate`] in the memory of the last image.
 pub(crate) fn estimate_in<E: Encoding>(
-    image: &Image<u8>,
+    image: ImageRef<'_, u8>,
     depth: &DepthMap,
     options: &EstimateOptions,
     scratch: &mut Scratch,
@@ -171,7 +171,7 @@ pub(crate) fn estimate_in<E: Encoding>(
     let Some(thumbnail) = Thumbnail::of(image, &quantised, scratch) else {
         return Ok(estimate_from(whole, image, &quantised, depth, options));
     };
-    let found = estimate_from(whole, &thumbnail.image, &thumbnail.depth, depth, options);
+    let found = estimate_from(whole, thumbnail.image.view(), &thumbnail.depth, depth, options);
     *scratch = thumbnail.into_scratch();
     Ok(found)
 }
@@ -179,15 +179,27 @@ pub(crate) fn estimate_in<E: Encoding>(
 /// An image and its level of depth pixel by pixel.
 #[derive(Clone, Copy)]
 struct Seen<'a> {
-    image: &'a Image<u8>,
+    image: ImageRef<'a, u8>,
     levels: &'a [u8],
+}
+
+impl<'a> Seen<'a> {
+    /// Pixels and their levels in runs without padding, from the top.
+    fn runs(self) -> impl Iterator<Item = (&'a [[u8; 3]], &'a [u8])> {
+        self.image.runs_with(self.levels)
+    }
+
+    /// Each pixel with its level.
+    fn pixels(self) -> impl Iterator<Item = (&'a [u8; 3], u8)> {
+        self.runs().flat_map(|(pixels, levels)| pixels.iter().zip(levels.iter().copied()))
+    }
 }
 
 /// The water of an image: open water is looked for in all of it, for whether a place is smooth is a close decision
 /// on many images; what is counted is counted in `image` at the levels `quantised`, which may be a thumbnail.
 fn estimate_from<E: Encoding>(
     whole: Seen<'_>,
-    image: &Image<u8>,
+    image: ImageRef<'_, u8>,
     quantised: &Quantised<'_>,
     depth: &DepthMap,
     options: &EstimateOptions,
@@ -220,7 +232,7 @@ struct Look<E: Encoding> {
 
 fn look<E: Encoding>(
     whole: Seen<'_>,
-    image: &Image<u8>,
+    image: ImageRef<'_, u8>,
     quantised: &Quantised<'_>,
     depth: &DepthMap,
     options: &EstimateOptions,
@@ -233,7 +245,7 @@ fn look<E: Encoding>(
     );
     let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     if depth.model().is_none() && is_seen_through(&light, &growth, quantised) {
-        light = veiling_light::read_things(image, &quantised.levels, options.top);
+        light = veiling_light::read_things(counted, options.top);
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
@@ -243,7 +255,7 @@ fn look<E: Encoding>(
 }
 
 fn fit<E: Encoding>(
-    image: &Image<u8>,
+    image: ImageRef<'_, u8>,
     depth: &DepthMap,
     quantised: &Quantised<'_>,
     statistics: &Statistics<E>,
@@ -252,7 +264,12 @@ fn fit<E: Encoding>(
 ) -> Growth {
     match method {
         BackscatterMethod::Envelope => backscatter::fit(statistics, light, depth),
-        BackscatterMethod::Published => backscatter::fit_published(image, quantised, statistics, light),
+        BackscatterMethod::Published => backscatter::fit_published(
+            Seen { image, levels: &quantised.levels },
+            quantised,
+            statistics,
+            light,
+        ),
     }
 }
 

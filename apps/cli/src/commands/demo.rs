@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
+use aquafuse_data::drawing::{Cell, contact_sheet};
 use aquafuse_data::files::{display, make_folder};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pipeline::{Analysis, DepthSource, analyse};
-use aquafuse_data::sheet::{Cell, lay_out};
 use clap::Args;
 
 use crate::failure::Failure;
@@ -72,7 +72,7 @@ impl Demo {
                 rows.push(row);
             }
         }
-        let sheet = ImageFile::new(lay_out(&rows, 320, 214));
+        let sheet = ImageFile::new(contact_sheet(&rows, 320, 214).map_err(Failure::work)?);
         let path = self.write("sheet.jpg", &sheet)?;
         say(&format!(
             "  {}   all of them side by side, after {:.1} s\n\n\

@@ -1,11 +1,11 @@
 //! `aquafuse inspect`: what an image tells about its depth and its water.
 
-mod plots;
 mod report;
 mod text;
 
 use std::path::{Path, PathBuf};
 
+use aquafuse_data::drawing::{self, Captions};
 use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pipeline::{analyse, analyse_with_evidence};
@@ -16,6 +16,7 @@ use crate::args::depth_model::DepthModelArg;
 use crate::args::reading::Reading;
 use crate::failure::Failure;
 use crate::report::output;
+use crate::report::water::veiling_light_in_short;
 use report::Report;
 
 /// Show what an image tells about its depth and its water.
@@ -59,8 +60,12 @@ impl Inspect {
         };
         if let (Some(path), Some(evidence)) = (&plot, &evidence) {
             let name = self.image.file_name().unwrap_or_default();
-            let figure = plots::draw(&display(name.as_ref()).to_string(), &image_file, &found, evidence)
-                .map_err(Failure::work)?;
+            let captions = Captions {
+                name: &display(name.as_ref()).to_string(),
+                veiling_light: &veiling_light_in_short(&found.estimate),
+            };
+            let figure =
+                drawing::estimates(captions, &image_file, &found, evidence).map_err(Failure::work)?;
             let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
             remove_stale_parts(make_folder_of(path)?);
             ImageFile::new(figure).write(path, &options)?;

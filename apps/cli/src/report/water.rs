@@ -30,6 +30,11 @@ pub(crate) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
     }
 }
 
+/// The veiling light, and where it was read.
+pub(crate) fn veiling_light_in_short(estimate: &Estimate) -> String {
+    format!("B∞ {}, from {}", hex(estimate.water.veiling_light.rgb()), source(estimate))
+}
+
 /// One line on a water: its colour, where that was read, and what speaks against it.
 pub(crate) fn veiling_light<E: Encoding>(estimate: &Estimate<E>) -> String {
     let light = format!(

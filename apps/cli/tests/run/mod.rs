@@ -56,7 +56,7 @@ impl Run {
     }
 }
 
-/// How many kills a run has to bear; `cargo xtask soak` and `multiply` ask for more.
+/// How many kills a run has to bear; `cargo lab soak` and `multiply` ask for more.
 pub(crate) fn kills() -> usize {
     std::env::var("AQUAFUSE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(20)
 }

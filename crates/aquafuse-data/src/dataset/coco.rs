@@ -4,7 +4,6 @@
 //! unknown fields their place. Ids and file names alone are ours.
 
 mod entries;
-mod sides;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
@@ -15,7 +14,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 
-use sides::Sides;
+use entries::Sides;
 
 use super::index::Made;
 use super::tree::Tree;

@@ -1,17 +1,9 @@
 //! Parquet as Hugging Face lays out images: tables with a column of structs of `bytes` and `path`, and any others.
 
 #[cfg(feature = "parquet")]
-mod footer;
-#[cfg(feature = "parquet")]
-mod memory;
-#[cfg(feature = "parquet")]
-mod pages;
+mod limits;
 #[cfg(feature = "parquet")]
 mod rows;
-#[cfg(feature = "parquet")]
-mod shapes;
-#[cfg(feature = "parquet")]
-mod thrift;
 
 #[cfg(feature = "fuzz-targets")]
 #[cfg(feature = "parquet")]

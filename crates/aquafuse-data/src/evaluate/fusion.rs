@@ -1,7 +1,6 @@
 //! How much fused images look like their contents: the paper's Tables 1 and 3, on anybody's images.
 
 mod gallery;
-mod likeness;
 mod tables;
 
 use aquafuse::depth::DepthModel;
@@ -18,7 +17,7 @@ use crate::image_file::{Format, ImageFile, Pixels};
 use crate::pipeline::{Analysis, DepthSource, analyse};
 use crate::pipeline::{Operation, Space};
 use crate::run::{Budget, Event, RunOptions};
-use likeness::Likeness;
+use tables::Likeness;
 
 /// Contents fused with references by one method or several, each result scored against its content.
 #[derive(Clone, Debug)]

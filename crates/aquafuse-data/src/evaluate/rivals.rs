@@ -3,7 +3,6 @@
 //! None of them knows of depth: near and far things take the same colours. They stand beside the physics because they
 //! are what is at hand. All work on encoded values, and give values that are neither clipped nor rounded.
 
-mod gray_world;
 mod histogram;
 mod matrix;
 mod monge_kantorovich;
@@ -78,7 +77,7 @@ impl Rival {
             Self::Reinhard => reinhard::transfer(content, &own.lab, &other.lab),
             Self::MongeKantorovich => monge_kantorovich::transfer(content, &own.rgb, &other.rgb),
             Self::Histogram => histogram::transfer(content, &own.ranks, &other.ranks),
-            Self::GrayWorld => gray_world::transfer(content, &own.rgb, &other.rgb),
+            Self::GrayWorld => gray_world(content, &own.rgb, &other.rgb),
         }
     }
 
@@ -88,6 +87,21 @@ impl Rival {
         let (width, height) = content.size();
         Image::<f32>::from_raw(width, height, made).expect("a colour for each pixel").to_samples()
     }
+}
+
+/// Each channel times the ratio of the means. A channel without light has no gain.
+fn gray_world(
+    content: &Image<u8>,
+    own: &monge_kantorovich::Moments,
+    other: &monge_kantorovich::Moments,
+) -> Vec<[f32; 3]> {
+    let gain = |c: usize| if own.mean[c] > 0.0 { other.mean[c] / own.mean[c] } else { 1.0 };
+    let gains: [f64; 3] = std::array::from_fn(gain);
+    let changed = |pixel: &[u8; 3]| {
+        let rgb = unit(pixel);
+        std::array::from_fn(|c| (rgb[c] * gains[c]) as f32)
+    };
+    content.pixels().iter().map(changed).collect()
 }
 
 /// A pixel in `[0, 1]`.

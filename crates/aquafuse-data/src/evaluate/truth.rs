@@ -4,7 +4,6 @@
 //! 0 the content, below 0 farther from the truth than the content was. Truth A is the content's place with nothing
 //! exchanged but B∞; truth B is the same place wholly in the other water.
 
-mod compare;
 mod ways;
 
 use aquafuse::fusion::Model;
@@ -17,8 +16,7 @@ use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::{quantile, summarise};
 use super::{EvaluateError, Listener, Palette, Report, Rival};
 use crate::run::{Event, RunOptions};
-use compare::Found;
-use ways::ways;
+use ways::{Found, ways};
 
 /// Every method on exchanges of synthetic scenes: the three models with depth and water from each source, the rivals, and
 /// the truths themselves.

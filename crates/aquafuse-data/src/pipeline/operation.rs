@@ -82,14 +82,14 @@ impl<E: Space> Operation<E> {
                 let bounded = Bounded::new(&found.estimate, reference, *options);
                 let hides = options.model == Model::Exchange;
                 let before = hides.then(|| deviation(image));
-                let clipping = fuse_mut(image, &found.depth, bounded.waters(), &bounded.options)?;
+                let clipping = fuse_mut(&mut *image, &found.depth, bounded.waters(), &bounded.options)?;
                 let limited = Limited { fusion: bounded.bounds, ..Limited::default() };
                 // An image that had no contrast has lost none.
                 let left = before.map(|before| if before > 0.0 { deviation(image) / before } else { 1.0 });
                 Ok(Outcome { clipping, limited, contrast_left: left })
             }
             Self::Restore(options) => {
-                let bounded = BoundedRestoration::new(image, &found.depth, &found.estimate, options)?;
+                let bounded = BoundedRestoration::new(&*image, &found.depth, &found.estimate, options)?;
                 let clipping = restore_mut(image, &found.depth, &bounded.water, &bounded.options)?;
                 let limited = Limited { restoration: bounded.bounds, ..Limited::default() };
                 Ok(Outcome { clipping, limited, contrast_left: None })

@@ -93,7 +93,7 @@ fn points(path: &Path, file: &[u8]) -> Result<Vec<Point>, SceneFileError> {
 
 /// Reads bytes as each of the three files: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
-pub(super) fn try_parse(path: &Path, file: &[u8]) -> [Result<(), SceneFileError>; 3] {
+pub(crate) fn try_parse(path: &Path, file: &[u8]) -> [Result<(), SceneFileError>; 3] {
     let known = Intrinsics::colmap("PINHOLE", 8, 6, &[5.0, 5.0, 4.0, 3.0]);
     let known = known.map(|camera| (1, camera)).into_iter().collect();
     [cameras(path, file).map(drop), images(path, file, &known).map(drop), points(path, file).map(drop)]

@@ -126,7 +126,7 @@ fn points(path: &Path, text: &str) -> Result<Vec<Point>, SceneFileError> {
 
 /// Reads a text as each of the three files: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
-pub(super) fn try_parse(path: &Path, text: &str) -> [Result<(), SceneFileError>; 3] {
+pub(crate) fn try_parse(path: &Path, text: &str) -> [Result<(), SceneFileError>; 3] {
     let known = Intrinsics::colmap("PINHOLE", 8, 6, &[5.0, 5.0, 4.0, 3.0]);
     let known = known.map(|camera| (1, camera)).into_iter().collect();
     [cameras(path, text).map(drop), images(path, text, &known).map(drop), points(path, text).map(drop)]

@@ -41,7 +41,7 @@ struct Frames<T> {
 /// How far a rotation's rows may be from unit length and right angles.
 const CROOKED: f64 = 1e-3;
 
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<PosedImage>, SceneFileError> {
+pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<PosedImage>, SceneFileError> {
     let failed = |error: serde_json::Error| {
         SceneFileError::line(path, error.line(), format!("it is not as expected: {error}"))
     };

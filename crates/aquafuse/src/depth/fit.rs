@@ -18,7 +18,7 @@ mod terms;
 pub use doubt::Doubt;
 
 use super::Eq3;
-use crate::image::{Image, Sample, SizeError};
+use crate::image::{ImageRef, Sample, SizeError};
 use cells::LabelledImage;
 use search::Search;
 
@@ -173,7 +173,11 @@ impl Fitter {
     /// # Errors
     ///
     /// [`LabelError`] when the sizes differ, or there are too few labels or only one value of them.
-    pub fn add<T: Sample>(&mut self, image: &Image<T>, distances: &[f32]) -> Result<(), LabelError> {
+    pub fn add<'a, T: Sample>(
+        &mut self,
+        image: impl Into<ImageRef<'a, T>>,
+        distances: &[f32],
+    ) -> Result<(), LabelError> {
         self.add_weighted(image, distances, 1.0)
     }
 
@@ -183,14 +187,14 @@ impl Fitter {
     /// # Errors
     ///
     /// As [`Fitter::add`].
-    pub fn add_weighted<T: Sample>(
+    pub fn add_weighted<'a, T: Sample>(
         &mut self,
-        image: &Image<T>,
+        image: impl Into<ImageRef<'a, T>>,
         distances: &[f32],
         weight: f64,
     ) -> Result<(), LabelError> {
         let weight = if weight.is_finite() { weight.max(0.0) } else { 0.0 };
-        self.images.push(LabelledImage::gather(image, distances, weight)?);
+        self.images.push(LabelledImage::gather(image.into(), distances, weight)?);
         Ok(())
     }
 

@@ -3,11 +3,11 @@
 mod box_mean;
 
 use super::DARK;
-use crate::image::{Image, Sample, TopEdge};
+use crate::image::{ImageRef, Sample, TopEdge};
 use box_mean::box_mean;
 
 /// Weights of the three cues: log ratio, likeness to the top, height in the image. Chosen on the measured
-/// pairs of `cargo xtask depth`; height leads, because it is the cue that open sea floor obeys best.
+/// pairs of `cargo lab depth`; height leads, because it is the cue that open sea floor obeys best.
 const WEIGHTS: [f64; 3] = [1.3, 1.0, 2.0];
 /// Added to R + G + B, so that the hue of black is that of grey and not of its noise.
 const DARK_SUM: f64 = 0.05;
@@ -20,10 +20,10 @@ const CUT: f64 = 0.01;
 const ONE: f64 = 65536.0;
 
 /// The level of each pixel of an image whose edge `top` is up.
-pub(super) fn levels<T: Sample>(image: &Image<T>, top: TopEdge) -> Vec<u8> {
+pub(super) fn levels<T: Sample>(image: ImageRef<'_, T>, top: TopEdge) -> Vec<u8> {
     let (width, height) = image.size();
     let seen = Seen { width, height, top };
-    let pixels: Vec<[u8; 3]> = image.pixels().iter().map(|pixel| pixel.map(T::to_byte)).collect();
+    let pixels: Vec<[u8; 3]> = image.pixels().map(|pixel| pixel.map(T::to_byte)).collect();
     let reach = seen.width_as_seen() / (2 * BOX_SHARE);
     let smooth = |cue: Vec<i32>| Standard::of(box_mean(width, height, reach, &cue));
     let ratio = smooth(log_ratio(&pixels));

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::DepthModel;
 use crate::bands;
-use crate::image::{Sample as _, SizeError, check_same_size, check_size};
+use crate::image::{Encoding, ImageMut, Sample, SizeError, check_same_size, check_size, runs_mut};
 use crate::simd;
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
@@ -247,52 +247,56 @@ impl DepthMap {
 
     /// Changes each pixel by what `law` says of its depth, and adds up what that makes of a `Default`: the law is
     /// evaluated once a level where depth has levels and there are more pixels than levels, once a pixel otherwise.
-    pub(crate) fn sum_over_pixels<P: Send, V: Copy + Sync, S: Default + Send>(
+    pub(crate) fn sum_over_pixels<T: Sample, E: Encoding, V: Copy + Sync, S: Default + Send>(
         &self,
-        pixels: &mut [P],
+        image: ImageMut<'_, T, E>,
         law: impl Fn(f32) -> V + Sync,
-        change: impl Fn(&mut P, V, &mut S) + Sync,
+        change: impl Fn(&mut [T; 3], V, &mut S) + Sync,
         add: impl Fn(S, S) -> S + Send + Sync,
     ) -> S {
         match &self.values {
             Values::Levels(levels) => {
                 let table: [V; LEVELS] = std::array::from_fn(|level| law(level_to_z(level as u8)));
-                self.sum_over(pixels, levels, |level| table[usize::from(level)], change, add)
+                self.sum_over(image, levels, |level| table[usize::from(level)], change, add)
             }
             Values::FineLevels(levels) if levels.len() > FINE_LEVELS => {
                 let table: Vec<V> = (0..=u16::MAX).map(|level| law(fine_level_to_z(level))).collect();
-                self.sum_over(pixels, levels, |level| table[usize::from(level)], change, add)
+                self.sum_over(image, levels, |level| table[usize::from(level)], change, add)
             }
             Values::FineLevels(levels) => {
-                self.sum_over(pixels, levels, |level| law(fine_level_to_z(level)), change, add)
+                self.sum_over(image, levels, |level| law(fine_level_to_z(level)), change, add)
             }
-            Values::Floats(distances) => self.sum_over(pixels, distances, law, change, add),
+            Values::Floats(distances) => self.sum_over(image, distances, law, change, add),
         }
     }
 
-    fn sum_over<P: Send, D: Copy + Sync, V, S: Default + Send>(
+    fn sum_over<T: Sample, E: Encoding, D: Copy + Sync, V, S: Default + Send>(
         &self,
-        pixels: &mut [P],
+        image: ImageMut<'_, T, E>,
         depths: &[D],
         law: impl Fn(D) -> V + Sync,
-        change: impl Fn(&mut P, V, &mut S) + Sync,
+        change: impl Fn(&mut [T; 3], V, &mut S) + Sync,
         add: impl Fn(S, S) -> S + Send + Sync,
     ) -> S {
-        let band = |first: usize, pixels: &mut [P]| {
-            let depths = &depths[first * self.width..];
-            simd::widest(ChangeAll { pixels, depths, law: &law, change: &change, sum: S::default() })
+        let (width, stride) = (self.width, image.stride());
+        let band = |first: usize, samples: &mut [T]| {
+            let depths = &depths[first * width..];
+            runs_mut(samples, width, stride).fold(S::default(), |sum, (start, run)| {
+                let (pixels, depths) = (run.as_chunks_mut().0, &depths[start..]);
+                simd::widest(ChangeAll { pixels, depths, law: &law, change: &change, sum })
+            })
         };
-        bands::sum(pixels, self.width, band, add)
+        bands::sum(image.into_samples(), stride, band, add)
     }
 
     /// [`DepthMap::sum_over_pixels`] without a sum.
-    pub(crate) fn for_each_pixel<P: Send, V: Copy + Sync>(
+    pub(crate) fn for_each_pixel<T: Sample, E: Encoding, V: Copy + Sync>(
         &self,
-        pixels: &mut [P],
+        image: ImageMut<'_, T, E>,
         law: impl Fn(f32) -> V + Sync,
-        change: impl Fn(&mut P, V) + Sync,
+        change: impl Fn(&mut [T; 3], V) + Sync,
     ) {
-        self.sum_over_pixels(pixels, law, |pixel, value, ()| change(pixel, value), |(), ()| ());
+        self.sum_over_pixels(image, law, |pixel, value, ()| change(pixel, value), |(), ()| ());
     }
 
     /// This map in 256 even steps, for estimators that count.

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::tables::{Square, Tables};
 use super::{DARK, DepthMap, Eq3, layout, median};
-use crate::image::{Image, Sample, TopEdge};
+use crate::image::{ImageRef, Sample, TopEdge};
 
 /// A way from colour to relative depth.
 ///
@@ -84,7 +84,7 @@ impl DepthModel {
     /// assert_eq!(DepthModel::Ratio.estimate(&image).distances(), [0.0, 0.0]);
     /// # Ok::<(), aquafuse::image::SizeError>(())
     /// ```
-    pub fn estimate<T: Sample>(&self, image: &Image<T>) -> DepthMap {
+    pub fn estimate<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
         self.estimate_seen(image, TopEdge::First)
     }
 
@@ -101,14 +101,14 @@ impl DepthModel {
     /// assert!(z.at(60, 4) > 0.9 && z.at(3, 4) < 0.1);
     /// # Ok::<(), aquafuse::image::SizeError>(())
     /// ```
-    pub fn estimate_seen<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> DepthMap {
-        self.estimate_in(image, top, Vec::new())
+    pub fn estimate_seen<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>, top: TopEdge) -> DepthMap {
+        self.estimate_in(image.into(), top, Vec::new())
     }
 
     /// [`DepthModel::estimate_seen`] in the memory of `levels`, as far as depth has 256 levels.
     pub(crate) fn estimate_in<T: Sample>(
         &self,
-        image: &Image<T>,
+        image: ImageRef<'_, T>,
         top: TopEdge,
         mut levels: Vec<u8>,
     ) -> DepthMap {
@@ -131,7 +131,8 @@ impl DepthModel {
     }
 
     /// Depth of an image whose first row is up, before the median.
-    pub fn estimate_unfiltered<T: Sample>(&self, image: &Image<T>) -> DepthMap {
+    pub fn estimate_unfiltered<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
+        let image = image.into();
         let (width, height) = image.size();
         let map = DepthMap::from_levels(width, height, self.levels(image, TopEdge::First));
         map.expect("one level a pixel").made_by(*self)
@@ -146,10 +147,12 @@ impl DepthModel {
         })
     }
 
-    fn levels<T: Sample>(&self, image: &Image<T>, top: TopEdge) -> Vec<u8> {
+    fn levels<T: Sample>(&self, image: ImageRef<'_, T>, top: TopEdge) -> Vec<u8> {
         let Some(square) = self.square() else { return layout::levels(image, top) };
         let mut levels = vec![0; image.width() * image.height()];
-        square.row(image.pixels(), &mut levels);
+        for (pixels, levels) in image.rows().zip(levels.chunks_exact_mut(image.width())) {
+            square.row(pixels, levels);
+        }
         levels
     }
 
@@ -182,11 +185,12 @@ impl DepthModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
     use proptest::prelude::*;
 
     fn levels_of(model: DepthModel, pixels: &[[u8; 3]]) -> Vec<u8> {
         let image = Image::<u8>::from_raw(pixels.len(), 1, pixels.concat()).unwrap();
-        model.levels(&image, TopEdge::First)
+        model.levels(image.view(), TopEdge::First)
     }
 
     fn model() -> impl Strategy<Value = DepthModel> {

@@ -10,7 +10,7 @@ mod kind;
 pub use kind::SuppliedKind;
 
 use super::{DepthKind, DepthMap, DepthModel};
-use crate::image::{Image, SizeError, TopEdge, check_size};
+use crate::image::{ImageRef, SizeError, TopEdge, check_size};
 
 /// Raw values of a depth map, as a file or a sensor gives them, and what they are declared to be.
 ///
@@ -158,8 +158,13 @@ impl Supplied {
     ///
     /// [`SuppliedError`] when the sizes differ, relative depth exceeds 1, fewer than 1 % of the pixels (or 100, or
     /// half of an image of fewer than 200) are valid, or inverse depth or disparity is all one value.
-    pub fn seen_with(&self, image: &Image<u8>, top: TopEdge) -> Result<SuppliedDepth, SuppliedError> {
-        let valid = self.valid_in(image)?;
+    pub fn seen_with<'a>(
+        &self,
+        image: impl Into<ImageRef<'a, u8>>,
+        top: TopEdge,
+    ) -> Result<SuppliedDepth, SuppliedError> {
+        let image = image.into();
+        let valid = self.valid_in(image.size())?;
         // Colour needs something to be taken to the map's unit by.
         let (count, pixels) = (valid.iter().filter(|valid| **valid).count(), valid.len());
         let least = pixels.div_ceil(100).max(pixels.div_ceil(2).min(100));
@@ -208,8 +213,8 @@ impl Supplied {
     /// assert_eq!(labels[1..], [1.5, 2.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn labels(&self, image: &Image<u8>) -> Result<Vec<f32>, SuppliedError> {
-        let valid = self.valid_in(image)?;
+    pub fn labels<'a>(&self, image: impl Into<ImageRef<'a, u8>>) -> Result<Vec<f32>, SuppliedError> {
+        let valid = self.valid_in(image.into().size())?;
         let mut labels = self.kind.to_distances(&self.values, &valid, self.full_range)?;
         for (label, _) in labels.iter_mut().zip(&valid).filter(|(_, valid)| !**valid) {
             *label = f32::NAN;
@@ -218,10 +223,10 @@ impl Supplied {
     }
 
     /// Which values are valid for an image: its size must be theirs, and none may be above what its kind allows.
-    fn valid_in(&self, image: &Image<u8>) -> Result<Vec<bool>, SuppliedError> {
+    fn valid_in(&self, image: (usize, usize)) -> Result<Vec<bool>, SuppliedError> {
         let map = (self.width, self.height);
-        if map != image.size() {
-            return Err(SuppliedError::Size { map, image: image.size() });
+        if map != image {
+            return Err(SuppliedError::Size { map, image });
         }
         let valid: Vec<bool> = self.values.iter().map(|&value| self.kind.is_valid(value)).collect();
         if self.kind == SuppliedKind::Relative

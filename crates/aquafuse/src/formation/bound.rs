@@ -2,7 +2,7 @@
 
 use super::RestoreOptions;
 use crate::depth::DepthMap;
-use crate::image::{Encoding, Image, Sample, SizeError};
+use crate::image::{Encoding, ImageRef, Sample, SizeError};
 use crate::waterbody::{Estimate, VeilingLight, Waterbody};
 
 /// Water and options of a restoration after the safety bounds, and which of these acted.
@@ -65,12 +65,13 @@ impl<E: Encoding> BoundedRestoration<E> {
     /// assert_eq!(right.bounds, RestoreBounds::default());
     /// # Ok::<(), aquafuse::image::SizeError>(())
     /// ```
-    pub fn new<T: Sample>(
-        image: &Image<T, E>,
+    pub fn new<'a, T: Sample>(
+        image: impl Into<ImageRef<'a, T, E>>,
         depth: &DepthMap,
         estimate: &Estimate<E>,
         options: &RestoreOptions,
     ) -> Result<Self, SizeError> {
+        let image = image.into();
         depth.check_fits(image.size())?;
         let mut found = Self { water: estimate.water, options: *options, bounds: RestoreBounds::default() };
         let mut channels = channels(image, depth, &estimate.water);
@@ -151,7 +152,7 @@ impl Channel {
 }
 
 fn channels<T: Sample, E: Encoding>(
-    image: &Image<T, E>,
+    image: ImageRef<'_, T, E>,
     depth: &DepthMap,
     water: &Waterbody<E>,
 ) -> [Channel; 3] {
@@ -161,10 +162,9 @@ fn channels<T: Sample, E: Encoding>(
     for row in 0..rows {
         // The middle of each of so many bands.
         let y = (2 * row + 1) * height / (2 * rows);
-        for x in 0..width {
+        for (x, pixel) in image.row(y).iter().enumerate() {
             let z = depth.at(x, y);
             let (left, backscatter) = (water.illumination(z), water.backscatter(z));
-            let pixel = image.pixels()[y * width + x];
             for c in 0..3 {
                 let value = pixel[c].to_unit();
                 channels[c].push(Place { value, backscatter: backscatter[c], gain: left[c].recip() });

@@ -1,7 +1,7 @@
 //! What fusion does to depth.
 
 use crate::depth::DepthModel;
-use crate::image::{Image, Sample, SizeError, check_same_size};
+use crate::image::{ImageRef, Sample, SizeError, check_same_size};
 
 /// Root mean square difference of two depth maps, on the paper's two scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,11 +44,12 @@ impl DepthRmse {
 /// assert_eq!(depth_rmse(&image, &image, DepthModel::default())?.consistency(), 100.0);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn depth_rmse<T: Sample, U: Sample>(
-    content: &Image<T>,
-    fused: &Image<U>,
+pub fn depth_rmse<'a, 'b, T: Sample, U: Sample>(
+    content: impl Into<ImageRef<'a, T>>,
+    fused: impl Into<ImageRef<'b, U>>,
     model: DepthModel,
 ) -> Result<DepthRmse, SizeError> {
+    let (content, fused) = (content.into(), fused.into());
     check_same_size(content.size(), fused.size())?;
     let (before, after) = (model.estimate(content).distances(), model.estimate(fused).distances());
     let squares = before.iter().zip(&after).map(|(a, b)| f64::from(a - b).powi(2));
@@ -58,6 +59,7 @@ pub fn depth_rmse<T: Sample, U: Sample>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
 
     #[test]
     fn red_turned_to_blue_moves_depth_over_its_whole_range() {

@@ -1,6 +1,6 @@
 //! Peak signal-to-noise ratio.
 
-use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
+use crate::image::{Encoding, ImageRef, Sample, SizeError, check_same_size};
 
 /// Peak signal-to-noise ratio of two images in dB, over all pixels and channels.
 ///
@@ -19,17 +19,22 @@ use crate::image::{Encoding, Image, Sample, SizeError, check_same_size};
 /// assert!((psnr(&grey(0.5)?, &grey(0.6)?)? - 20.0).abs() < 1e-5);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn psnr<T: Sample, U: Sample, E: Encoding>(a: &Image<T, E>, b: &Image<U, E>) -> Result<f64, SizeError> {
+pub fn psnr<'a, 'b, T: Sample, U: Sample, E: Encoding>(
+    a: impl Into<ImageRef<'a, T, E>>,
+    b: impl Into<ImageRef<'b, U, E>>,
+) -> Result<f64, SizeError> {
+    let (a, b) = (a.into(), b.into());
     check_same_size(a.size(), b.size())?;
-    let squares =
-        a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| f64::from(a.to_unit() - b.to_unit()).powi(2));
-    let mean = squares.sum::<f64>() / a.as_raw().len() as f64;
+    let squares = a.pixels().flatten().zip(b.pixels().flatten());
+    let squares = squares.map(|(a, b)| f64::from(a.to_unit() - b.to_unit()).powi(2));
+    let mean = squares.sum::<f64>() / (3 * a.width() * a.height()) as f64;
     Ok(-10.0 * mean.log10())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
 
     #[test]
     fn equal_images_are_infinitely_alike() {

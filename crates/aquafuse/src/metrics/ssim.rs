@@ -1,6 +1,6 @@
 //! Structural similarity.
 
-use crate::image::{Image, Sample, SizeError, check_same_size};
+use crate::image::{ImageRef, Sample, SizeError, check_same_size};
 
 /// Deviation of the Gaussian window, and its reach to either side: 11 x 11 as in the publication.
 const SIGMA: f64 = 1.5;
@@ -28,7 +28,11 @@ const C2: f64 = 0.03 * 0.03;
 /// assert!((ssim(&image, &image)?.unwrap() - 1.0).abs() < 1e-12);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn ssim<T: Sample, U: Sample>(a: &Image<T>, b: &Image<U>) -> Result<Option<f64>, SizeError> {
+pub fn ssim<'a, 'b, T: Sample, U: Sample>(
+    a: impl Into<ImageRef<'a, T>>,
+    b: impl Into<ImageRef<'b, U>>,
+) -> Result<Option<f64>, SizeError> {
+    let (a, b) = (a.into(), b.into());
     check_same_size(a.size(), b.size())?;
     let (width, height) = a.size();
     if width <= 2 * REACH || height <= 2 * REACH {
@@ -119,6 +123,7 @@ fn luma<T: Sample>(pixel: &[T; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
 
     #[test]
     fn an_image_smaller_than_the_window_has_no_index() {

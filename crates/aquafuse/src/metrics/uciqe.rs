@@ -1,6 +1,6 @@
 //! UCIQE, underwater colour image quality without a reference.
 
-use crate::image::{Encoding, Image, Linear, Sample};
+use crate::image::{Encoding, ImageRef, Linear, Sample};
 
 /// The three parts of UCIQE.
 ///
@@ -43,8 +43,8 @@ impl Uciqe {
 /// assert!((found.luminance_contrast - 1.0).abs() < 1e-6 && found.saturation < 1e-4);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn uciqe<T: Sample>(image: &Image<T>) -> Uciqe {
-    let lab: Vec<[f64; 3]> = image.pixels().iter().map(|pixel| lab(pixel.map(T::to_unit))).collect();
+pub fn uciqe<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Uciqe {
+    let lab: Vec<[f64; 3]> = image.into().pixels().map(|pixel| lab(pixel.map(T::to_unit))).collect();
     let count = lab.len() as f64;
     let chroma: Vec<f64> = lab.iter().map(|[_, a, b]| a.hypot(*b) / 100.0).collect();
     let mean = chroma.iter().sum::<f64>() / count;
@@ -85,6 +85,7 @@ fn compressed(light: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
     use proptest::prelude::*;
 
     fn image(pixels: &[[u8; 3]]) -> Image<u8> {

@@ -1,6 +1,6 @@
 //! UIQM, underwater image quality without a reference.
 
-use crate::image::{Image, Sample};
+use crate::image::{ImageRef, Sample};
 
 /// The three parts of UIQM.
 ///
@@ -59,13 +59,14 @@ const TRIMMED: f64 = 0.1;
 /// assert_eq!(uiqm(&flat).map(|found| found.score()), Some(0.0));
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn uiqm<T: Sample>(image: &Image<T>) -> Option<Uiqm> {
+pub fn uiqm<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Option<Uiqm> {
+    let image = image.into();
     let (width, height) = image.size();
     if width < BLOCK || height < BLOCK {
         return None;
     }
     let levels = |pixel: &[T; 3]| pixel.map(|value| f64::from(value.to_byte()));
-    let pixels: Vec<[f64; 3]> = image.pixels().iter().map(levels).collect();
+    let pixels: Vec<[f64; 3]> = image.pixels().map(levels).collect();
     let sharpness = (0..3).map(|c| {
         let channel: Vec<f64> = pixels.iter().map(|pixel| pixel[c]).collect();
         LUMA[c] * mean_of_blocks(&edges(&channel, width, height), width, twice_log_ratio)
@@ -137,6 +138,7 @@ fn entropy_of_contrast(least: f64, most: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
     use proptest::prelude::*;
 
     /// 20 x 20 pixels in a fixed disorder.

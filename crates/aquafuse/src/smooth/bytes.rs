@@ -12,6 +12,7 @@ mod plain;
 
 use super::weights::{AHEAD, RADIUS, mirrored};
 use crate::bands;
+use crate::image::{Encoding, ImageMut, ImageRef};
 use crate::simd::Level;
 
 /// Pixels whose sums are made together.
@@ -22,23 +23,26 @@ const ROWS: usize = 2 * RADIUS + 1;
 const KEPT: usize = RADIUS + 1;
 /// Bits behind the point of a value.
 const PART: u32 = 5;
-/// Smooths an image of `width` columns into `smoothed`.
-pub(super) fn smooth(width: usize, values: &[u8], smoothed: &mut [u8]) {
-    smooth_by(Level::best(), width, values, smoothed);
+
+/// Smooths an image into another of its size.
+pub(super) fn smooth<E: Encoding>(image: ImageRef<'_, u8, E>, smoothed: ImageMut<'_, u8, E>) {
+    smooth_by(Level::best(), image, smoothed);
 }
 
-fn smooth_by(level: Level, width: usize, values: &[u8], smoothed: &mut [u8]) {
-    bands::for_each(smoothed, 3 * width, |first, band| {
-        Band { level, width, values, first, smoothed: band }.smooth();
+fn smooth_by<E: Encoding>(level: Level, image: ImageRef<'_, u8, E>, smoothed: ImageMut<'_, u8, E>) {
+    let stride = smoothed.stride();
+    bands::for_each(smoothed.into_samples(), stride, |first, band| {
+        Band { level, image, first, smoothed: band, stride }.smooth();
     });
 }
 
-struct Band<'a> {
+struct Band<'a, E: Encoding> {
     level: Level,
-    width: usize,
-    values: &'a [u8],
+    image: ImageRef<'a, u8, E>,
     first: usize,
     smoothed: &'a mut [u8],
+    /// Of what is smoothed.
+    stride: usize,
 }
 
 /// A row by channel, mirrored beyond both ends.
@@ -46,20 +50,20 @@ type Row = [Vec<i16>; 3];
 /// Weights of a row's pixels with those at each place ahead.
 type RowWeights = [Vec<i16>; AHEAD.len()];
 
-impl Band<'_> {
+impl<E: Encoding> Band<'_, E> {
     fn smooth(self) {
-        let Self { level, width, values, first, smoothed } = self;
-        let height = values.len() / (3 * width);
+        let Self { level, image, first, smoothed, stride } = self;
+        let (width, height) = image.size();
         // Whole vectors from any place of the window on.
         let padded = width.next_multiple_of(LANES) + 2 * (RADIUS + LANES);
         let mut rows: [Row; ROWS] = std::array::from_fn(|_| std::array::from_fn(|_| vec![0; padded]));
         let mut kept: [RowWeights; KEPT] = std::array::from_fn(|_| std::array::from_fn(|_| vec![0; padded]));
         let mut means: [Vec<u8>; 3] = std::array::from_fn(|_| vec![0; padded]);
-        let count = smoothed.len() / (3 * width);
+        let count = smoothed.len().div_ceil(stride);
         // Counted from the first row above the band that is read.
         for ahead in 0..count + 2 * RADIUS {
             let y = mirrored((first + ahead) as isize - RADIUS as isize, height);
-            split(level, &values[3 * width * y..][..3 * width], &mut rows[ahead % ROWS]);
+            split(level, image.row(y), &mut rows[ahead % ROWS]);
             let Some(row) = ahead.checked_sub(RADIUS) else { continue };
             for (place, &(dx, dy)) in AHEAD.iter().enumerate() {
                 let pair = [&rows[row % ROWS], &rows[(row + dy) % ROWS]];
@@ -67,14 +71,13 @@ impl Band<'_> {
             }
             let Some(done) = row.checked_sub(RADIUS) else { continue };
             average(level, &taps(row, &rows, &kept), width, &mut means);
-            join(level, &means, &mut smoothed[3 * width * done..][..3 * width]);
+            join(level, &means, &mut smoothed[stride * done..][..3 * width]);
         }
     }
 }
 
 /// Takes a row apart.
-fn split(level: Level, pixels: &[u8], row: &mut Row) {
-    let (pixels, _) = pixels.as_chunks::<3>();
+fn split(level: Level, pixels: &[[u8; 3]], row: &mut Row) {
     let width = pixels.len();
     let inside = row.each_mut().map(|channel| &mut channel[RADIUS..RADIUS + width]);
     match level {
@@ -174,19 +177,21 @@ mod tests {
     fn many_pixels_are_smoothed_as_one_is() {
         for (width, height) in [(1, 1), (1, 9), (2, 2), (3, 70), (15, 4), (16, 5), (17, 66), (67, 130)] {
             let image = noise(width, height);
-            let mean = |i: usize| super::super::mean_around(&image, i % width, i / width);
+            let mean = |i: usize| super::super::mean_around(image.view(), i % width, i / width);
             let exact: Vec<u8> = (0..width * height).flat_map(mean).collect();
-            let mut plain = vec![0; exact.len()];
-            smooth_by(Level::Plain, width, image.as_raw(), &mut plain);
+            let smoothed = |level| {
+                let mut smoothed = image.clone();
+                smooth_by(level, image.view(), smoothed.view_mut());
+                smoothed.into_raw()
+            };
+            let plain = smoothed(Level::Plain);
             // Means in whole numbers of 16 bits come out on the other side of a half now and then.
             let others = plain.iter().zip(&exact).filter(|(plain, exact)| plain != exact);
             let (mut count, mut most) = (0, 0);
             others.for_each(|(plain, exact)| (count, most) = (count + 1, most.max(plain.abs_diff(*exact))));
             assert!(most <= 1 && 20 * count <= exact.len(), "{count} of {}, by {most}", exact.len());
             for level in Level::all() {
-                let mut found = vec![0; exact.len()];
-                smooth_by(level, width, image.as_raw(), &mut found);
-                assert_eq!(found, plain, "{level:?}, {width}x{height}");
+                assert_eq!(smoothed(level), plain, "{level:?}, {width}x{height}");
             }
         }
     }

@@ -244,7 +244,10 @@ mod tests {
     use proptest::prelude::*;
 
     fn gathered(image: &Image<u8>, levels: &[u8]) -> Statistics<Encoded> {
-        Statistics::gather(image, &Quantised { levels: levels.into(), step: 1.0 / 255.0, beyond: None })
+        Statistics::gather(
+            image.view(),
+            &Quantised { levels: levels.into(), step: 1.0 / 255.0, beyond: None },
+        )
     }
 
     #[test]

@@ -11,11 +11,12 @@ mod published;
 mod veils;
 mod water_share;
 
+use super::Seen;
 use super::depth_factors::DepthFactors;
 use super::statistics::Statistics;
 use super::veiling_light::{Reading, VeilingLightSource};
 use crate::depth::{DepthMap, Quantised};
-use crate::image::{Encoding, Image};
+use crate::image::Encoding;
 use envelope::Point;
 use posterior::{Bell, Grid, Posterior, Trust, weigh};
 use veils::Veils;
@@ -142,7 +143,7 @@ const PUBLISHED_VEIL_DEVIATION: f32 = 0.3;
 
 /// The paper's fit: its veiling light is taken as it is.
 pub(super) fn fit_published<E: Encoding>(
-    image: &Image<u8>,
+    counted: Seen<'_>,
     quantised: &Quantised<'_>,
     statistics: &Statistics<E>,
     light: &Reading,
@@ -153,7 +154,7 @@ pub(super) fn fit_published<E: Encoding>(
         inside.then_some(level as f32 * quantised.step / statistics.z95)
     });
     let taus = even(RANGE[0].ln(), RANGE[1].ln(), 3 * COARSE);
-    let ln_tau = published::optical_depth::<E>(image, &quantised.levels, &z, veil, &taus);
+    let ln_tau = published::optical_depth::<E>(counted, &z, veil, &taus);
     Growth {
         veil,
         ln_veil_deviation: [PUBLISHED_VEIL_DEVIATION; 3],
@@ -182,7 +183,7 @@ fn even(from: f32, to: f32, count: usize) -> Vec<f32> {
 mod tests {
     use super::super::veiling_light::Places;
     use super::*;
-    use crate::image::{Encoded, Linear};
+    use crate::image::{Encoded, Image, Linear};
 
     /// Columns of rising depth, each with its share of things as dark as `floor`; the rest is bright.
     fn seen_through<E: Encoding>(beta: f32, veil: f32, floor: f32) -> (Image<u8>, Vec<u8>) {
@@ -214,7 +215,7 @@ mod tests {
 
     fn found<E: Encoding>(image: &Image<u8>, levels: &[u8], step: f32, light: &Reading) -> (Growth, f32) {
         let quantised = Quantised { levels: levels.into(), step, beyond: None };
-        let statistics = Statistics::<E>::gather(image, &quantised);
+        let statistics = Statistics::<E>::gather(image.view(), &quantised);
         let given = DepthMap::from_levels(image.width(), image.height(), levels.to_vec()).unwrap();
         (fit(&statistics, light, &given), statistics.z95)
     }
@@ -279,8 +280,13 @@ mod tests {
     fn the_published_fit_needs_black_and_is_right_with_it() {
         let (image, levels) = seen_through::<Encoded>(1.5, 0.6, 0.0);
         let quantised = Quantised { levels: (&levels[..]).into(), step: 1.0 / 255.0, beyond: None };
-        let statistics = Statistics::<Encoded>::gather(&image, &quantised);
-        let growth = fit_published(&image, &quantised, &statistics, &open_water(0.6));
+        let statistics = Statistics::<Encoded>::gather(image.view(), &quantised);
+        let growth = fit_published(
+            Seen { image: image.view(), levels: &quantised.levels },
+            &quantised,
+            &statistics,
+            &open_water(0.6),
+        );
         assert!((growth.coefficient[1] / 1.5 - 1.0).abs() < 0.1, "{}", growth.coefficient[1]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{EstimateOptions, Look, Seen, VeilingLight, attenuation, backscatter, look};
 use crate::depth::DepthMap;
-use crate::image::{Encoding, Image, SizeError};
+use crate::image::{Encoding, ImageRef, SizeError};
 
 /// What [`estimate`](super::estimate) read off an image on its way to the water.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,11 +51,12 @@ pub struct DepthBin {
 /// assert_eq!(seen.read_from.len(), 200);
 /// # Ok::<(), aquafuse::image::SizeError>(())
 /// ```
-pub fn evidence<E: Encoding>(
-    image: &Image<u8>,
+pub fn evidence<'a, E: Encoding>(
+    image: impl Into<ImageRef<'a, u8>>,
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Evidence, SizeError> {
+    let image = image.into();
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
     let whole = Seen { image, levels: &quantised.levels };
@@ -73,9 +74,5 @@ pub fn evidence<E: Encoding>(
             illumination: std::array::from_fn(|c| attenuation[c].illumination(direct[c])),
         }
     });
-    Ok(Evidence {
-        bins: bins.collect(),
-        z95: statistics.z95,
-        read_from: light.places.mask(image, &quantised.levels),
-    })
+    Ok(Evidence { bins: bins.collect(), z95: statistics.z95, read_from: light.places.mask(whole) })
 }

@@ -2,8 +2,9 @@
 
 use std::marker::PhantomData;
 
+use super::Seen;
 use crate::depth::{LEVELS, Quantised};
-use crate::image::{Encoding, Image};
+use crate::image::{Encoding, ImageRef};
 
 /// Bins over depth, equally full. The darkest things of a wide bin are those of its near end, which bends the
 /// curve; more bins leave too few pixels for a dark quantile in each.
@@ -40,7 +41,7 @@ pub(super) struct Dark {
 impl<E: Encoding> Statistics<E> {
     /// Counts `image` by its depth. What lies beyond the steps of depth tells the veiling light, but not how
     /// fast anything grows with distance: it joins no bin, unless there is nothing else.
-    pub(super) fn gather(image: &Image<u8>, depth: &Quantised<'_>) -> Self {
+    pub(super) fn gather(image: ImageRef<'_, u8>, depth: &Quantised<'_>) -> Self {
         let Quantised { levels, step, beyond } = depth;
         let mut counts = count(levels);
         let at_ends = [counts[0], counts[LEVELS - 1]].map(|count| count as f64 / levels.len().max(1) as f64);
@@ -59,17 +60,17 @@ impl<E: Encoding> Statistics<E> {
             level.unwrap_or(LEVELS - 1)
         };
         let whole = counts.iter().sum::<u64>().max(1);
-        let (mut seen, mut weighted, mut count) = (0, [0; BINS as usize], [0; BINS as usize]);
+        let (mut before, mut weighted, mut count) = (0, [0; BINS as usize], [0; BINS as usize]);
         // A level belongs where its middle pixel does.
         let bin_of: [u8; LEVELS] = std::array::from_fn(|level| {
-            let middle = 2 * seen + counts[level];
-            seen += counts[level];
+            let middle = 2 * before + counts[level];
+            before += counts[level];
             let bin = (middle * BINS / (2 * whole)).min(BINS - 1);
             weighted[bin as usize] += counts[level] * level as u64;
             count[bin as usize] += counts[level];
             bin as u8
         });
-        let values = count_by_bin(image.pixels(), levels, &bin_of, &counts);
+        let values = count_by_bin(Seen { image, levels }, &bin_of, &counts);
         let bins =
             values.into_iter().zip(count).zip(weighted).filter(|((_, count), _)| *count >= LEAST_PIXELS);
         let bin = |((values, count), weighted): ((_, u64), u64)| {
@@ -99,19 +100,14 @@ fn count(levels: &[u8]) -> [u64; LEVELS] {
     std::array::from_fn(|level| turns.iter().map(|turn| u64::from(turn[level])).sum())
 }
 
-/// Parts of an image that are counted side by side.
+/// Parts of a run of pixels that are counted side by side.
 const PARTS: usize = 4;
 
 /// Pixels of each value, by channel.
 type Values = [[u32; 256]; 3];
 
 /// Pixels of each value in each bin, those of levels without a count left out.
-fn count_by_bin(
-    pixels: &[[u8; 3]],
-    levels: &[u8],
-    bin_of: &[u8; LEVELS],
-    counts: &[u64; LEVELS],
-) -> Vec<Values> {
+fn count_by_bin(seen: Seen<'_>, bin_of: &[u8; LEVELS], counts: &[u64; LEVELS]) -> Vec<Values> {
     // One bin more for what is left out.
     let bins = BINS as usize + 1;
     let place: [u8; LEVELS] =
@@ -123,18 +119,20 @@ fn count_by_bin(
             values[usize::from(value)] += 1;
         }
     };
-    // As in `count`: pixels of four parts of the image take turns, which are seldom alike.
-    let part = pixels.len() / PARTS;
-    let (rest, rest_of_levels) = (&pixels[PARTS * part..], &levels[PARTS * part..]);
-    let parts: [_; PARTS] =
-        std::array::from_fn(|i| (&pixels[i * part..][..part], &levels[i * part..][..part]));
-    for i in 0..part {
-        for (pixels, levels) in parts {
-            add(&pixels[i], levels[i]);
+    for (pixels, levels) in seen.runs() {
+        // As in `count`: pixels of four parts take turns, which are seldom alike.
+        let part = pixels.len() / PARTS;
+        let (rest, rest_of_levels) = (&pixels[PARTS * part..], &levels[PARTS * part..]);
+        let parts: [_; PARTS] =
+            std::array::from_fn(|i| (&pixels[i * part..][..part], &levels[i * part..][..part]));
+        for i in 0..part {
+            for (pixels, levels) in parts {
+                add(&pixels[i], levels[i]);
+            }
         }
-    }
-    for (pixel, &level) in rest.iter().zip(rest_of_levels) {
-        add(pixel, level);
+        for (pixel, &level) in rest.iter().zip(rest_of_levels) {
+            add(pixel, level);
+        }
     }
     counted.truncate(BINS as usize);
     counted
@@ -191,14 +189,14 @@ impl<E: Encoding> Bin<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Encoded;
+    use crate::image::{Encoded, Image};
 
     #[test]
     fn a_bin_knows_its_quantiles_and_its_mean() {
         let samples: Vec<u8> = (0..100).flat_map(|v| [v, 2 * v, 100]).collect();
         let image = Image::from_raw(100, 1, samples).unwrap();
         let depth = Quantised { levels: vec![7; 100].into(), step: 0.5, beyond: None };
-        let statistics = Statistics::<Encoded>::gather(&image, &depth);
+        let statistics = Statistics::<Encoded>::gather(image.view(), &depth);
         let [bin] = &statistics.bins[..] else { panic!("flat depth is one bin") };
         assert_eq!((bin.z, statistics.z95), (3.5, 3.5));
         assert!((bin.quantile(0, 0.5) - 49.5).abs() < 1.0);

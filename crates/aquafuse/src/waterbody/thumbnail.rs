@@ -5,7 +5,7 @@
 
 use crate::bands;
 use crate::depth::Quantised;
-use crate::image::{Image, SizeError};
+use crate::image::{Image, ImageRef, SizeError};
 
 /// Pixels that are kept at least; of fewer than four times as many, none is left out.
 ///
@@ -22,7 +22,7 @@ pub(super) struct Thumbnail {
 
 impl Thumbnail {
     /// The thumbnail of a large image; none of one that is small enough as it is.
-    pub(super) fn of(image: &Image<u8>, depth: &Quantised<'_>, scratch: &mut Scratch) -> Option<Self> {
+    pub(super) fn of(image: ImageRef<'_, u8>, depth: &Quantised<'_>, scratch: &mut Scratch) -> Option<Self> {
         let stride = (image.width() * image.height() / ENOUGH).isqrt();
         (stride > 1)
             .then(|| Self::every(stride, image, depth, std::mem::take(scratch)).expect("the grid is full"))
@@ -30,7 +30,7 @@ impl Thumbnail {
 
     fn every(
         stride: usize,
-        image: &Image<u8>,
+        image: ImageRef<'_, u8>,
         depth: &Quantised<'_>,
         scratch: Scratch,
     ) -> Result<Self, SizeError> {
@@ -113,7 +113,7 @@ mod tests {
         {
             let image = Image::from_raw(width, height, vec![7; 3 * width * height]).unwrap();
             let depth = Quantised { levels: vec![9; width * height].into(), step: 0.1, beyond: None };
-            let thumbnail = Thumbnail::of(&image, &depth, &mut Scratch::default());
+            let thumbnail = Thumbnail::of(image.view(), &depth, &mut Scratch::default());
             assert_eq!(thumbnail.is_some(), thinned, "{width}x{height}");
             if let Some(Thumbnail { image, depth }) = thumbnail {
                 let pixels = image.pixels().len();
@@ -134,9 +134,9 @@ mod tests {
             let image = scene.seen_through(&named.water).to_samples();
             let z = depth::estimate(&image);
             let quantised = z.quantised();
-            let whole = Seen { image: &image, levels: &quantised.levels };
+            let whole = Seen { image: image.view(), levels: &quantised.levels };
             let options = EstimateOptions::default();
-            let all: Estimate = estimate_from(whole, &image, &quantised, &z, &options);
+            let all: Estimate = estimate_from(whole, image.view(), &quantised, &z, &options);
             let some: Estimate = estimate(&image, &z, &options).unwrap();
             for c in 0..3 {
                 let [veil, found] = [all, some].map(|one| one.water.veiling_light.rgb()[c]);

@@ -55,13 +55,13 @@ pub(super) use published::read_things;
 /// Reads the veiling light of an image, with all fallbacks: open water in the whole of it, the farthest pixels in the
 /// part that is counted. `given` depth is not from colour.
 pub(super) fn read(whole: Seen<'_>, counted: Seen<'_>, given: bool, options: &EstimateOptions) -> Reading {
-    let (Seen { image, levels }, top) = (counted, options.top);
+    let top = options.top;
     let open_water = match options.veiling_light {
         VeilingLightMethod::OpenWater => open_water::read(whole.image, whole.levels),
-        VeilingLightMethod::Published => return published::read(image, levels, top),
+        VeilingLightMethod::Published => return published::read(counted, top),
     };
     open_water.unwrap_or_else(|| match given {
-        true => published::read_things(image, levels, top),
-        false => published::read(image, levels, top),
+        true => published::read_things(counted, top),
+        false => published::read(counted, top),
     })
 }

@@ -3,12 +3,13 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+use aquafuse::Fuser;
 use aquafuse::depth::{self, DepthMap};
 use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
 use aquafuse::fusion::{self, Bounded};
 use aquafuse::image::{Encoded, Image, SizeError};
 use aquafuse::smooth::{Smoothing, bilateral_into};
-use aquafuse::stream::{Options, Stream};
+use aquafuse::stream::Stream;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::{self, Estimate};
 use clap::ValueEnum;
@@ -90,8 +91,7 @@ impl Images {
         smoothing: Smoothing,
         frames: Option<u32>,
     ) -> Result<Speed, SizeError> {
-        let options = Options { smoothing, ..Options::default() };
-        let mut stream = Stream::new(estimate(&self.reference)?.1, options);
+        let mut stream = Stream::new(Fuser::new(&self.reference)?.smoothing(smoothing));
         let mut fused = self.content.clone();
         self.speed(frames, || {
             if let Reference::Estimated = reference {

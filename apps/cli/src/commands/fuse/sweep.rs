@@ -7,11 +7,11 @@ use aquafuse::fusion::{Gain, Incidence, Options};
 use aquafuse::image::Image;
 use aquafuse::waterbody::Estimate;
 use aquafuse_data::batch::Item;
+use aquafuse_data::drawing::{Cell, contact_sheet};
 use aquafuse_data::files::{display, make_folder_of, remove_stale_parts};
 use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
 use aquafuse_data::pipeline::analyse;
 use aquafuse_data::pipeline::{Operation, Space};
-use aquafuse_data::sheet::{Cell, lay_out};
 
 use crate::args::batch::BatchArguments;
 use crate::args::common::Common;
@@ -65,10 +65,10 @@ impl Sweep {
     /// Each value's caption, and the options with it.
     fn steps(&self, options: Options) -> Vec<(String, Options)> {
         let theta = |(said, incidence): &(String, Incidence)| {
-            (format!("theta {said}"), Options { incidence: *incidence, ..options })
+            (format!("θ = {said}°"), Options { incidence: *incidence, ..options })
         };
         let alpha =
-            |(said, gain): &(String, Gain)| (format!("alpha {said}"), Options { gain: *gain, ..options });
+            |(said, gain): &(String, Gain)| (format!("α = {said}"), Options { gain: *gain, ..options });
         match self {
             Self::Theta(values) => values.iter().map(theta).collect(),
             Self::Alpha(values) => values.iter().map(alpha).collect(),
@@ -107,7 +107,7 @@ impl Sweep {
         }
         let (width, height) = cells[0].image.as_ref().map_or((1, 1), Image::size);
         let room = (u64::from(WIDTH) * height as u64 / width as u64).clamp(1, 4 * u64::from(WIDTH)) as u32;
-        let strip = ImageFile::new(lay_out(&[cells], WIDTH, room));
+        let strip = ImageFile::new(contact_sheet(&[cells], WIDTH, room).map_err(Failure::work)?);
         remove_stale_parts(make_folder_of(&item.output)?);
         strip.write(&item.output, &WriteOptions { overwrite: batch.overwrite, quality: batch.quality })?;
         if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&item.output))) }

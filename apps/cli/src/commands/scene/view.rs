@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse_data::base64;
 use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts, write_text};
 use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
@@ -11,6 +10,8 @@ use aquafuse_scene::files::read_cameras;
 use aquafuse_scene::medium::Medium;
 use aquafuse_scene::model::Model;
 use aquafuse_scene::splats::Splats;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -103,7 +104,7 @@ impl View {
             &[
                 ("title", &escaped(&display(name).to_string())),
                 ("scene", &scene),
-                ("splats", &base64(&packed(splats))),
+                ("splats", &BASE64_STANDARD.encode(packed(splats))),
                 ("viewer", VIEWER),
                 ("controls", CONTROLS),
             ],

@@ -18,7 +18,7 @@ use parquet::basic::Compression;
 use parquet::file::metadata::{ColumnChunkMetaData, KeyValue};
 use parquet::file::reader::ChunkReader;
 
-use super::{footer, memory};
+use super::limits;
 use crate::files::catch_panic;
 use crate::files::{FileError, one_line};
 use crate::image_file::ReadOptions;
@@ -55,7 +55,7 @@ impl Table {
     fn of<R: ChunkReader + 'static>(path: &Path, from: R, options: &ReadOptions) -> Result<Self, FileError> {
         let damaged = |cause: String| FileError::Damaged { path: path.to_owned(), cause };
         let bytes = from.len();
-        footer::check(&from).map_err(|error| damaged(one_line(&error.to_string())))?;
+        limits::check_footer(&from).map_err(|error| damaged(one_line(&error.to_string())))?;
         let loaded = catch_panic(|| ArrowReaderMetadata::load(&from, ArrowReaderOptions::new()));
         let loaded = loaded.ok_or_else(|| damaged(FELL.into()))?;
         let loaded = loaded.map_err(|error| damaged(one_line(&error.to_string())))?;
@@ -63,7 +63,7 @@ impl Table {
         for group in metadata.row_groups() {
             let (said, most) =
                 (u64::try_from(group.total_byte_size()).unwrap_or(u64::MAX), options.max_memory);
-            let needed = catch_panic(|| memory::needed(&from, group, ROWS as u64, most));
+            let needed = catch_panic(|| limits::needed(&from, group, ROWS as u64, most));
             let needed = needed.ok_or_else(|| damaged(FELL.into()))?;
             let needed = needed.map_err(|error| match error.kind() {
                 ErrorKind::Unsupported => FileError::UnsupportedPixels {

@@ -1,5 +1,8 @@
-//! From scores to tables: a row for all contents and one for each group, method by method.
+//! The scores of a pair, and their tables: a row for all contents and one for each group, method by method.
 
+use aquafuse::depth::DepthModel;
+use aquafuse::image::Image;
+use aquafuse::metrics::{DepthRmse, depth_rmse, psnr, ssim};
 use serde_json::json;
 
 use super::{Fusion, Scored};
@@ -9,7 +12,7 @@ use crate::evaluate::statistics::summarise;
 use crate::evaluate::{Failed, Lpips, Method};
 use crate::pipeline::Space;
 
-/// The scores, in the order of [`Likeness::values`](super::Likeness::values).
+/// The scores, in the order of [`Likeness::values`].
 const SCORES: [Score; 6] = [
     Score { key: "psnr", title: "PSNR, dB", digits: 2, shown: Shown::MeanAndVariance },
     Score { key: "ssim", title: "SSIM", digits: 3, shown: Shown::MeanAndVariance },
@@ -27,6 +30,39 @@ const ABOUT: &str = "Each content was fused with references, and each result com
     channels, SSIM of luma, and the RMSE of Eq. 3 depth estimated again, on both scales; depth consistency is 100 % less \
     that. A high score says that little was lost, not that the water is right. Cells: mean ± variance over all pairs \
     of the row and, in brackets, where the mean lies in 95 of 100 resamplings of whole contents.";
+
+/// How much an image looks like its content, by the paper's scores.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Likeness {
+    /// Of all channels, in dB; infinite where nothing changed.
+    pub(super) psnr: f64,
+    /// Of luma.
+    pub(super) ssim: f64,
+    /// Of Eq. 3 depth estimated again.
+    pub(super) depth: DepthRmse,
+    /// LPIPS, where there is a network for it.
+    pub(super) lpips: Option<f64>,
+}
+
+impl Likeness {
+    /// Compares an image with its content, of the same size; none where they are too small for SSIM.
+    pub(super) fn of(content: &Image<u8>, made: &Image<u8>) -> Option<Self> {
+        const SAME: &str = "results have the size of their content";
+        Some(Self {
+            psnr: psnr(content, made).expect(SAME),
+            ssim: ssim(content, made).expect(SAME)?,
+            depth: depth_rmse(content, made, DepthModel::default()).expect(SAME),
+            lpips: None,
+        })
+    }
+
+    /// PSNR, SSIM, depth RMSE in percent and in levels, depth consistency and LPIPS: the columns of the tables, in the order of [`SCORES`].
+    pub(super) fn values(&self) -> [Option<f64>; 6] {
+        let Self { psnr, ssim, depth, lpips } = self;
+        let depth = [depth.percent(), depth.levels(), depth.consistency()];
+        [Some(*psnr), Some(*ssim), Some(depth[0]), Some(depth[1]), Some(depth[2]), *lpips]
+    }
+}
 
 impl Fusion {
     pub(super) fn report<E: Space>(

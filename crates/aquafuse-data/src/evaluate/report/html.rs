@@ -1,11 +1,11 @@
 //! HTML: one page that needs nothing else, with plots, and images to look at.
 
-mod plot;
-
 use std::fmt::Write;
 
 use super::image::data_uri;
-use super::{Report, Shown, Strip, Table, markdown};
+use super::{Cell, Report, Score, Shown, Strip, Table, markdown};
+use crate::drawing::{Mean, means};
+use crate::evaluate::Summary;
 
 const STYLE: &str = "\
 :root { color-scheme: light dark; --ink: #1d2429; --paper: #fbfbf9; --faint: #d9dcda; --pale: #f0f2f0 }
@@ -19,7 +19,7 @@ th, td { text-align: left; padding: .25rem .7rem; border-bottom: 1px solid var(-
 th { border-bottom: 2px solid var(--ink) } tbody tr:nth-child(even) { background: var(--pale) }
 .plots { display: flex; flex-wrap: wrap; gap: 1.5rem } figure { margin: 0 }
 figcaption { font-size: .82rem; max-width: 216px; overflow-wrap: anywhere }
-svg text { fill: var(--ink); font: 12px system-ui, sans-serif } svg .title { font-weight: 600 }
+svg text { fill: var(--ink); font-family: system-ui, sans-serif } svg [stroke=\"#D9DCDA\"] { stroke: var(--faint) }
 .strip { display: flex; flex-wrap: wrap; gap: .6rem; margin-bottom: 1.6rem } .strip img { display: block; border-radius: 3px }
 .failed li { overflow-wrap: anywhere }
 ";
@@ -84,7 +84,7 @@ fn plots(text: &mut String, table: &Table) {
         .iter()
         .enumerate()
         .filter(|(_, score)| matches!(score.shown, Shown::MeanAndVariance | Shown::Mean))
-        .filter_map(|(place, score)| plot::means(table, place, score))
+        .filter_map(|(place, score)| plot(table, place, score))
         .collect();
     if !drawn.is_empty() {
         let _ = writeln!(
@@ -95,11 +95,36 @@ fn plots(text: &mut String, table: &Table) {
     }
 }
 
+/// Draws one score of a table; none where fewer than two rows have it, or none an interval.
+fn plot(table: &Table, place: usize, score: &Score) -> Option<String> {
+    let mut methods: Vec<&str> = Vec::new();
+    let (mut points, mut any_interval) = (Vec::new(), false);
+    for row in &table.rows {
+        let Cell::Summary(Summary { mean, interval, .. }) = row.cells.get(place)? else { continue };
+        any_interval |= interval.is_some();
+        let method = row.labels.first().map(String::as_str).unwrap_or_default();
+        let known = methods.iter().position(|other| *other == method);
+        let group = known.unwrap_or_else(|| {
+            methods.push(method);
+            methods.len().saturating_sub(1)
+        });
+        let label = row.labels.join(", ").replace('`', "");
+        points.push(Mean { label, group, mean: *mean, interval: interval.unwrap_or([*mean; 2]) });
+    }
+    points.retain(|point| point.interval.iter().all(|end| end.is_finite()) && point.mean.is_finite());
+    if points.len() < 2 || !any_interval {
+        return None;
+    }
+    let svg =
+        means(score.title, &points).expect("a string takes all that is drawn, and the font is built in");
+    Some(format!("<figure>{svg}</figure>\n"))
+}
+
 fn strips(text: &mut String, gallery: &[Strip]) {
     if gallery.is_empty() {
         return;
     }
-    text.push_str("<h2>Pictures</h2>\n");
+    text.push_str("<h2>Images</h2>\n");
     for strip in gallery {
         let _ = writeln!(text, "<p>{}</p>\n<div class=\"strip\">", escaped(&strip.caption));
         for (caption, image) in &strip.images {

@@ -3,9 +3,9 @@
 use ::image::RgbImage;
 use ::image::imageops::{FilterType, resize};
 use aquafuse::image::Image;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
-
-use crate::base64;
 
 /// The most columns and rows of a small image.
 const ROOM: [u32; 2] = [216, 162];
@@ -37,7 +37,7 @@ pub(super) fn data_uri(image: &Image<u8>) -> String {
     encoder.set_sampling_factor(SamplingFactor::F_1_1);
     let written = encoder.encode(image.as_raw(), width, height, ColorType::Rgb);
     written.expect("a small image of bytes fits into a JPEG");
-    format!("data:image/jpeg;base64,{}", base64(&jpeg))
+    format!("data:image/jpeg;base64,{}", BASE64_STANDARD.encode(&jpeg))
 }
 
 #[cfg(test)]

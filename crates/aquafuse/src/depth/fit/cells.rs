@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::LabelError;
 use crate::depth::Eq3;
 use crate::depth::median;
-use crate::image::{Image, Sample, SizeError};
+use crate::image::{ImageRef, Sample, SizeError};
 
 /// Cells along each side of the (R, M) plane.
 const SIDE: usize = 64;
@@ -52,19 +52,19 @@ fn place(byte: u8) -> usize {
 
 impl LabelledImage {
     pub(super) fn gather<T: Sample>(
-        image: &Image<T>,
+        image: ImageRef<'_, T>,
         distances: &[f32],
         weight: f64,
     ) -> Result<Self, LabelError> {
         let (width, height) = image.size();
-        let expected = image.pixels().len();
+        let expected = width * height;
         if distances.len() != expected {
             return Err(SizeError::Buffer { width, height, expected, found: distances.len() }.into());
         }
         // Depth is the median of the model over 7x7 pixels, and each term rises or falls throughout: noise
         // that the median takes away must not bend the curves either.
         let plane = |of: fn([u8; 3]) -> u8| {
-            let bytes: Vec<u8> = image.pixels().iter().map(|pixel| of(pixel.map(T::to_byte))).collect();
+            let bytes: Vec<u8> = image.pixels().map(|pixel| of(pixel.map(T::to_byte))).collect();
             median::filtered(width, &bytes)
         };
         let (red, max) = (plane(|[r, _, _]| r), plane(|[_, g, b]| g.max(b)));

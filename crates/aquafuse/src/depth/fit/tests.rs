@@ -1,6 +1,7 @@
 use super::*;
 use crate::depth::DepthModel;
 use crate::depth::median;
+use crate::image::Image;
 use crate::truth::{Scene, Size, waters};
 use proptest::prelude::*;
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::depth::DepthModel;
+use crate::image::Image;
 use crate::metrics::spearman;
 use crate::truth::{Scene, Size, waters};
 use proptest::prelude::*;
@@ -59,7 +60,7 @@ proptest! {
 #[test]
 fn an_image_of_one_colour_is_ordered_by_height_alone() {
     let image = Image::<u8>::from_raw(40, 101, vec![90; 40 * 101 * 3]).unwrap();
-    let levels = levels(&image, TopEdge::First);
+    let levels = levels(image.view(), TopEdge::First);
     let rows: Vec<u8> = levels.chunks(40).map(|row| row[0]).collect();
     assert!(levels.chunks(40).zip(&rows).all(|(row, first)| row.iter().all(|level| level == first)));
     assert!(rows.is_sorted_by(|upper, lower| upper >= lower));
@@ -70,7 +71,7 @@ fn an_image_of_one_colour_is_ordered_by_height_alone() {
 #[test]
 fn one_pixel_is_near() {
     let image = Image::<u8>::from_raw(1, 1, vec![9, 80, 70]).unwrap();
-    assert_eq!(levels(&image, TopEdge::First), [0]);
+    assert_eq!(levels(image.view(), TopEdge::First), [0]);
 }
 
 #[test]

@@ -1,4 +1,5 @@
 use super::*;
+use crate::image::Image;
 use proptest::prelude::*;
 
 const SIDE: usize = 24;

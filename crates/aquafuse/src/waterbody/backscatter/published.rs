@@ -1,6 +1,7 @@
 //! The paper's way: the darkest pixels stand for black.
 
-use crate::image::{Encoding, Image};
+use crate::image::Encoding;
+use crate::waterbody::Seen;
 
 /// Share of the image that is taken for black. The paper says 1-5 %; fewest are blackest.
 const DARKEST: f64 = 0.01;
@@ -12,29 +13,28 @@ const NOISE: f32 = 0.03;
 ///
 /// `z` is what each level of depth is in units of z95; levels without one are left out.
 pub(super) fn optical_depth<E: Encoding>(
-    image: &Image<u8>,
-    levels: &[u8],
+    seen: Seen<'_>,
     z: &[Option<f32>; 256],
     veil: [f32; 3],
     taus: &[f32],
 ) -> [f32; 3] {
     let brightness = |pixel: &[u8; 3]| pixel.iter().map(|&value| usize::from(value)).sum::<usize>();
     let mut counts = [0_u64; 3 * 255 + 1];
-    for (pixel, &level) in image.pixels().iter().zip(levels) {
+    for (pixel, level) in seen.pixels() {
         if z[usize::from(level)].is_some() {
             counts[brightness(pixel)] += 1;
         }
     }
     let wanted = DARKEST * counts.iter().sum::<u64>() as f64;
-    let mut seen = 0;
+    let mut passed = 0;
     let darkest = counts.iter().position(|count| {
-        seen += count;
-        seen as f64 >= wanted
+        passed += count;
+        passed as f64 >= wanted
     });
     let darkest = darkest.unwrap_or(0);
     // Sums a level: pixels of one depth share one point of the curve.
     let mut sums = [(0_u64, [0_u64; 3]); 256];
-    for (pixel, &level) in image.pixels().iter().zip(levels) {
+    for (pixel, level) in seen.pixels() {
         if z[usize::from(level)].is_some() && brightness(pixel) <= darkest {
             let (count, values) = &mut sums[usize::from(level)];
             *count += 1;

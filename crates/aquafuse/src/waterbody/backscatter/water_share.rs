@@ -72,7 +72,7 @@ mod tests {
         let levels: Vec<u8> =
             (0..8000_u32).map(|i| if i < 4000 { 80 } else { 140 } + (i % 16) as u8).collect();
         let quantised = Quantised { levels: levels.into(), step: 1.0 / 255.0, beyond: None };
-        let statistics = Statistics::<Encoded>::gather(&image, &quantised);
+        let statistics = Statistics::<Encoded>::gather(image.view(), &quantised);
         let read = water.map(|value| f32::from(value) / 255.0);
         let light = Reading {
             rgb: read,

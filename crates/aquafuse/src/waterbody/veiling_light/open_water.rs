@@ -7,7 +7,7 @@ use std::ops::{AddAssign, Range};
 
 use crate::bands;
 use crate::depth::LEVELS;
-use crate::image::Image;
+use crate::image::ImageRef;
 use crate::simd;
 
 use super::hue::is_bluish_green;
@@ -42,7 +42,7 @@ const NEAR: f32 = 12.0;
 /// The commonest colour of smooth cells; none if few of all cells have it.
 ///
 /// Cells count by the square of their rank in depth: of two smooth colours the farther is the water.
-pub(super) fn read(image: &Image<u8>, levels: &[u8]) -> Option<Reading> {
+pub(super) fn read(image: ImageRef<'_, u8>, levels: &[u8]) -> Option<Reading> {
     let grid = Grid::new(image, levels);
     let cells = &grid.cells;
     let enough = smoothness(cells);
@@ -179,7 +179,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(image: &Image<u8>, levels: &[u8]) -> Self {
+    fn new(image: ImageRef<'_, u8>, levels: &[u8]) -> Self {
         let (width, height) = image.size();
         let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
         let (columns, rows) = (borders(width, side), borders(height, side));
@@ -216,7 +216,7 @@ impl Grid {
 }
 
 /// The cells between these borders of columns and rows, row by row.
-fn cells_of(image: &Image<u8>, levels: &[u8], columns: &[usize], rows: &[usize]) -> Vec<Cell> {
+fn cells_of(image: ImageRef<'_, u8>, levels: &[u8], columns: &[usize], rows: &[usize]) -> Vec<Cell> {
     let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
     let mut sums = ColumnSums::new(image.width());
     for rows in rows.windows(2) {
@@ -305,7 +305,7 @@ fn sums<T: Copy + Default + From<u32> + AddAssign>(values: &[u32], squares: &[u3
 
 struct AddRows<'a> {
     sums: &'a mut ColumnSums,
-    image: &'a Image<u8>,
+    image: ImageRef<'a, u8>,
     levels: &'a [u8],
     rows: Range<usize>,
 }
@@ -339,6 +339,7 @@ fn median(mut values: Vec<f32>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
     use proptest::prelude::*;
 
     #[test]
@@ -351,7 +352,7 @@ mod tests {
         let samples = (0..100).flat_map(|y| (0..150).flat_map(move |x| at(x, y))).collect();
         let levels: Vec<u8> = (0..100).flat_map(|y| [if y < 30 { 80 } else { 200 }; 150]).collect();
         let image = Image::from_raw(150, 100, samples).unwrap();
-        let Reading { rgb, share, .. } = read(&image, &levels).unwrap();
+        let Reading { rgb, share, .. } = read(image.view(), &levels).unwrap();
         let bytes = rgb.map(|value| (value * 255.0).round() as u8);
         assert_eq!(bytes, [20, 120, 160]);
         assert!(share > 0.25 && share < 0.35, "{share}");
@@ -361,7 +362,7 @@ mod tests {
     fn without_a_smooth_place_there_is_no_open_water() {
         let samples = (0..96 * 96).flat_map(|i| [40, (i * 37 % 120) as u8 + 60, (i * 91 % 100) as u8 + 90]);
         let image = Image::from_raw(96, 96, samples.collect()).unwrap();
-        assert!(read(&image, &[128; 96 * 96]).is_none_or(|found| found.share < 0.2));
+        assert!(read(image.view(), &[128; 96 * 96]).is_none_or(|found| found.share < 0.2));
     }
 
     proptest! {

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::corners::in_corners;
 use super::hue::is_bluish_green;
-use crate::image::{Image, TopEdge};
+use crate::image::TopEdge;
+use crate::waterbody::Seen;
 
 /// Where a reading comes from, small enough to travel with it.
 pub(in crate::waterbody) enum Places {
@@ -18,12 +19,11 @@ pub(in crate::waterbody) enum Places {
 
 impl Places {
     /// Whether each pixel was read, row by row from the top.
-    pub(in crate::waterbody) fn mask(&self, image: &Image<u8>, levels: &[u8]) -> Vec<bool> {
-        let (width, height) = image.size();
-        let pixels = image.pixels();
+    pub(in crate::waterbody) fn mask(&self, seen: Seen<'_>) -> Vec<bool> {
+        let (width, height) = seen.image.size();
         match self {
             Self::Cells(cells) => {
-                let mut mask = vec![false; pixels.len()];
+                let mut mask = vec![false; width * height];
                 for [columns, rows] in cells {
                     for y in rows.clone() {
                         mask[y * width + columns.start..y * width + columns.end].fill(true);
@@ -32,13 +32,13 @@ impl Places {
                 mask
             }
             Self::Far { nearest, of_any_colour } => {
-                let read = |(pixel, level)| level >= nearest && (*of_any_colour || is_bluish_green(pixel));
-                pixels.iter().zip(levels).map(read).collect()
+                let read = |(pixel, level)| level >= *nearest && (*of_any_colour || is_bluish_green(pixel));
+                seen.pixels().map(read).collect()
             }
             Self::Corners(edge) => {
                 let inside = in_corners((width, height), *edge);
                 let read = |(i, pixel)| inside(i % width, i / width) && is_bluish_green(pixel);
-                pixels.iter().enumerate().map(read).collect()
+                seen.image.pixels().enumerate().map(read).collect()
             }
         }
     }

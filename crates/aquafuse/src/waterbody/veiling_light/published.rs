@@ -6,7 +6,8 @@ use super::hue::is_bluish_green;
 use super::places::Places;
 use super::reading::{ROUNDING, Reading, VeilingLightSource};
 use crate::depth::LEVELS;
-use crate::image::{Image, TopEdge};
+use crate::image::TopEdge;
+use crate::waterbody::Seen;
 
 /// Share of the image the paper takes from the far end. Less follows noise, more reaches objects.
 const FARTHEST_SHARE: f64 = 0.05;
@@ -17,15 +18,15 @@ const FEW_PIXELS: u64 = 100;
 const DARK: f64 = 0.05;
 
 /// Median of the farthest bluish-green pixels, with the paper's fallbacks in its order.
-pub(super) fn read(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Reading {
-    read_by(image, levels, top, |histogram, _| histogram.median())
+pub(super) fn read(seen: Seen<'_>, top: TopEdge) -> Reading {
+    read_by(seen, top, |histogram, _| histogram.median())
 }
 
 /// The same where open water was looked for and not found, and depth is given: what is farthest is then a thing, brighter
 /// than the water by its own light. Halfway from its darkest to its median is nearer to the water. What depth from colour
 /// takes for farthest may as well be water that was not found smooth, and halfway is too dark for that.
-pub(in crate::waterbody) fn read_things(image: &Image<u8>, levels: &[u8], top: TopEdge) -> Reading {
-    read_by(image, levels, top, |histogram, source| match source {
+pub(in crate::waterbody) fn read_things(seen: Seen<'_>, top: TopEdge) -> Reading {
+    read_by(seen, top, |histogram, source| match source {
         VeilingLightSource::Farthest | VeilingLightSource::Unfiltered => {
             let (dark, median) = (histogram.quantile(DARK), histogram.median());
             std::array::from_fn(|c| 0.5 * (dark[c] + median[c]))
@@ -35,18 +36,16 @@ pub(in crate::waterbody) fn read_things(image: &Image<u8>, levels: &[u8], top: T
 }
 
 fn read_by(
-    image: &Image<u8>,
-    levels: &[u8],
+    seen: Seen<'_>,
     top: TopEdge,
     colour: impl Fn(&Histogram, VeilingLightSource) -> [f32; 3],
 ) -> Reading {
     use VeilingLightSource::{BottomCorners, Farthest, TopCorners, Unfiltered};
-    let pixels = image.pixels();
     let far = |of_any_colour| {
-        let (nearest, histogram) = farthest(pixels, levels, |pixel| of_any_colour || is_bluish_green(pixel));
+        let (nearest, histogram) = farthest(seen, |pixel| of_any_colour || is_bluish_green(pixel));
         (Places::Far { nearest, of_any_colour }, histogram)
     };
-    let at = |edge| (Places::Corners(edge), corners(image, edge));
+    let at = |edge| (Places::Corners(edge), corners(seen.image, edge));
     let attempts = [(Farthest, None), (TopCorners, Some(top)), (BottomCorners, Some(top.opposite()))];
     let usable = attempts.into_iter().find_map(|(source, edge)| {
         let (places, histogram) = edge.map_or_else(|| far(false), at);
@@ -59,7 +58,7 @@ fn read_by(
     Reading {
         rgb: colour(&histogram, source),
         source,
-        share: histogram.count as f64 / pixels.len() as f64,
+        share: histogram.count as f64 / seen.levels.len() as f64,
         places,
         standard_error: [0.0; 3],
         level: None,
@@ -73,14 +72,14 @@ fn read_by(
 /// It stops at the median depth: what is nearer than half of the image is not far, whatever its colour,
 /// and a bluish fish must not pass for the water. (Without the stop the corners could never be reached:
 /// they hold no pixel that the far end would not have taken first.)
-fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) -> (u8, Histogram) {
+fn farthest(seen: Seen<'_>, keep: impl Fn(&[u8; 3]) -> bool) -> (u8, Histogram) {
     let mut all = [0_u64; LEVELS];
     let mut kept = [0_u64; LEVELS];
-    for (pixel, &level) in pixels.iter().zip(levels) {
+    for (pixel, level) in seen.pixels() {
         all[usize::from(level)] += 1;
         kept[usize::from(level)] += u64::from(keep(pixel));
     }
-    let total = pixels.len() as f64;
+    let total = seen.levels.len() as f64;
     let (mut passed, mut taken) = (0, 0);
     let nearest_taken = (0..LEVELS).rev().find(|&level| {
         passed += all[level];
@@ -89,7 +88,7 @@ fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) 
     });
     let nearest_taken = nearest_taken.unwrap_or(0);
     let mut histogram = Histogram::default();
-    for (pixel, &level) in pixels.iter().zip(levels) {
+    for (pixel, level) in seen.pixels() {
         if usize::from(level) >= nearest_taken && keep(pixel) {
             histogram.add(pixel);
         }
@@ -100,6 +99,7 @@ fn farthest(pixels: &[[u8; 3]], levels: &[u8], keep: impl Fn(&[u8; 3]) -> bool) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Image;
 
     const WATER: [u8; 3] = [10, 100, 150];
     const PAINT: [u8; 3] = [200, 250, 10];
@@ -123,7 +123,7 @@ mod tests {
     fn the_farthest_five_percent_are_read() {
         let (image, levels) =
             paint(|_, y| if y < 3 { [9, 99, 149] } else { WATER }, |_, y| if y < 3 { 200 } else { 50 });
-        let found = read(&image, &levels, TopEdge::First);
+        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Farthest);
         assert!((found.share - 0.075).abs() < 1e-6);
         assert!(bytes(&found).iter().zip([9.0, 99.0, 149.0]).all(|(a, b)| (a - b).abs() < 1e-3));
@@ -133,14 +133,14 @@ mod tests {
     fn a_hundred_pixels_are_not_enough() {
         // Two of forty rows are 5 % of the pixels, but only 80 of them.
         let (image, levels) = paint(|_, _| WATER, |_, y| if y < 2 { 200 } else { 50 });
-        let found = read(&image, &levels, TopEdge::First);
+        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::TopCorners);
     }
 
     #[test]
     fn a_saturated_level_is_taken_whole_and_reported() {
         let (image, levels) = paint(|_, _| WATER, |_, y| if y < 30 { 255 } else { 10 });
-        let found = read(&image, &levels, TopEdge::First);
+        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
         assert!((found.share - 0.75).abs() < 1e-6);
     }
 
@@ -148,7 +148,7 @@ mod tests {
     fn paint_at_the_far_end_is_passed_over() {
         let (image, levels) =
             paint(|_, y| if y < 4 { PAINT } else { WATER }, |_, y| if y < 4 { 255 } else { 100 });
-        let found = read(&image, &levels, TopEdge::First);
+        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Farthest);
         assert!((bytes(&found)[2] - 150.0).abs() < 1e-3);
     }
@@ -159,16 +159,16 @@ mod tests {
         let half = |y: usize| y < 20;
         let (image, levels) =
             paint(|_, y| if half(y) { WATER } else { PAINT }, |_, y| if half(y) { 10 } else { 200 });
-        let found = read(&image, &levels, TopEdge::First);
+        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::TopCorners);
-        let found = read(&image, &levels, TopEdge::Last);
+        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::Last);
         assert_eq!(found.source, VeilingLightSource::BottomCorners);
     }
 
     #[test]
     fn when_nothing_is_water_the_far_end_is_read_unfiltered() {
         let (image, levels) = paint(|x, _| if x > 36 { [9, 5, 9] } else { PAINT }, |x, _| x as u8);
-        let found = read(&image, &levels, TopEdge::First);
+        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Unfiltered);
         assert!((bytes(&found)[1] - 5.0).abs() < 1e-3);
     }

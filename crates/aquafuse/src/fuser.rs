@@ -1,0 +1,355 @@
+//! The front door: one image in another's water, every step within its safety bounds.
+
+use std::borrow::Cow;
+
+use crate::depth::{DepthMap, DepthModel};
+use crate::fusion::{self, Bounded, Bounds, Clipping, Gain, Incidence, Model, OptionError};
+use crate::image::{Image, ImageMut, ImageRef, Sample, SizeError, check_same_size};
+use crate::smooth::{self, Smoothing};
+use crate::waterbody::{self, Estimate, EstimateOptions, Scratch, Waterbody};
+
+/// Fuses images with the water of one reference.
+///
+/// It estimates depth and water of the content, bounds the fusion by what both estimates are worth
+/// ([`Bounded`]), and fuses. The [`Report`] says how good the content's estimate is, which bounds acted and how many
+/// values were clipped. The modules [`depth`](crate::depth), [`waterbody`] and [`fusion`] do the same one by one,
+/// for those who need something between the steps; [`Stream`](crate::stream::Stream) does it for video.
+///
+/// Images are views ([`ImageRef`]), `&`[`Image`], or what converts to a view. Values are encoded (sRGB); the steps one
+/// by one also work in linear light.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{Fuser, fusion::Model, truth};
+///
+/// let size = truth::Size { width: 96, height: 64 };
+/// let [blue, green] = [0, 1].map(|i| truth::waters()[i].water);
+/// let content = truth::Scene::new(1, size).seen_through(&blue);
+/// let reference = truth::Scene::new(2, size).seen_through(&green);
+///
+/// let fuser = Fuser::new(&reference)?.model(Model::Physical).theta(30.0)?;
+/// let fused = fuser.fuse(&content)?;
+/// assert_eq!(fused.image.size(), (96, 64));
+/// println!("{:?}, bounds: {:?}", fused.report.content.quality.verdict, fused.report.bounds);
+///
+/// // The same scene in a water from a table, with its true depth.
+/// let z = truth::Scene::new(1, size).depth;
+/// let fused = Fuser::from(green).depth(&z).fuse(&content)?;
+/// assert!(fused.report.content.depth_model.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Fuser<'z> {
+    reference: Estimate,
+    options: Options,
+    /// What was set, whichever model comes after it.
+    theta: Option<Incidence>,
+    /// The content's depth; estimated from colour where there is none.
+    depth: Option<&'z DepthMap>,
+}
+
+/// How a [`Fuser`] estimates and fuses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// The depth model, where no depth map is supplied. Default: the paper's, Eq. 3.
+    pub depth_model: DepthModel,
+    /// How waters are estimated.
+    pub estimate: EstimateOptions,
+    /// How they are fused.
+    pub fusion: fusion::Options,
+    /// How the fused image is smoothed. Default: not at all.
+    pub smoothing: Smoothing,
+}
+
+/// What [`Fuser::fuse`] returns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome<T> {
+    /// The content in the reference's water.
+    pub image: Image<T>,
+    /// How it went.
+    pub report: Report,
+}
+
+/// How a fusion went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report {
+    /// The content's own water, and in its quality the verdict on it.
+    pub content: Estimate,
+    /// Which safety bounds acted.
+    pub bounds: Bounds,
+    /// Values that did not fit into the range.
+    pub clipping: Clipping,
+}
+
+impl Fuser<'static> {
+    /// A fuser into the water of `reference`, with default options.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when `reference` is no image: a foreign one without pixels, for example.
+    pub fn new<'a, T: Sample, I>(reference: I) -> Result<Self, SizeError>
+    where
+        I: TryInto<ImageRef<'a, T>>,
+        SizeError: From<I::Error>,
+    {
+        Self::with_options(reference, Options::default())
+    }
+
+    /// [`Fuser::new`] with options, by which the reference's water is estimated too.
+    ///
+    /// # Errors
+    ///
+    /// As [`Fuser::new`].
+    pub fn with_options<'a, T: Sample, I>(reference: I, options: Options) -> Result<Self, SizeError>
+    where
+        I: TryInto<ImageRef<'a, T>>,
+        SizeError: From<I::Error>,
+    {
+        let reference = reference.try_into()?;
+        let reference = options.estimate_in(reference, None, &mut Memory::default())?;
+        Ok(Self::from_estimate(reference, options))
+    }
+
+    /// [`Fuser::with_options`] with a depth map of the reference, measured or supplied, instead of depth from colour.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when the two differ in size, or as [`Fuser::new`].
+    pub fn with_depth<'a, T: Sample, I>(
+        reference: I,
+        depth: &DepthMap,
+        options: Options,
+    ) -> Result<Self, SizeError>
+    where
+        I: TryInto<ImageRef<'a, T>>,
+        SizeError: From<I::Error>,
+    {
+        let reference = reference.try_into()?;
+        let reference = options.estimate_in(reference, Some(depth), &mut Memory::default())?;
+        Ok(Self::from_estimate(reference, options))
+    }
+
+    /// A fuser into a water that was estimated before, or is known ([`Estimate::given`]).
+    ///
+    /// [`Model::Exchange`] uses the coefficients of both waters: they must be per the same unit of depth.
+    pub fn from_estimate(reference: Estimate, options: Options) -> Self {
+        Self { reference, options, theta: None, depth: None }
+    }
+}
+
+impl From<Estimate> for Fuser<'static> {
+    fn from(reference: Estimate) -> Self {
+        Self::from_estimate(reference, Options::default())
+    }
+}
+
+/// A water that is known, from a file or a preset.
+impl From<Waterbody> for Fuser<'static> {
+    fn from(reference: Waterbody) -> Self {
+        Self::from(Estimate::given(reference))
+    }
+}
+
+impl<'z> Fuser<'z> {
+    /// Takes another model, with its default θ unless [`theta`](Self::theta) was called.
+    #[must_use]
+    pub fn model(mut self, model: Model) -> Self {
+        let fusion = &mut self.options.fusion;
+        fusion.model = model;
+        fusion.incidence = self.theta.unwrap_or(fusion::Options::for_model(model).incidence);
+        self
+    }
+
+    /// Sets the incidence θ in degrees, 0 (most fusion) to 90 (none).
+    ///
+    /// # Errors
+    ///
+    /// [`OptionError::Incidence`] outside this range.
+    pub fn theta(mut self, degrees: f32) -> Result<Self, OptionError> {
+        let theta = Incidence::from_degrees(degrees)?;
+        (self.theta, self.options.fusion.incidence) = (Some(theta), theta);
+        Ok(self)
+    }
+
+    /// Sets the gain α on the reference's veiling light; 1 takes it as it is.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionError::Gain`] when it is negative or not finite.
+    pub fn alpha(mut self, gain: f32) -> Result<Self, OptionError> {
+        self.options.fusion.gain = Gain::new(gain)?;
+        Ok(self)
+    }
+
+    /// Sets how fused images are smoothed.
+    #[must_use]
+    pub fn smoothing(mut self, smoothing: Smoothing) -> Self {
+        self.options.smoothing = smoothing;
+        self
+    }
+
+    /// Takes `depth` for the depth of the content, measured or supplied, instead of depth from colour. A content of
+    /// another size is then an error.
+    #[must_use]
+    pub fn depth(self, depth: &DepthMap) -> Fuser<'_> {
+        Fuser { depth: Some(depth), reference: self.reference, options: self.options, theta: self.theta }
+    }
+
+    pub(crate) fn refer_to(&mut self, reference: Estimate) {
+        self.reference = reference;
+    }
+
+    /// The water that images are fused into.
+    pub fn reference(&self) -> &Estimate {
+        &self.reference
+    }
+
+    /// The options of estimates and fusion.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Fuses `content`, which keeps its objects, with the reference's water.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when `content` is no image, or has another size than its depth map.
+    pub fn fuse<'a, T: Sample, I>(&self, content: I) -> Result<Outcome<T>, SizeError>
+    where
+        I: TryInto<ImageRef<'a, T>>,
+        SizeError: From<I::Error>,
+    {
+        let mut image = content.try_into()?.to_image();
+        let report = self.fuse_in(None, image.view_mut(), None, &mut Memory::default())?;
+        Ok(Outcome { image, report })
+    }
+
+    /// [`Fuser::fuse`] in place: the content becomes the fused image.
+    ///
+    /// # Errors
+    ///
+    /// As [`Fuser::fuse`]; the content is then unchanged.
+    pub fn fuse_mut<'a, T: Sample, I>(&self, content: I) -> Result<Report, SizeError>
+    where
+        I: TryInto<ImageMut<'a, T>>,
+        SizeError: From<I::Error>,
+    {
+        self.fuse_in(None, content.try_into()?, None, &mut Memory::default())
+    }
+
+    /// [`Fuser::fuse`] into an image that is there already, which keeps nothing of what it was.
+    ///
+    /// # Errors
+    ///
+    /// [`SizeError`] when one of the two is no image, or when content, depth map and `fused` differ in size;
+    /// `fused` is then unchanged.
+    pub fn fuse_into<'a, 'b, T: Sample, I, O>(&self, content: I, fused: O) -> Result<Report, SizeError>
+    where
+        I: TryInto<ImageRef<'a, T>>,
+        O: TryInto<ImageMut<'b, T>>,
+        SizeError: From<I::Error> + From<O::Error>,
+    {
+        self.fuse_in(Some(content.try_into()?), fused.try_into()?, None, &mut Memory::default())
+    }
+
+    /// Fuses the content, or what stands in `fused` if there is none, into `fused`, in the memory of the last image.
+    /// The content's water is estimated unless it is `known`.
+    pub(crate) fn fuse_in<T: Sample>(
+        &self,
+        content: Option<ImageRef<'_, T>>,
+        fused: ImageMut<'_, T>,
+        known: Option<Estimate>,
+        memory: &mut Memory<T>,
+    ) -> Result<Report, SizeError> {
+        let source = content.unwrap_or(fused.as_ref());
+        check_same_size(source.size(), fused.size())?;
+        let depth = self.options.depth_in(source, self.depth, memory);
+        let content_water = match known {
+            Some(known) => known,
+            None => self.options.water_in(source, &depth, memory)?,
+        };
+        let bounded = Bounded::new(&content_water, &self.reference, self.options.fusion);
+        let (waters, options) = (bounded.waters(), &bounded.options);
+        let clipping = match (self.options.smoothing, content) {
+            (Smoothing::None, Some(content)) => fusion::fuse_into(content, &depth, waters, options, fused)?,
+            (Smoothing::None, None) => fusion::fuse_mut(fused, &depth, waters, options)?,
+            (Smoothing::Bilateral, _) => {
+                let mut samples = std::mem::take(&mut memory.samples);
+                samples.resize(3 * source.width() * source.height(), T::default());
+                let mut rough = Image::from_raw(source.width(), source.height(), samples)?;
+                let clipping = fusion::fuse_into(source, &depth, waters, options, &mut rough)?;
+                smooth::bilateral_into(&rough, fused)?;
+                memory.samples = rough.into_raw();
+                clipping
+            }
+        };
+        memory.take_back(depth);
+        Ok(Report { content: content_water, bounds: bounded.bounds, clipping })
+    }
+}
+
+impl Options {
+    /// The water of an image, in the memory of the last one.
+    pub(crate) fn estimate_in<T: Sample>(
+        &self,
+        image: ImageRef<'_, T>,
+        depth: Option<&DepthMap>,
+        memory: &mut Memory<T>,
+    ) -> Result<Estimate, SizeError> {
+        let depth = self.depth_in(image, depth, memory);
+        let found = self.water_in(image, &depth, memory);
+        memory.take_back(depth);
+        found
+    }
+
+    fn depth_in<'z, T: Sample>(
+        &self,
+        image: ImageRef<'_, T>,
+        depth: Option<&'z DepthMap>,
+        memory: &mut Memory<T>,
+    ) -> Cow<'z, DepthMap> {
+        match depth {
+            Some(depth) => Cow::Borrowed(depth),
+            None => {
+                let levels = std::mem::take(&mut memory.levels);
+                Cow::Owned(self.depth_model.estimate_in(image, self.estimate.top, levels))
+            }
+        }
+    }
+
+    fn water_in<T: Sample>(
+        &self,
+        image: ImageRef<'_, T>,
+        depth: &DepthMap,
+        memory: &mut Memory<T>,
+    ) -> Result<Estimate, SizeError> {
+        match image.as_bytes() {
+            Some(bytes) => waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.scratch),
+            None => {
+                let bytes = image.to_image().to_samples::<u8>();
+                waterbody::estimate_in(bytes.view(), depth, &self.estimate, &mut memory.scratch)
+            }
+        }
+    }
+}
+
+/// What an image needs and the next of its size can use again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Memory<T> {
+    levels: Vec<u8>,
+    scratch: Scratch,
+    /// What an image consists of before it is smoothed.
+    samples: Vec<T>,
+}
+
+impl<T> Memory<T> {
+    fn take_back(&mut self, depth: Cow<'_, DepthMap>) {
+        if let Cow::Owned(depth) = depth {
+            self.levels = depth.into_levels();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+//! The laboratory: what measures AquaFuse and forges files for it. `cargo lab COMMAND` builds and runs it.
+
+mod arm64;
+mod bench;
+mod chance;
+mod corpus;
+mod depth;
+mod evaluate;
+mod forge;
+mod helps;
+mod hostile;
+mod instructions;
+mod memory;
+mod multiply;
+mod pages;
+mod programs;
+mod readings;
+mod runner;
+mod scene;
+mod soak;
+mod synthetic;
+mod truth;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+
+const USAGE: &str = "\
+cargo lab COMMAND
+
+Each command writes its tables into the page that is named.
+
+docs/results.md
+  truth               estimates and fusion on synthetic scenes whose water and depth are known
+  depth               depth from colour compared with measured depth
+  published           scores of real images, beside the paper's and those of other methods
+  hostile             over a thousand bad files, given to `aquafuse` and to a rival
+  memory [IMAGES]     peak memory of a run over 1,000 images of 24 megapixels
+  multiply [IMAGES]   a dataset of 10,000 small images multiplied; a run killed 50 times and resumed
+  helps               whether a small network learns more from a dataset that was multiplied
+  scene [FOLDER]      splats trained on a synthetic scene and on fused scenes; FOLDER is for images to look at
+  soak [MINUTES] [PARSER...]
+                      every parser fuzzed, every law tried on 100,000 cases, a folder's job killed 1,000 times;
+                      with PARSER, these parsers are fuzzed and nothing else is done
+
+docs/method.md
+  readings [TABLE]    how each reading of the paper changes the scores
+
+BENCHMARKS.md
+  bench [PART...]     speed beside OpenCV and others; PART is frames, others, scaling, footprint or arm64
+
+Files
+  corpus              makes the files of fuzz/corpus again; needs `--features parquet`
+  instructions        counts the instructions of each kernel by valgrind, into benches/instructions.tsv
+
+Checks of `cargo xtask test`
+  arm64               the core's tests on 64-bit Arm, under an emulator that is set up if need be
+  guards              `arm64`, and the instructions of each kernel compared with benches/instructions.tsv
+
+Started by other commands, in a process of their own
+  rival INPUT OUTPUT  |  recode FOLDER OUTPUT TIMES  |  copy FOLDER OUTPUT  |  frame-memory FILE
+
+Real images are looked for in the folder AQUAFUSE_TEST_DATA.
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    if let ["help" | "--help" | "-h"] = words[..] {
+        print!("{USAGE}");
+        return ExitCode::SUCCESS;
+    }
+    match run(&words) {
+        Some(Ok(())) => ExitCode::SUCCESS,
+        Some(Err(error)) => {
+            eprintln!("lab: {error:#}");
+            ExitCode::FAILURE
+        }
+        None => {
+            eprint!("{USAGE}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Nothing if the words are no command.
+fn run(words: &[&str]) -> Option<Result<()>> {
+    Some(match *words {
+        ["truth"] => truth::run(),
+        ["depth"] => depth::run(),
+        ["published"] => evaluate::published(),
+        ["hostile"] => hostile::run(),
+        ["memory"] => memory::run(memory::IMAGES),
+        ["memory", images] => memory::run(images.parse().ok().filter(|&count| count > 0)?),
+        ["multiply"] => multiply::run(multiply::IMAGES),
+        ["multiply", images] => multiply::run(images.parse().ok().filter(|&count| count >= 10)?),
+        ["helps"] => helps::run(),
+        ["scene"] => scene::run(None),
+        ["scene", folder] => scene::run(Some(Path::new(folder))),
+        ["soak"] => soak::run(soak::DEFAULT_MINUTES, &[]),
+        ["soak", minutes, ref parsers @ ..] => soak::run(minutes.parse().ok()?, parsers),
+        ["readings"] => readings::run(None),
+        ["readings", table] => readings::run(Some(table)),
+        ["bench"] => bench::run(&bench::PARTS),
+        ["bench", ref parts @ ..] if parts.iter().all(|part| bench::PARTS.contains(part)) => {
+            bench::run(parts)
+        }
+        ["corpus"] => corpus::run(),
+        ["instructions"] => instructions::renew(),
+        ["arm64"] => arm64::run(),
+        ["guards"] => guards(),
+        ["rival", input, output] => hostile::rival::run(Path::new(input), Path::new(output)),
+        ["recode", folder, output, times] => {
+            multiply::dataset::recode(Path::new(folder), Path::new(output), times.parse().ok()?)
+        }
+        ["copy", folder, output] => bench::apart::copy(Path::new(folder), Path::new(output)),
+        ["frame-memory", file] => bench::apart::memory(Path::new(file)),
+        _ => return None,
+    })
+}
+
+/// What `cargo xtask test` has of this: a line `passed: NAME` or `skipped: NAME: WHY` for each.
+fn guards() -> Result<()> {
+    type Guard = fn() -> Result<Option<String>>;
+    let guards: [(&str, Guard); 2] =
+        [("64-bit Arm", arm64::run_if_possible), ("instructions", instructions::guard)];
+    for (name, guard) in guards {
+        match guard().with_context(|| name.to_owned())? {
+            Some(why) => println!("skipped: {name}: {why}"),
+            None => println!("passed: {name}"),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! Everything in the paper that can be read in more than one way.
+
+use aquafuse::depth::{DepthMap, DepthModel};
+use aquafuse::fusion::{Bounded, Incidence, Law, Model, Options};
+use aquafuse::image::{Encoding, Image, SizeError};
+use aquafuse::smooth::Smoothing;
+use aquafuse::truth::Case;
+use aquafuse::waterbody::{EstimateOptions, estimate};
+
+/// One way to read all of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Reading {
+    pub(crate) depth: Depth,
+    pub(crate) water: EstimateOptions,
+    pub(crate) direct: Direct,
+    pub(crate) options: Options,
+    pub(crate) smoothing: Smoothing,
+}
+
+/// How depth is obtained.
+#[derive(Clone, Copy)]
+pub(crate) enum Depth {
+    /// The truth.
+    Given,
+    Colour(DepthModel),
+    /// From colour without the 7x7 median.
+    Unfiltered(DepthModel),
+}
+
+/// What stands for the direct signal I1 e^(-τ) of Eq. 11.
+#[derive(Clone, Copy)]
+pub(crate) enum Direct {
+    /// U1* of Eq. 10.
+    Modulated,
+    /// U1 - B1, which is what Eq. 2 put into Eq. 11 says.
+    WithoutBackscatter,
+}
+
+impl Depth {
+    fn of<E: Encoding>(self, case: &Case<E>) -> DepthMap {
+        match self {
+            Self::Given => case.depth.clone(),
+            Self::Colour(model) => model.estimate(&case.image),
+            Self::Unfiltered(model) => model.estimate_unfiltered(&case.image),
+        }
+    }
+}
+
+impl Reading {
+    /// The defaults of a model, as the command has them.
+    pub(crate) fn ours(model: Model) -> Self {
+        Self {
+            depth: Depth::Colour(DepthModel::default()),
+            water: EstimateOptions::default(),
+            direct: Direct::Modulated,
+            options: Options::for_model(model),
+            smoothing: Smoothing::None,
+        }
+    }
+
+    pub(crate) fn at(self, degrees: f32) -> Self {
+        let incidence = Incidence::from_degrees(degrees).expect("in range");
+        Self { options: Options { incidence, ..self.options }, ..self }
+    }
+
+    /// The content in the reference's water: fused in the encoding `F`, handed back encoded and not clipped.
+    ///
+    /// Smoothing acts on bytes, as in the command, and so clips.
+    pub(crate) fn fuse<E: Encoding, F: Encoding>(
+        &self,
+        content: &Case<E>,
+        reference: &Case<E>,
+    ) -> Result<Image<f32>, SizeError> {
+        let z = self.depth.of(content);
+        let own = estimate::<F>(&content.image, &z, &self.water)?;
+        let other = estimate::<F>(&reference.image, &self.depth.of(reference), &self.water)?;
+        let bounded = Bounded::new(&own, &other, self.options);
+        let law = Law::new(bounded.waters(), &bounded.options);
+        let mut fused = content.image.to_unit();
+        for (pixel, z) in fused.pixels_mut().iter_mut().zip(z.distances()) {
+            let mut out = law.at(z).of(pixel.map(F::from_encoded));
+            if let Direct::WithoutBackscatter = self.direct {
+                // Eq. 10 has taken cosθ F of the backscatter away already.
+                let (backscatter, factor) = (own.water.backscatter(z), own.water.depth_factor(z));
+                let cosine = self.options.incidence.cosine();
+                (0..3).for_each(|c| out[c] -= backscatter[c] * (1.0 - cosine * factor[c]));
+            }
+            *pixel = out.map(F::to_encoded);
+        }
+        Ok(match self.smoothing {
+            Smoothing::None => fused,
+            way => way.apply(fused.to_samples::<u8>()).to_unit(),
+        })
+    }
+}

@@ -1,0 +1,17 @@
+//! `lab truth`: how right the estimates are on scenes whose truth is known, and how much of the true change is made.
+
+mod estimates;
+
+use anyhow::Result;
+use xtask::shell::say;
+
+use crate::evaluate;
+use crate::pages::{RESULTS, show_section};
+
+pub(crate) fn run() -> Result<()> {
+    let aquafuse = crate::programs::aquafuse()?;
+    say("Trying estimates and fusion on truth scenes (about three minutes)");
+    show_section(RESULTS, "estimates", &estimates::table()?)?;
+    evaluate::write(&aquafuse, "truth", &["truth"])?;
+    evaluate::write(&aquafuse, "truth-linear", &["truth", "--linear"])
+}

@@ -85,7 +85,11 @@ there is whole.";
 fn main() -> ExitCode {
     let cli = Cli::parse();
     aquafuse_data::files::silence_decoder_panics();
-    match run(&cli) {
+    let ended = run(&cli);
+    if cli.common.verbose {
+        output::remark(&format_args!("work: {}", aquafuse_data::files::tally()));
+    }
+    match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if !matches!(failure, Failure::Told) {

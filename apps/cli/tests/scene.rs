@@ -4,6 +4,8 @@
 
 mod run;
 
+use std::ffi::OsString;
+
 use aquafuse::metrics::psnr;
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::PixelEncoding;
@@ -11,100 +13,114 @@ use aquafuse_data::water_file::WaterFile;
 use run::{Run, reef, scene};
 use serde_json::Value;
 
-#[test]
-fn a_scene_is_trained_drawn_fused_compared_and_exported() {
+/// Trains a scene, every eighth image held out.
+fn train(run: &Run, scene: &str, output: &str, more: &[&str]) -> String {
+    let all = [&["scene", "train", scene, "-o", output, "--iterations", "120", "--hold", "8"], more].concat();
+    run.ok(&all).stdout
+}
+
+/// A scene in blue water, and `reef.ply` trained on it with its water.
+fn trained() -> Run {
     let run = Run::new();
     reef(&run);
-    let train = |scene: &str, output: &str, more: &[&str]| {
-        let all =
-            [&["scene", "train", scene, "-o", output, "--iterations", "120", "--hold", "8"], more].concat();
-        run.ok(&all).stdout
-    };
-    let said = train("reef", "reef.ply", &["--water", "learn"]);
+    train(&run, "reef", "reef.ply", &["--water", "learn"]);
+    run
+}
+
+/// Renders `reef.ply` at 64 pixels into a folder.
+fn render(run: &Run, output: &str, more: &[&str]) {
+    let all = ["scene", "render", "reef.ply", "reef", "-o", output, "--longest", "64"];
+    run.ok(&[&all[..], more].concat());
+}
+
+/// PSNR between two images, dB.
+fn score(run: &Run, a: &str, b: &str) -> f64 {
+    let [a, b] = [a, b].map(|name| ImageFile::read(&run.path(name)).unwrap());
+    psnr(&*a.bytes(), &*b.bytes()).unwrap()
+}
+
+#[test]
+fn training_learns_the_water_and_scores_images_it_was_not_shown() {
+    let run = Run::new();
+    reef(&run);
+    let said = train(&run, "reef", "reef.ply", &["--water", "learn"]);
     assert!(
-        said.contains("splats") && said.contains("B_inf") && said.contains("2 images held back: PSNR"),
+        said.contains("splats") && said.contains("B_inf") && said.contains("2 images held out: PSNR"),
         "{said}"
     );
     let water = WaterFile::read(&run.path("reef.water.json"), PixelEncoding::Encoded).unwrap();
     assert!(water.estimate.veiling_light_as_seen()[2] > 0.3);
     assert!(!run.path("reef.ply.checkpoint").exists());
+}
 
-    // Seen again through the water it was trained in, and without.
-    run.ok(&["scene", "render", "reef.ply", "reef", "-o", "wet", "--longest", "64"]);
+#[test]
+fn a_scene_trained_again_without_water_loses_the_old_water() {
+    let run = trained();
+    run.fails(2, &["scene", "train", "reef", "-o", "reef.ply"]);
+    assert!(run.path("reef.water.json").exists());
+    train(&run, "reef", "reef.ply", &["--overwrite"]);
+    assert!(!run.path("reef.water.json").exists(), "it would be taken for the water of the new splats");
+}
+
+#[test]
+fn a_trained_scene_is_rendered_through_its_water_through_none_and_through_another() {
+    let run = trained();
+    render(&run, "wet", &[]);
+    render(&run, "dry", &["--water", "none", "--depth"]);
+    render(&run, "coast", &["--water", "preset:jerlov-3C"]);
+    assert!(score(&run, "wet/view_003.png", "reef/images/view_003.png") > 22.0);
+    assert!(score(&run, "wet/view_003.png", "dry/view_003.png") < 20.0);
+    assert!(run.path("dry/view_003.depth.tiff").is_file() && run.path("coast/view_008.png").is_file());
+}
+
+#[test]
+fn a_rendering_that_takes_more_memory_than_is_allowed_is_refused() {
+    let run = trained();
     let tight =
         ["scene", "render", "reef.ply", "reef", "-o", "no", "--longest", "4096", "--max-memory", "64MiB"];
     let said = run.fails(1, &tight).stderr;
-    assert!(said.contains("bytes to draw, more than the 67108864 of --max-memory"), "{said}");
-    run.ok(&[
-        "scene",
-        "render",
-        "reef.ply",
-        "reef",
-        "-o",
-        "dry",
-        "--longest",
-        "64",
-        "--water",
-        "none",
-        "--depth",
-    ]);
-    run.ok(&[
-        "scene",
-        "render",
-        "reef.ply",
-        "reef",
-        "-o",
-        "coast",
-        "--longest",
-        "64",
-        "--water",
-        "preset:jerlov-3C",
-    ]);
-    let score = |drawn: &str, truth: &str| {
-        let [drawn, truth] = [drawn, truth].map(|name| ImageFile::read(&run.path(name)).unwrap());
-        psnr(&*drawn.bytes(), &*truth.bytes()).unwrap()
-    };
-    assert!(score("wet/view_003.png", "reef/images/view_003.png") > 22.0);
-    assert!(score("wet/view_003.png", "dry/view_003.png") < 20.0);
-    assert!(run.path("dry/view_003.depth.tiff").is_file() && run.path("coast/view_008.png").is_file());
+    assert!(said.contains("bytes to render, more than the 67108864 of --max-memory"), "{said}");
+}
 
-    // Trained again without a water, the old one goes: it would be taken for that of the new splats.
-    run.fails(2, &["scene", "train", "reef", "-o", "reef.ply"]);
-    std::fs::copy(run.path("reef.ply"), run.path("old.ply")).unwrap();
-    std::fs::copy(run.path("reef.water.json"), run.path("old.water.json")).unwrap();
-    train("reef", "old.ply", &["--overwrite"]);
-    assert!(!run.path("old.water.json").exists());
+#[test]
+fn an_orbit_is_a_row_of_frames_that_differ() {
+    let run = trained();
+    render(&run, "orbit", &["--orbit", "5"]);
+    let mut names: Vec<_> =
+        std::fs::read_dir(run.path("orbit")).unwrap().map(|one| one.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, [0, 1, 2, 3, 4].map(|i| OsString::from(format!("orbit_00{i}.png"))));
+    assert!(score(&run, "orbit/orbit_001.png", "orbit/orbit_003.png") < 30.0);
+}
 
-    // Fused, the cameras go along, and it can be trained as the original was.
+#[test]
+fn a_fused_scene_has_the_cameras_of_the_original() {
+    let run = Run::new();
+    reef(&run);
     scene(&run.path("green.png"), 3, "green");
     let said = run.ok(&["scene", "fuse", "reef", "green.png", "-o", "fused", "--model", "physical"]).stdout;
     assert!(said.contains("9 images") && said.contains("units of the scene"), "{said}");
     for name in ["sparse/0/cameras.txt", "sparse/0/images.txt", "sparse/0/points3D.txt"] {
         assert_eq!(run.bytes(&format!("fused/{name}")), run.bytes(&format!("reef/{name}")));
     }
-    train("reef", "original.ply", &[]);
-    train("reef", "again.ply", &["--seed", "1"]);
-    train("fused", "fused.ply", &[]);
-    let compare = [
-        "scene",
-        "compare",
-        "reef",
-        "fused",
-        "--original",
-        "original.ply",
-        "--fused",
-        "fused.ply",
-        "--floor",
-        "again.ply",
-    ];
+}
+
+#[test]
+fn a_fused_scene_is_trained_and_compared_with_the_original() {
+    let run = Run::new();
+    reef(&run);
+    scene(&run.path("green.png"), 3, "green");
+    run.ok(&["scene", "fuse", "reef", "green.png", "-o", "fused", "--model", "physical"]);
+    train(&run, "reef", "original.ply", &[]);
+    train(&run, "reef", "again.ply", &["--seed", "1"]);
+    train(&run, "fused", "fused.ply", &[]);
+    let scenes = ["scene", "compare", "reef", "fused"];
+    let models = ["--original", "original.ply", "--fused", "fused.ply", "--floor", "again.ply"];
+    let compare = [&scenes[..], &models].concat();
     let text = run.ok(&compare).stdout;
-    assert!(
-        text.contains("| reef | original |")
-            && text.contains("| reef | original, another seed |")
-            && text.contains("| reef | fused: fused |")
-            && text.contains("Table 2 of the paper"),
-        "{text}"
-    );
+    let rows = ["| reef | original |", "| reef | original, another seed |", "| reef | fused: fused |"];
+    assert!(rows.iter().all(|row| text.contains(row)) && text.contains("Table 2 of the paper"), "{text}");
+
     run.ok(&[&compare[..], &["-o", "report"]].concat());
     let page = String::from_utf8(run.bytes("report/report.html")).unwrap();
     assert!(page.contains("from above") && page.contains("<img src=\"data:image/jpeg;base64,"));
@@ -117,9 +133,14 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
     assert_eq!(rows[0]["normal_deviation_percent"], Value::Null);
     // Three rows of two views.
     assert_eq!(String::from_utf8(run.bytes("report/items.csv")).unwrap().lines().count(), 1 + 3 * 2);
-    let twice = [&compare[..3], &["fused", "fused"], &compare[4..]].concat();
-    assert!(run.fails(2, &twice).stderr.contains("--fused is given 1 times"));
 
+    let twice = [&scenes[..], &["fused"], &models].concat();
+    assert!(run.fails(2, &twice).stderr.contains("--fused is given 1 times"));
+}
+
+#[test]
+fn a_trained_scene_is_exported_for_other_programs() {
+    let run = trained();
     run.ok(&["scene", "export", "reef.ply", "-o", "reef.splat"]);
     assert_eq!(run.bytes("reef.splat").len() % 32, 0);
     run.ok(&["scene", "export", "reef.ply", "-o", "copy.ply"]);
@@ -135,14 +156,6 @@ fn a_scene_is_trained_drawn_fused_compared_and_exported() {
         }
         None => println!("AQUAFUSE_PYTHON names no Python with plyfile: no other reader was tried"),
     }
-
-    run.ok(&["scene", "render", "reef.ply", "reef", "-o", "orbit", "--longest", "64", "--orbit", "5"]);
-    let mut names: Vec<_> =
-        std::fs::read_dir(run.path("orbit")).unwrap().map(|one| one.unwrap().file_name()).collect();
-    names.sort();
-    assert_eq!(names, [0, 1, 2, 3, 4].map(|i| std::ffi::OsString::from(format!("orbit_00{i}.png"))));
-    // They differ, and look at what the cameras looked at.
-    assert!(score("orbit/orbit_001.png", "orbit/orbit_003.png") < 30.0);
 }
 
 /// Has a PLY read by a program that is not ours.

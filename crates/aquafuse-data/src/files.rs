@@ -1,4 +1,4 @@
-//! Files as such, whatever they hold: errors that name them, atomic writes, locks, digests.
+//! Files as such, whatever they hold: errors that name them, atomic writes, locks, digests, and a tally of the work done.
 
 mod atomic;
 mod catch_panic;
@@ -7,6 +7,7 @@ mod display;
 mod error;
 mod folders;
 mod lock;
+mod tally;
 
 pub(crate) use atomic::{Output, Staged, write_atomically};
 pub use atomic::{abandon_parts, remove_stale_parts, write_bytes, write_text};
@@ -17,5 +18,6 @@ pub(crate) use digest::{Hashed, hexadecimal, sha256_of};
 pub use display::display;
 pub(crate) use display::one_line;
 pub use error::FileError;
-pub use folders::{make_folder, make_folder_of};
+pub use folders::{holds_files, make_folder, make_folder_of};
 pub(crate) use lock::lock;
+pub use tally::{Step, Tally, count, tally};

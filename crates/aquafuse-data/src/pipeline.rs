@@ -11,7 +11,7 @@ mod supply;
 
 pub use encoding::{PixelEncoding, UnknownEncoding, WaterEstimate};
 pub(crate) use encoding::{Space, with_estimate};
-pub use estimate::{Analysis, DepthSource, analyse, analyse_in, evidence};
+pub use estimate::{Analysis, DepthSource, analyse, analyse_in, analyse_with_evidence};
 pub use operation::{Limited, Operation, OperationError, Outcome};
 pub use scores::Scores;
 pub use simulate::{SIMULATED, simulate};

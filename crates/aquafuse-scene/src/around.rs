@@ -1,7 +1,7 @@
-//! Where to look from that no camera did: round about a scene, and from above.
+//! New views of a scene: an orbit, and from above.
 //!
-//! A scene of images has no ground and no middle. What its cameras look at is the middle, and up is across what is right
-//! of them. An orbit keeps to where cameras stood: what none of them saw was never learned.
+//! A scene of images has no ground and no centre. The centre is what its cameras look at; up is perpendicular to their
+//! right. An orbit stays where cameras stood: what no camera saw was never learned.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ const FAINT: f32 = 0.5;
 /// How far a view from above is from the middle, in distances of the cameras from it.
 const ABOVE: f64 = 1.2;
 
-/// What a scene's cameras look at, and from where.
+/// The centre of a scene, its axes, and the range of its cameras.
 #[derive(Clone, Debug)]
 pub struct Around {
     /// Whose width, height and focal length all views have.
@@ -41,7 +41,8 @@ pub struct Around {
 }
 
 impl Around {
-    /// Finds its way about from cameras and what was trained on their images; none without a camera.
+    /// Finds centre and axes from cameras and the splats trained on their images; `None` without a camera, or if the
+    /// cameras have no common direction.
     pub fn new(cameras: &[&Camera], splats: &Splats<f32>) -> Option<Self> {
         let first = *cameras.first()?;
         let mean = |of: &dyn Fn(&Camera) -> [f64; 3]| {
@@ -89,18 +90,18 @@ impl Around {
         })
     }
 
-    /// What the cameras look at.
-    pub fn middle(&self) -> [f64; 3] {
+    /// The point that the cameras look at.
+    pub fn centre(&self) -> [f64; 3] {
         self.middle
     }
 
-    /// Which way is up, of length 1.
+    /// The direction up, of length 1.
     pub fn up(&self) -> [f64; 3] {
         self.up
     }
 
-    /// So many views, the last before the first: once around, or along an ellipse through the cameras' places where none of
-    /// them stood behind.
+    /// `count` views of a closed path; the last precedes the first. The path is a circle if the cameras surround the scene,
+    /// otherwise an ellipse along them.
     pub fn orbit(&self, count: usize) -> Vec<Camera> {
         let view = |i: usize| {
             let turn = TAU * i as f64 / count as f64;
@@ -113,7 +114,7 @@ impl Around {
         (0..count).map(view).collect()
     }
 
-    /// The view straight down; what is near the cameras is at its foot.
+    /// The view straight down; the side of the cameras is at the bottom.
     pub fn above(&self) -> Camera {
         let from = add(self.middle, self.up.map(|value| value * ABOVE * self.distance));
         self.looking(from, self.back.map(|value| -value))
@@ -164,7 +165,7 @@ fn depth(camera: &Camera, splats: &Splats<f32>) -> Option<f64> {
     let mut depths: Vec<f64> = (0..splats.len())
         .filter(|&i| splats.opacity(i) >= FAINT)
         .filter_map(|i| {
-            let seen = camera.to_camera(splats.position(i).map(f64::from));
+            let seen = camera.to_camera(splats.mean(i).map(f64::from));
             let at = |axis: usize| camera.focal[axis] * seen[axis] / seen[2] + camera.centre[axis];
             let inside = |axis: usize, side: usize| (0.0..side as f64).contains(&at(axis));
             (seen[2] > 0.0 && inside(0, camera.width) && inside(1, camera.height)).then_some(seen[2])

@@ -1,11 +1,11 @@
-//! Where an image was taken from, and how the camera draws.
+//! The pose of an image, and the projection of its camera.
 
 use crate::scalar::Scalar;
 
 /// A pinhole camera with its pose.
 ///
 /// Axes are those of COLMAP and OpenCV: x to the right, y down, z ahead. A point p of the scene is `R p + t` for the
-/// camera, and is drawn at `(fx x/z + cx, fy y/z + cy)`, where the middle of the first pixel is (0.5, 0.5).
+/// camera, and is projected to `(fx x/z + cx, fy y/z + cy)`, where the centre of the first pixel is (0.5, 0.5).
 /// Lens distortion is taken out of images when they are loaded, so that there is none here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -75,7 +75,7 @@ impl Camera {
         row.map(|value| sign * value / length)
     }
 
-    /// The same view drawn on so many columns and rows.
+    /// The same view at so many columns and rows.
     #[must_use]
     pub fn scaled_to(&self, width: usize, height: usize) -> Self {
         let scale = [width as f64 / self.width as f64, height as f64 / self.height as f64];
@@ -144,7 +144,7 @@ pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// The direction alone; none of what has no length.
+/// The direction of a vector; `None` if it has no length.
 pub(crate) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
     let length = dot(a, a).sqrt();
     (length > 0.0).then(|| a.map(|value| value / length))

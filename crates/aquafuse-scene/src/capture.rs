@@ -1,4 +1,4 @@
-//! A scene's folder: images with their cameras, straightened and ready to train on.
+//! The images of a scene's folder, undistorted and scaled, with their pinhole cameras.
 
 use std::path::{Path, PathBuf};
 
@@ -7,37 +7,33 @@ use aquafuse_data::files::{FileError, display};
 use aquafuse_data::image_file::{ImageFile, ReadOptions};
 
 use crate::camera::Camera;
-use crate::files::{Cameras, SceneFileError, read_cameras};
+use crate::files::{Cameras, PosedImage};
 use crate::lens::{Lens, shrunk};
-use crate::points::Point;
 
-/// One image of a scene.
+/// One image of a scene, without the distortion of its lens.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct View {
     /// Its name in the folder of images.
     pub name: PathBuf,
-    /// The pinhole that would have taken `image`.
+    /// The pinhole camera that would have taken `image`.
     pub camera: Camera,
-    /// The image without the distortion of its lens, perhaps smaller than the file's.
+    /// The undistorted image, perhaps smaller than the file's.
     pub image: Image<f32>,
 }
 
-/// A scene as it was taken.
-#[derive(Clone, Debug)]
-pub struct Capture {
-    /// Images with a pose, sorted by name.
-    pub shown: Vec<Shown>,
-    /// Points on things; none where the model has none.
-    pub points: Vec<Point>,
+/// The views of a scene, split into those to train on and those to score by.
+#[derive(Clone, Debug, Default)]
+pub struct Split {
+    /// Views to train on.
+    pub training: Vec<View>,
+    /// Views held out of training.
+    pub held_out: Vec<View>,
 }
 
-/// A scene's folder could not be read.
+/// The images of a scene cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CaptureError {
-    /// The cameras.
-    #[error(transparent)]
-    Cameras(#[from] SceneFileError),
     /// An image.
     #[error(transparent)]
     Image(#[from] FileError),
@@ -66,36 +62,46 @@ pub fn images_of(scene: &Path) -> PathBuf {
     if images.is_dir() { images } else { scene.to_owned() }
 }
 
-/// Reads the images of a scene, each no longer than `longest` pixels on its longer side.
+/// Reads the images that `cameras` belong to, each no longer than `longest` pixels on its longer side.
 ///
 /// # Errors
 ///
-/// [`CaptureError`] when cameras or an image cannot be read, or do not fit each other.
+/// [`CaptureError`] when an image cannot be read, or does not fit its camera.
 pub fn read(
-    scene: &Path,
+    cameras: &Cameras,
     images: &Path,
     longest: usize,
     reading: &ReadOptions,
-) -> Result<Capture, CaptureError> {
-    let Cameras { taken, points, .. } = read_cameras(scene)?;
-    let mut shown = Vec::with_capacity(taken.len());
-    for one in taken {
-        let path = images.join(&one.name);
+) -> Result<Vec<View>, CaptureError> {
+    let mut views = Vec::with_capacity(cameras.images.len());
+    for PosedImage { name, lens } in &cameras.images {
+        let path = images.join(name);
         let image = ImageFile::open(&path, reading)?.decode()?;
         let image = image.bytes().to_unit();
-        let (camera, image) =
-            straightened(&one.lens, &image, longest).ok_or_else(|| CaptureError::Shape {
-                path,
-                found: image.size(),
-                expected: (one.lens.camera.width, one.lens.camera.height),
-            })?;
-        shown.push(Shown { name: one.name, camera, image });
+        let (camera, image) = undistorted(lens, &image, longest).ok_or_else(|| CaptureError::Shape {
+            path,
+            found: image.size(),
+            expected: (lens.camera.width, lens.camera.height),
+        })?;
+        views.push(View { name: name.clone(), camera, image });
     }
-    Ok(Capture { shown, points })
+    Ok(views)
 }
 
-/// An image without its lens, as large as asked for; none if it has another shape than the lens draws.
-fn straightened(lens: &Lens, image: &Image<f32>, longest: usize) -> Option<(Camera, Image<f32>)> {
+impl Split {
+    /// Holds every `every`th view out, from the first on; 0: none.
+    pub fn new(views: Vec<View>, every: usize) -> Self {
+        let mut split = Self::default();
+        for (index, view) in views.into_iter().enumerate() {
+            let is_held_out = every > 0 && index.is_multiple_of(every);
+            if is_held_out { &mut split.held_out } else { &mut split.training }.push(view);
+        }
+        split
+    }
+}
+
+/// An image without the distortion of its lens, as large as asked for; `None` if its shape is not that of the camera.
+fn undistorted(lens: &Lens, image: &Image<f32>, longest: usize) -> Option<(Camera, Image<f32>)> {
     let (width, height) = image.size();
     let Camera { width: known_width, height: known_height, .. } = lens.camera;
     // Within a pixel of one shape: sides were rounded when it was scaled.

@@ -4,17 +4,17 @@
 
 mod report;
 
-pub use report::{CompareError, Comparison, Model, Side};
+pub use report::{CompareError, Comparison, Side};
 
 use aquafuse::image::Image;
 
 use crate::camera::{Camera, cross, dot, minus, unit};
-use crate::render::Drawing;
+use crate::render::Rendering;
 
-/// Light that may still come through where a surface counts as seen.
+/// The highest transmittance at which a surface counts as seen.
 const OPAQUE: f32 = 0.1;
 
-/// How far the surfaces of two drawings of one view lean away from each other, over pixels opaque in both.
+/// Surface-normal deviation between two renderings of one view, over pixels that are opaque in both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalDeviation {
     /// SND: the mean angle between normals, of 180°, 0 to 1.
@@ -25,23 +25,24 @@ pub struct NormalDeviation {
     pub pixels: usize,
 }
 
-/// The drawing as an image, cut off at 0 and 1.
-pub fn image(drawing: &Drawing<f32>) -> Image<f32> {
-    let samples = drawing.pixels().flatten().map(|value| value.clamp(0.0, 1.0)).collect();
-    Image::from_raw(drawing.width, drawing.height, samples).expect("one colour a pixel")
+/// The colours of a rendering as an image, clipped to [0, 1].
+pub fn image(rendering: &Rendering<f32>) -> Image<f32> {
+    let samples = rendering.pixels().flatten().map(|value| value.clamp(0.0, 1.0)).collect();
+    Image::from_raw(rendering.width, rendering.height, samples).expect("one colour a pixel")
 }
 
-/// The mean distance along each line of sight; none where too little is opaque.
-pub fn distances(drawing: &Drawing<f32>) -> Vec<Option<f32>> {
-    let both = drawing.distance.iter().zip(&drawing.through);
-    both.map(|(distance, through)| (*through < OPAQUE).then(|| distance / (1.0 - through))).collect()
+/// The mean distance along each line of sight; `None` where too little is opaque.
+pub fn distances(rendering: &Rendering<f32>) -> Vec<Option<f32>> {
+    let both = rendering.distance.iter().zip(&rendering.transmittance);
+    both.map(|(distance, transmittance)| (*transmittance < OPAQUE).then(|| distance / (1.0 - transmittance)))
+        .collect()
 }
 
-/// Unit normals of the surface that a view's distances draw, towards the camera: across the neighbours of each pixel;
-/// none at the edge of the image or of what is opaque.
-fn normals(camera: &Camera, drawing: &Drawing<f32>) -> Vec<Option<[f64; 3]>> {
-    let distances = distances(drawing);
-    let (width, height) = (drawing.width, drawing.height);
+/// Unit normals of the surface that a view's distances form, towards the camera, from the neighbours of each pixel; `None`
+/// at the edge of the image and of opaque parts.
+fn normals(camera: &Camera, rendering: &Rendering<f32>) -> Vec<Option<[f64; 3]>> {
+    let distances = distances(rendering);
+    let (width, height) = (rendering.width, rendering.height);
     let point = |x: usize, y: usize| {
         let distance = distances[y * width + x]?;
         Some(camera.point_at([x as f64 + 0.5, y as f64 + 0.5], f64::from(distance)))
@@ -58,23 +59,23 @@ fn normals(camera: &Camera, drawing: &Drawing<f32>) -> Vec<Option<[f64; 3]>> {
     (0..width * height).map(normal).collect()
 }
 
-/// Normals as an image: right, up and towards the camera are more red, green and blue; black where there is none.
-fn normals_shown(camera: &Camera, drawing: &Drawing<f32>) -> Image<f32> {
+/// Normals as an image: right, up and towards the camera are more red, green and blue; black where no normal is known.
+fn normals_shown(camera: &Camera, rendering: &Rendering<f32>) -> Image<f32> {
     let colour = |normal: Option<[f64; 3]>| {
         let seen = normal.map(|normal| camera.rotation.map(|row| dot(row, normal)));
         seen.map_or([0.0; 3], |[x, y, z]| [x, -y, -z].map(|value| (0.5 + 0.5 * value) as f32))
     };
-    let samples = normals(camera, drawing).into_iter().flat_map(colour).collect();
-    Image::from_raw(drawing.width, drawing.height, samples).expect("one colour a pixel")
+    let samples = normals(camera, rendering).into_iter().flat_map(colour).collect();
+    Image::from_raw(rendering.width, rendering.height, samples).expect("one colour a pixel")
 }
 
-/// Compares the surfaces of two drawings of one view.
+/// Compares the surfaces of two renderings of one view.
 ///
 /// # Panics
 ///
 /// When the sizes differ.
-pub fn normal_deviation(camera: &Camera, a: &Drawing<f32>, b: &Drawing<f32>) -> NormalDeviation {
-    assert_eq!((a.width, a.height), (b.width, b.height), "two drawings of one view");
+pub fn normal_deviation(camera: &Camera, a: &Rendering<f32>, b: &Rendering<f32>) -> NormalDeviation {
+    assert_eq!((a.width, a.height), (b.width, b.height), "two renderings of one view");
     let mut sum = NormalDeviation::default();
     for (a, b) in normals(camera, a).into_iter().zip(normals(camera, b)) {
         if let (Some(a), Some(b)) = (a, b) {
@@ -93,14 +94,15 @@ mod tests {
     use super::*;
 
     /// A plane through (0, 0, 5) whose normal leans by `angle` to the side.
-    fn plane(camera: &Camera, angle: f64) -> Drawing<f32> {
-        let mut drawing = Drawing::zeros(camera.width, camera.height);
+    fn plane(camera: &Camera, angle: f64) -> Rendering<f32> {
+        let mut rendering = Rendering::zeros(camera.width, camera.height);
         for i in 0..camera.width * camera.height {
             let ray =
                 camera.point_at([(i % camera.width) as f64 + 0.5, (i / camera.width) as f64 + 0.5], 1.0);
-            drawing.distance[i] = (5.0 * angle.cos() / (ray[2] * angle.cos() + ray[0] * angle.sin())) as f32;
+            rendering.distance[i] =
+                (5.0 * angle.cos() / (ray[2] * angle.cos() + ray[0] * angle.sin())) as f32;
         }
-        drawing
+        rendering
     }
 
     #[test]
@@ -122,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_opaque_is_not_compared() {
+    fn transparent_pixels_are_not_compared() {
         let camera = Camera {
             width: 8,
             height: 8,
@@ -132,7 +134,7 @@ mod tests {
             translation: [0.0; 3],
         };
         let (flat, mut empty) = (plane(&camera, 0.0), plane(&camera, 0.0));
-        empty.through.fill(1.0);
+        empty.transmittance.fill(1.0);
         assert_eq!(normal_deviation(&camera, &flat, &empty).pixels, 0);
     }
 }

@@ -8,7 +8,7 @@
 //! | splats without harmonics, `.splat` | | [`write_splat`] |
 //! | points with colours, `.ply` | | [`write_cloud`] |
 //!
-//! Every byte is somebody else's: errors name the file and the place in it, counts are held against what is left of the
+//! Every byte is somebody else's: errors name the file and the position in it, counts are compared with the rest of the
 //! file before memory is taken, and no name leads out of its folder.
 
 // Sizes and places in here come from files. Tests may panic: that is how they fail.
@@ -35,7 +35,7 @@ mod ply;
 mod splat;
 mod transforms;
 
-pub use cameras::{Cameras, Taken, read_cameras};
+pub use cameras::{Cameras, PosedImage, read_cameras};
 pub use cloud::write_cloud;
 pub use colmap_text::write_cameras;
 pub use error::SceneFileError;

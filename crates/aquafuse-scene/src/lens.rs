@@ -1,4 +1,4 @@
-//! Lenses: how a camera really draws, and its images drawn again as a pinhole would.
+//! Lenses: distortion, and images without it.
 
 use aquafuse::image::Image;
 
@@ -7,7 +7,7 @@ use crate::camera::Camera;
 /// A camera with the distortion of its lens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lens {
-    /// The camera without it.
+    /// The pinhole camera without distortion.
     pub camera: Camera,
     /// k1, k2, p1, p2 of the model that COLMAP and OpenCV share; RADIAL has p1 = p2 = 0.
     pub distortion: [f64; 4],
@@ -19,7 +19,7 @@ impl Lens {
         self.distortion != [0.0; 4]
     }
 
-    /// Where the lens draws what a pinhole draws at `place`.
+    /// Where the lens projects what a pinhole camera projects to `place`, both in pixels.
     pub fn distorted(&self, place: [f64; 2]) -> [f64; 2] {
         let Camera { focal, centre, .. } = &self.camera;
         let [x, y] = [(place[0] - centre[0]) / focal[0], (place[1] - centre[1]) / focal[1]];
@@ -33,8 +33,8 @@ impl Lens {
         [bent[0] * focal[0] + centre[0], bent[1] * focal[1] + centre[1]]
     }
 
-    /// The image that a pinhole of the same focal length would have taken, between pixels by straight lines; beyond
-    /// the image its edge goes on.
+    /// The image that a pinhole camera of the same focal length would have taken, with bilinear interpolation; beyond the
+    /// image its edge is repeated.
     pub fn undistorted(&self, image: &Image<f32>) -> Image<f32> {
         if !self.is_distorted() {
             return image.clone();
@@ -64,12 +64,12 @@ fn sample(image: &Image<f32>, x: f64, y: f64) -> [f32; 3] {
     })
 }
 
-/// An image drawn on fewer pixels, each the mean of what it covers.
+/// An image scaled down: each pixel is the mean of the area it covers.
 ///
 /// # Panics
 ///
 /// When a side is 0.
-pub fn shrunk(image: &Image<f32>, width: usize, height: usize) -> Image<f32> {
+pub(crate) fn shrunk(image: &Image<f32>, width: usize, height: usize) -> Image<f32> {
     if image.size() == (width, height) {
         return image.clone();
     }

@@ -2,39 +2,44 @@
 //!
 //! # Where do I start?
 //!
-//! [`train::Trainer`] has a whole run in its example: images with [cameras](camera), [points] to begin with, steps.
-//! [`render::render`] draws what came of it, through the water that was learned, through none, or through any other
+//! [`training`] trains a scene's folder and [`fuse`] fuses one, as `aquafuse scene` does it. The example of
+//! [`train::Trainer`] is a whole run in memory: images with [cameras](camera), [points] to begin with, steps.
+//! [`render::render`] renders the result through the learned water, through air, or through any other water
 //! ([`medium::Medium`]).
 //!
-//! # The way of a scene
+//! # Modules
 //!
 //! | module | from → to |
 //! |---|---|
-//! | [`files`], [`capture`] | a folder of COLMAP or NeRF → cameras, points, images without their [lens] |
+//! | [`files`], [`capture`] | a folder of COLMAP or NeRF → cameras, points, images without the distortion of their [lens] |
 //! | [`points`] | points → the [splats] training begins with |
-//! | [`render`] | splats, camera, [medium] → image, distances, what comes through; and the way back, exact |
-//! | [`train`] | images → splats, and the water between |
-//! | [`around`] | cameras and splats → views that no camera took: an orbit, from above |
+//! | [`render`] | splats, camera, [medium] → image, distances, transmittance; and the exact gradients back |
+//! | [`train`], [`training`] | images → splats, and the water between: steps in memory, and runs with resume |
+//! | [`model`] | splats and their medium on disk |
+//! | [`fuse`] | a scene → the same scene in another water, on the threads and in the memory of one run |
+//! | [`around`] | cameras and splats → new views: an orbit, from above |
 //! | [`compare`] | two scenes → how alike their images and surfaces are |
-//! | [`shared_water`] | images and points → one water in the scene's unit |
-//! | [`truth`] | a place of which everything is known, seen by many cameras |
+//! | [`shared_water`] | images and points → one water for all images, in the scene's unit |
+//! | [`truth`] | a synthetic place, seen by many cameras |
 //!
 //! The method is that of B. Kerbl et al., "3D Gaussian Splatting for Real-Time Radiance Field Rendering" (2023); where
-//! water goes in is told in [`medium`]. Numbers are [`scalar::Scalar`]: `f32` at work, `f64` where gradients are held
-//! against finite differences. No output depends on the number of threads.
+//! the water enters is described in [`medium`]. Numbers are [`scalar::Scalar`]: `f32` at work, `f64` where gradients are compared
+//! with finite differences. No output depends on the number of threads.
 //!
 //! # Out of scope
 //!
-//! Finding cameras (COLMAP does), lenses beyond OPENCV's, the command line. Distances are along the line of sight, in
-//! units of the scene, which COLMAP chooses as it likes.
+//! Finding cameras (COLMAP does that), lens models beyond OPENCV's, the command line. Distances are along the line of
+//! sight, in units of the scene, whose length COLMAP chooses freely.
 
 pub mod around;
 pub mod camera;
 pub mod capture;
 pub mod compare;
 pub mod files;
+pub mod fuse;
 pub mod lens;
 pub mod medium;
+pub mod model;
 pub mod points;
 mod random;
 pub mod render;
@@ -44,4 +49,5 @@ pub mod splats;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;
 pub mod train;
+pub mod training;
 pub mod truth;

@@ -1,4 +1,4 @@
-//! What lies between the camera and the splats: air, or a water.
+//! The medium between the camera and the splats: air, or a water.
 //!
 //! A splat's own colour c at distance d along the line of sight is seen as `c e^(-β_D d) + B∞ (1 - e^(-β_B d))`, and
 //! what no splat hides is seen as B∞. This is done **splat by splat, before composing**, as WaterSplatting does, and
@@ -11,10 +11,10 @@ use aquafuse::waterbody::{Attenuation, AttenuationError, VeilingLight, Waterbody
 
 use crate::scalar::Scalar;
 
-/// What is between the camera and the splats.
+/// The medium between the camera and the splats.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Medium<T> {
-    /// Nothing: colours are seen as they are, on black.
+    /// Air: colours are seen unchanged, on black.
     Air,
     /// A water that is being learned.
     Learned(Water<T>),
@@ -27,14 +27,14 @@ pub enum Medium<T> {
     },
 }
 
-/// A water in the parameters it is trained in: none of them has a bound.
+/// A water in its training parameters, which are unbounded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Water<T> {
     /// The logit of B∞, the logarithm of β_B, the logarithm of β_D (both per unit of the scene), three channels each.
     pub raw: [T; PARAMETERS],
 }
 
-/// Numbers that a learned water has.
+/// Parameters of a learned water.
 pub const PARAMETERS: usize = 9;
 
 /// B∞ is kept off 0 and 1 when it is given, where its logit has no end.
@@ -69,7 +69,7 @@ impl<T: Scalar> Water<T> {
         std::array::from_fn(|c| self.raw[6 + c].exp())
     }
 
-    /// A colour seen at a distance as it is without this water, in [0, 1].
+    /// A colour seen at a distance, with this water removed, in [0, 1].
     pub fn taken_out(&self, seen: [T; 3], distance: T) -> [T; 3] {
         let (veil, growth, fading) = (self.veil(), self.backscatter(), self.attenuation());
         std::array::from_fn(|c| {
@@ -79,7 +79,7 @@ impl<T: Scalar> Water<T> {
         })
     }
 
-    /// The same water for the rest of AquaFuse, per unit of the scene.
+    /// The same water as a [`Waterbody`], per unit of the scene.
     ///
     /// # Errors
     ///
@@ -111,7 +111,7 @@ pub(crate) enum Between<T> {
 }
 
 impl<T: Scalar> Medium<T> {
-    /// What is seen where there is no splat.
+    /// The colour where there is no splat.
     pub fn background(&self) -> [T; 3] {
         match self {
             Self::Air => [T::ZERO; 3],

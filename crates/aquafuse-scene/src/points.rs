@@ -1,4 +1,4 @@
-//! Points on things, as structure from motion finds them, and the splats that training begins with.
+//! Points on surfaces, as structure from motion finds them, and the splats that training begins with.
 
 use crate::camera::Camera;
 use crate::random::Random;
@@ -15,12 +15,12 @@ pub struct Point {
 
 /// Opacity that splats begin with. Published.
 const OPACITY: f64 = 0.1;
-/// How many neighbours tell how large a splat begins. Published.
+/// The neighbours that the first scale of a splat is computed from. Published.
 const NEIGHBOURS: usize = 3;
 /// The least it may be, units of the scene: two points at one place.
 const LEAST: f64 = 1e-4;
 
-/// One ball a point, as large as its three nearest neighbours are away in the mean square.
+/// One ball a point; its scale is the root mean square distance to its three nearest neighbours.
 pub fn splats(points: &[Point], degree: u8) -> Splats<f32> {
     let mut splats = Splats::new(degree);
     for (point, radius) in points.iter().zip(radii(points)) {
@@ -30,20 +30,21 @@ pub fn splats(points: &[Point], degree: u8) -> Splats<f32> {
     splats
 }
 
-/// The middles of splats that hide at least half of what is behind them, in their own colours: a cloud of points.
-pub fn middles(splats: &Splats<f32>) -> Vec<Point> {
+/// The means of splats with an opacity of at least 0.5, in their own colours: a point cloud.
+pub fn means(splats: &Splats<f32>) -> Vec<Point> {
     let opaque = (0..splats.len()).filter(|&i| splats.opacity(i) >= 0.5);
     opaque
         .map(|i| Point {
-            position: splats.position(i).map(f64::from),
+            position: splats.mean(i).map(f64::from),
             colour: splats.colour(i).map(|value| f64::from(value.clamp(0.0, 1.0))),
         })
         .collect()
 }
 
-/// Points by chance in the views of cameras, for a scene without any: on lines of sight, near ones as often as far ones.
+/// Random points in the views of cameras, for a scene without points: on lines of sight, uniform in the logarithm of the
+/// distance.
 ///
-/// `extent` is how far the cameras stand apart: things are taken to be half to twenty times as far from them.
+/// `extent` is the size of the camera positions: points are half to twenty times as far away.
 pub fn scattered(cameras: &[&Camera], extent: f64, count: usize, seed: u64) -> Vec<Point> {
     let mut random = Random(seed);
     let points = (0..count).filter_map(|_| {
@@ -145,7 +146,7 @@ mod tests {
         for (x, opacity) in [(1.0, 0.9), (2.0, 0.3), (3.0, 0.6)] {
             splats.push(&Splats::<f32>::ball(0, [x, 0.0, 0.0], 0.1, opacity, [0.25, 0.5, 0.75]));
         }
-        let points = middles(&splats);
+        let points = means(&splats);
         assert_eq!(points.iter().map(|point| point.position[0]).collect::<Vec<_>>(), [1.0, 3.0]);
         assert!((points[0].colour[2] - 0.75).abs() < 1e-6);
     }

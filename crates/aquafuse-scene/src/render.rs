@@ -1,8 +1,8 @@
-//! From splats to an image, and from the image's gradient back to that of the splats.
+//! From splats to an image, and from the gradient of the image back to the gradient of the splats.
 //!
 //! The steps are those of Kerbl et al.: each splat is projected to an ellipse (`project.rs`), ellipses are sorted by
-//! distance and listed for the tiles they touch (`tiles.rs`), and each tile is drawn front to back (`raster.rs`).
-//! Threads share out splats and rows of tiles; sums are taken in one order, so that their number changes no bit.
+//! distance and listed for the tiles they touch (`tiles.rs`), and each tile is rendered front to back (`raster.rs`).
+//! Threads share splats and rows of tiles; sums are taken in one order, so that the number of threads changes no bit.
 
 mod harmonics;
 pub(crate) mod project;
@@ -25,23 +25,23 @@ const SHARE: usize = 256;
 /// Stands for a splat that is not seen.
 const UNSEEN: u32 = u32::MAX;
 
-/// Five planes of an image, rows from the top: what was drawn, or a gradient with respect to it.
+/// Five planes of an image, rows from the top: a rendering, or the gradient of a loss by one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drawing<T> {
+pub struct Rendering<T> {
     /// Columns.
     pub width: usize,
     /// Rows.
     pub height: usize,
     /// Red, green, blue.
     pub colour: [Vec<T>; 3],
-    /// Distances along the line of sight, each weighed with how much is seen of its splat: divided by 1 - `through` it is
-    /// their mean.
+    /// Distances along the line of sight, each weighted by how much is seen of its splat: divided by
+    /// 1 - `transmittance`, this is their mean.
     pub distance: Vec<T>,
-    /// The share of light from behind all splats that comes through.
-    pub through: Vec<T>,
+    /// The share of the light from behind all splats that reaches the camera.
+    pub transmittance: Vec<T>,
 }
 
-impl<T: Scalar> Drawing<T> {
+impl<T: Scalar> Rendering<T> {
     /// Zeros.
     pub fn zeros(width: usize, height: usize) -> Self {
         let plane = vec![T::ZERO; width * height];
@@ -50,7 +50,7 @@ impl<T: Scalar> Drawing<T> {
             height,
             colour: [plane.clone(), plane.clone(), plane.clone()],
             distance: plane.clone(),
-            through: plane,
+            transmittance: plane,
         }
     }
 
@@ -65,16 +65,16 @@ impl<T: Scalar> Drawing<T> {
         Planes {
             colour: self.colour.each_ref().map(|plane| &plane[range.clone()]),
             distance: &self.distance[range.clone()],
-            through: &self.through[range],
+            transmittance: &self.transmittance[range],
         }
     }
 }
 
-/// An image that was drawn, with what the way back needs.
+/// A rendering, with what its gradients need.
 #[derive(Clone, Debug)]
 pub struct Rendered<T> {
-    /// The image.
-    pub drawing: Drawing<T>,
+    /// The rendering.
+    pub rendering: Rendering<T>,
     width: usize,
     sight: Sight<T>,
     background: [T; 3],
@@ -85,21 +85,21 @@ pub struct Rendered<T> {
     tiles: Tiles,
 }
 
-/// The gradient of a loss.
+/// The gradient of a loss by everything that was rendered.
 #[derive(Clone, Debug)]
 pub struct Gradient<T> {
-    /// Of the splats, row by row; zeros for those that were not seen.
+    /// By the splats, row by row; zeros for those that were not seen.
     pub splats: Splats<T>,
-    /// Of the parameters of a learned water.
+    /// By the parameters of a learned water.
     pub water: [T; PARAMETERS],
-    /// Of each splat's place on the image, per pixel, what density control asks for; none where it was not seen.
-    pub drift: Vec<Option<[T; 2]>>,
+    /// By each splat's projected mean, per pixel, which density control needs; `None` where it was not seen.
+    pub grad2d: Vec<Option<[T; 2]>>,
 }
 
 /// Bytes that [`render`] takes for a view: its planes, and all tiles that splats touch, which in a view full of large splats
 /// are many more.
 ///
-/// More than 2^32 such tiles are not drawn: then it is [`u64::MAX`].
+/// More than 2^32 such tiles are not rendered: then it is [`u64::MAX`].
 pub fn memory<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> u64 {
     let footprints = in_view(splats, &Sight::of(splats, degree, camera, medium), camera);
     let entries = Tiles::entries(camera.width, camera.height, &footprints);
@@ -135,11 +135,11 @@ fn in_view<T: Scalar>(splats: &Splats<T>, sight: &Sight<T>, camera: &Camera) -> 
         .collect()
 }
 
-/// Draws the splats as the camera sees them through the medium, with harmonics up to `degree`.
+/// Renders the splats as the camera sees them through the medium, with spherical harmonics up to `degree`.
 ///
 /// # Panics
 ///
-/// Where splats touch more than 2^32 tiles together; [`memory`] tells beforehand.
+/// When splats touch more than 2^32 tiles together; [`memory`] says so beforehand.
 pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Rendered<T> {
     let sight = Sight::of(splats, degree, camera, medium);
     let (width, height) = (camera.width, camera.height);
@@ -151,7 +151,7 @@ pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium
     }
     let tiles = Tiles::new(width, height, &footprints);
     let mut rendered = Rendered {
-        drawing: Drawing::zeros(0, 0),
+        rendering: Rendering::zeros(0, 0),
         width,
         sight,
         background: medium.background(),
@@ -159,21 +159,21 @@ pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium
         ranks,
         tiles,
     };
-    let mut drawing = Drawing::zeros(width, height);
+    let mut rendering = Rendering::zeros(width, height);
     let strip = SIDE * width;
-    let [r, g, b] = &mut drawing.colour;
+    let [r, g, b] = &mut rendering.colour;
     let colours = r.par_chunks_mut(strip).zip(g.par_chunks_mut(strip)).zip(b.par_chunks_mut(strip));
-    let others = drawing.distance.par_chunks_mut(strip).zip(drawing.through.par_chunks_mut(strip));
-    colours.zip(others).enumerate().for_each(|(row, (((r, g), b), (distance, through)))| {
-        let strip = Strip { colour: [r, g, b], distance, through };
+    let others = rendering.distance.par_chunks_mut(strip).zip(rendering.transmittance.par_chunks_mut(strip));
+    colours.zip(others).enumerate().for_each(|(row, (((r, g), b), (distance, transmittance)))| {
+        let strip = Strip { colour: [r, g, b], distance, transmittance };
         widest(Draw { source: rendered.source(row), strip });
     });
-    rendered.drawing = drawing;
+    rendered.rendering = rendering;
     rendered
 }
 
 impl<T: Scalar> Rendered<T> {
-    /// How many splats are in view.
+    /// The number of splats in view.
     pub fn seen(&self) -> usize {
         self.footprints.len()
     }
@@ -188,35 +188,35 @@ impl<T: Scalar> Rendered<T> {
         }
     }
 
-    /// From the gradient of a loss with respect to the drawing to that of the splats it was made of, and of the water.
+    /// From the gradient of a loss by the rendering to its gradient by the splats and by the water.
     ///
     /// # Panics
     ///
-    /// When `splats` are not those that were drawn, or the sizes differ.
-    pub fn back(&self, splats: &Splats<T>, medium: &Medium<T>, gradient: &Drawing<T>) -> Gradient<T> {
-        assert_eq!(self.ranks.len(), splats.len(), "the splats that were drawn");
+    /// When `splats` are not the splats that were rendered, or the sizes differ.
+    pub fn back(&self, splats: &Splats<T>, medium: &Medium<T>, gradient: &Rendering<T>) -> Gradient<T> {
+        assert_eq!(self.ranks.len(), splats.len(), "the splats that were rendered");
         let mut entries = vec![Sums::<T>::default(); self.tiles.entries.len()];
         let of_background = self.undraw(gradient, &mut entries);
 
         let row_width = splats.width();
         let mut of_splats = splats.zeros();
-        let mut drift = vec![None; splats.len()];
+        let mut grad2d = vec![None; splats.len()];
         let shares = splats.rows().par_chunks(row_width * SHARE);
         let written = of_splats.rows_mut().par_chunks_mut(row_width * SHARE);
-        let ranks = self.ranks.par_chunks(SHARE).zip(drift.par_chunks_mut(SHARE));
+        let ranks = self.ranks.par_chunks(SHARE).zip(grad2d.par_chunks_mut(SHARE));
         let waters: Vec<[T; PARAMETERS]> = shares
             .zip(written)
             .zip(ranks)
-            .map(|((rows, written), (ranks, drift))| {
+            .map(|((rows, written), (ranks, grad2d))| {
                 let mut water = [T::ZERO; PARAMETERS];
                 let rows = rows.chunks_exact(row_width).zip(written.chunks_exact_mut(row_width));
-                for (((row, written), &rank), drift) in rows.zip(ranks).zip(drift) {
+                for (((row, written), &rank), grad2d) in rows.zip(ranks).zip(grad2d) {
                     let Some(footprint) = self.footprints.get(rank as usize) else { continue };
                     let mut sums = Sums::default();
                     for &place in self.tiles.places_of(rank as usize) {
                         sums.add(&entries[place as usize]);
                     }
-                    *drift = Some(project::drift(footprint, &sums));
+                    *grad2d = Some(project::grad2d(footprint, &sums));
                     project::back(row, &self.sight, footprint, &sums, written, &mut water);
                 }
                 water
@@ -229,11 +229,11 @@ impl<T: Scalar> Rendered<T> {
             }
         }
         medium.background_back(of_background, &mut water);
-        Gradient { splats: of_splats, water, drift }
+        Gradient { splats: of_splats, water, grad2d }
     }
 
     /// Fills the sums of each entry of the tiles' lists; gives the gradient of the background.
-    fn undraw(&self, gradient: &Drawing<T>, entries: &mut [Sums<T>]) -> [T; 3] {
+    fn undraw(&self, gradient: &Rendering<T>, entries: &mut [Sums<T>]) -> [T; 3] {
         let mut rest = entries;
         let mut strips = Vec::with_capacity(self.tiles.down);
         for row in 0..self.tiles.down {
@@ -246,7 +246,7 @@ impl<T: Scalar> Rendered<T> {
             .map(|(row, sums)| {
                 widest(Undraw {
                     source: self.source(row),
-                    drawn: self.drawing.strip(row),
+                    drawn: self.rendering.strip(row),
                     gradient: gradient.strip(row),
                     sums,
                 })

@@ -5,8 +5,8 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// `f32` or `f64`.
 ///
-/// Everything from projection to loss is written once for both: what is trained in `f32` is the code whose
-/// gradients are held against finite differences in `f64`.
+/// Everything from projection to loss is written once for both: the code that trains in `f32` is the code whose gradients
+/// are compared with finite differences in `f64`.
 pub trait Scalar:
     Copy
     + Debug

@@ -1,12 +1,15 @@
 //! One water for all images of a scene, in its unit of length.
 //!
-//! Depth from colour is relative within an image. Points of the scene that a camera sees tell how long its 1 is: with that,
-//! distances of all images are of one unit, and so are the waters estimated from them, which are then pooled.
+//! Depth from colour is relative within an image. The points of the scene that a camera sees give the length of its 1: with
+//! it, distances of all images have one unit, and so have the waters estimated from them, which are then pooled
+//! ([`estimate`]).
 
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::image::{Encoded, SizeError};
-use aquafuse::waterbody::{self, Estimate, EstimateOptions};
+use aquafuse::waterbody::{self, Estimate, EstimateOptions, pool};
+use aquafuse_data::files::{Step, count};
 use aquafuse_data::image_file::ImageFile;
+use aquafuse_data::run::{RunOptions, Stopped};
 
 use crate::lens::Lens;
 use crate::medium::Water;
@@ -15,7 +18,115 @@ use crate::points::Point;
 /// Points in view of a camera, at the least, for its depth to have a unit.
 const LEAST_POINTS: usize = 12;
 
-/// How many units of the scene relative depth 1 is in an image; none if too few points are in its view.
+/// The unit of an image that has too few points in view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MissingUnit {
+    /// The median of the units of the other images; 1 if none has one.
+    OfOthers,
+    /// This many units of the scene.
+    Fixed(f32),
+}
+
+/// The water that the images of a scene share.
+#[derive(Clone, Debug)]
+pub struct SharedWater {
+    /// What relative depth 1 is in each image, in units of the scene.
+    pub units: Vec<f32>,
+    /// The median of the units that points gave; `None` where no image has enough points in view.
+    pub unit: Option<f32>,
+    /// The water, per unit of the scene.
+    pub water: Estimate<Encoded>,
+    /// How far away things are, in units of the scene: the median over the images of their median distance.
+    pub distance: f32,
+}
+
+/// Images give no water together.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SharedWaterError {
+    /// There is no image.
+    #[error("the scene has no image; name a folder with images and their cameras")]
+    NoImages,
+    /// An image and its depth map differ in size.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+}
+
+/// Shows an image and its relative depth: what `estimate` asks for, by the index of the image.
+pub type Show<'a, E> = dyn Fn(usize, &mut dyn FnMut(&ImageFile, &DepthMap)) -> Result<(), E> + Sync + 'a;
+
+/// What one image contributes.
+#[derive(Clone, Copy, Debug)]
+struct Contribution {
+    /// Its unit, if points give it.
+    unit: Option<f32>,
+    /// The unit that was used, the water and the median distance in it; `None` until a unit is known.
+    water: Option<(f32, Estimate<Encoded>, f32)>,
+}
+
+/// Estimates the water that images share: a unit for each image, its water in that unit, and all waters pooled.
+///
+/// `lenses` belong to the images, in their order. `show` is asked for every image once, on the threads of the run. It is
+/// asked a second time only for an image whose unit comes from the others.
+///
+/// # Errors
+///
+/// What `show` returns, [`SharedWaterError`] when there is no image or a depth map is not its image's, or [`Stopped`].
+pub fn estimate<E: From<SharedWaterError> + From<Stopped> + Send + Sync>(
+    lenses: &[&Lens],
+    points: &[Point],
+    missing: MissingUnit,
+    options: &RunOptions,
+    show: &Show<'_, E>,
+) -> Result<SharedWater, E> {
+    let assumed = match missing {
+        MissingUnit::Fixed(unit) => Some(unit),
+        // Without points no image will have a unit: there is no need to wait for the others.
+        MissingUnit::OfOthers => points.is_empty().then_some(1.0),
+    };
+    let numbered: Vec<(usize, &Lens)> = lenses.iter().copied().enumerate().collect();
+    let contribution = |&(index, lens): &(usize, &Lens), assumed: Option<f32>| -> Result<Contribution, E> {
+        let mut found = None;
+        show(index, &mut |image, relative| {
+            found = Some(Contribution::of(image, relative, lens, points, assumed));
+        })?;
+        found.unwrap_or(Err(SharedWaterError::NoImages)).map_err(E::from)
+    };
+    let mut found = options.try_map(&numbered, |one| contribution(one, assumed))?;
+    let unit = median(&mut found.iter().filter_map(|one| one.unit).collect::<Vec<_>>());
+    let without = numbered.into_iter().zip(&found).filter(|(_, one)| one.water.is_none());
+    let without: Vec<(usize, &Lens)> = without.map(|(one, _)| one).collect();
+    let again = options.try_map(&without, |one| contribution(one, Some(unit.unwrap_or(1.0))))?;
+    for ((index, _), one) in without.iter().zip(again) {
+        found[*index] = one;
+    }
+    let (mut units, mut waters, mut distances) = (Vec::new(), Vec::new(), Vec::new());
+    for (unit, water, distance) in found.into_iter().filter_map(|one| one.water) {
+        units.push(unit);
+        waters.push(water);
+        distances.push(distance);
+    }
+    let water = pool(&waters).ok_or(SharedWaterError::NoImages)?;
+    Ok(SharedWater { units, unit, water, distance: median(&mut distances).unwrap_or(1.0) })
+}
+
+impl Contribution {
+    fn of(
+        image: &ImageFile,
+        relative: &DepthMap,
+        lens: &Lens,
+        points: &[Point],
+        assumed: Option<f32>,
+    ) -> Result<Self, SharedWaterError> {
+        let unit = unit_of(relative, lens, points);
+        let Some(used) = unit.or(assumed) else { return Ok(Self { unit, water: None }) };
+        let depth = in_scene(relative, used);
+        let water = water_of(image, &depth)?;
+        Ok(Self { unit, water: Some((used, water, depth.percentile(0.5))) })
+    }
+}
+
+/// How many units of the scene relative depth 1 is in an image; `None` if too few points are in its view.
 ///
 /// The median of distance over relative depth at the points: half of them may lie on something that hides them, or where
 /// colour errs.
@@ -38,13 +149,13 @@ pub fn unit_of(relative: &DepthMap, lens: &Lens, points: &[Point]) -> Option<f32
     (units.len() >= LEAST_POINTS).then(|| median(&mut units)).flatten()
 }
 
-/// The middle one; none if there is none.
-pub fn median(values: &mut [f32]) -> Option<f32> {
+/// The median, the upper one of an even number; `None` of no value.
+fn median(values: &mut [f32]) -> Option<f32> {
     values.sort_by(f32::total_cmp);
     values.get(values.len() / 2).copied()
 }
 
-/// An image's depth in units of the scene; as it is if it has another kind than relative, or the unit is no length.
+/// An image's depth in units of the scene; unchanged if the unit is no length.
 #[must_use]
 pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
     let (width, height) = relative.size();
@@ -59,11 +170,12 @@ pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
 ///
 /// [`SizeError`] when image and depth differ in size.
 pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, SizeError> {
+    count(Step::WaterEstimated);
     let options = EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() };
     waterbody::estimate(&image.bytes(), depth, &options)
 }
 
-/// A water as training may begin with it: β_D as it is at `distance`, which is about as far as things are.
+/// The first guess of a water to be learned: β_D is constant, with its value at `distance`, where most things are.
 pub fn to_learn(estimate: &Estimate<Encoded>, distance: f32) -> Water<f32> {
     let water = &estimate.water;
     Water::new(

@@ -1,14 +1,14 @@
-//! The scene: anisotropic Gaussians, each a row of numbers.
+//! Splats: anisotropic Gaussians, each a row of numbers.
 
 use crate::scalar::Scalar;
 
 /// The highest degree of spherical harmonics.
-pub const MOST_DEGREE: u8 = 3;
-/// The zeroth harmonic: a colour c is kept as (c - 1/2) / this.
+pub const MAX_SH_DEGREE: u8 = 3;
+/// The spherical harmonic of degree 0: a colour c is stored as (c - 1/2) / this.
 pub(crate) const FLAT: f64 = 0.282_094_791_773_878_14;
 
-/// Where the parts of a row begin; harmonics are the rest of it.
-pub(crate) const POSITION: usize = 0;
+/// The offsets of the parts of a row; spherical harmonics are the rest of it.
+pub(crate) const MEAN: usize = 0;
 pub(crate) const LOG_SCALE: usize = 3;
 pub(crate) const ROTATION: usize = 6;
 pub(crate) const OPACITY: usize = 10;
@@ -16,8 +16,8 @@ pub(crate) const HARMONICS: usize = 11;
 
 /// Gaussians in the parameters they are trained in, as published by Kerbl et al.
 ///
-/// Each is a row of 11 + 3 (degree + 1)² numbers: position (3, units of the scene), logarithms of the deviations along
-/// its axes (3), a quaternion w, x, y, z that is normalised where it is used (4), the logit of its opacity (1), and
+/// Each is a row of 11 + 3 (degree + 1)² numbers: mean (3, units of the scene), logarithms of the scales along its axes
+/// (3), a quaternion w, x, y, z that is normalised where it is used (4), the logit of its opacity (1), and spherical
 /// harmonics of its colour, three channels each. A gradient has the same shape, and so have the moments of Adam.
 ///
 /// # Examples
@@ -42,33 +42,33 @@ pub(crate) const fn harmonics(degree: u8) -> usize {
 }
 
 impl<T: Scalar> Splats<T> {
-    /// None yet, with harmonics up to `degree`.
+    /// No splats, of this spherical-harmonics degree.
     ///
     /// # Panics
     ///
-    /// When `degree` is more than [`MOST_DEGREE`].
+    /// When `degree` is more than [`MAX_SH_DEGREE`].
     pub fn new(degree: u8) -> Self {
-        assert!(degree <= MOST_DEGREE, "harmonics are known up to degree {MOST_DEGREE}, not {degree}");
+        assert!(degree <= MAX_SH_DEGREE, "harmonics are known up to degree {MAX_SH_DEGREE}, not {degree}");
         Self { degree, rows: Vec::new() }
     }
 
-    /// So many rows of zeros in the shape of these: a gradient to add to.
+    /// As many rows of zeros: a gradient to add to.
     #[must_use]
     pub fn zeros(&self) -> Self {
         Self { degree: self.degree, rows: vec![T::ZERO; self.rows.len()] }
     }
 
-    /// Takes rows as they are; none if they are no whole number of rows.
+    /// Splats of these rows; `None` if the numbers are not whole rows, or the degree is too high.
     pub fn from_rows(degree: u8, rows: Vec<T>) -> Option<Self> {
-        (degree <= MOST_DEGREE && rows.len().is_multiple_of(Self::width_of(degree)))
+        (degree <= MAX_SH_DEGREE && rows.len().is_multiple_of(Self::width_of(degree)))
             .then_some(Self { degree, rows })
     }
 
-    /// A row: a ball of one colour, of deviation `radius` and the given opacity in (0, 1).
+    /// A row: a ball of one colour, with the scale `radius` along every axis and the given opacity in (0, 1).
     pub fn ball(degree: u8, position: [f64; 3], radius: f64, opacity: f64, colour: [f64; 3]) -> Vec<T> {
         let mut row = vec![T::ZERO; Self::width_of(degree)];
         for i in 0..3 {
-            row[POSITION + i] = T::of(position[i]);
+            row[MEAN + i] = T::of(position[i]);
             row[LOG_SCALE + i] = T::of(radius.ln());
             row[HARMONICS + i] = T::of((colour[i] - 0.5) / FLAT);
         }
@@ -77,18 +77,18 @@ impl<T: Scalar> Splats<T> {
         row
     }
 
-    /// How many.
+    /// The number of splats.
     pub fn len(&self) -> usize {
         self.rows.len() / self.width()
     }
 
-    /// Whether there is none.
+    /// Whether there are no splats.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// The degree of the harmonics.
-    pub fn degree(&self) -> u8 {
+    /// The spherical-harmonics degree.
+    pub fn sh_degree(&self) -> u8 {
         self.degree
     }
 
@@ -116,7 +116,7 @@ impl<T: Scalar> Splats<T> {
     ///
     /// # Panics
     ///
-    /// When there is none of that number.
+    /// When there is no row of that index.
     pub fn row(&self, i: usize) -> &[T] {
         let width = self.width();
         &self.rows[i * width..][..width]
@@ -126,13 +126,13 @@ impl<T: Scalar> Splats<T> {
     ///
     /// # Panics
     ///
-    /// When it is no row of this degree.
+    /// When the row has another length.
     pub fn push(&mut self, row: &[T]) {
         assert_eq!(row.len(), self.width(), "a row of degree {}", self.degree);
         self.rows.extend_from_slice(row);
     }
 
-    /// Keeps those of which `keep` says so, in their order.
+    /// Keeps the splats whose entry in `keep` is true, in their order.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         let width = self.width();
         let mut kept = 0;
@@ -143,17 +143,17 @@ impl<T: Scalar> Splats<T> {
         self.rows.truncate(kept * width);
     }
 
-    /// Where one is.
-    pub fn position(&self, i: usize) -> [T; 3] {
-        part(self.row(i), POSITION)
+    /// The mean of a splat, in units of the scene.
+    pub fn mean(&self, i: usize) -> [T; 3] {
+        part(self.row(i), MEAN)
     }
 
-    /// Its deviations along its own axes.
+    /// The scales of a splat: deviations along its own axes, in units of the scene.
     pub fn scale(&self, i: usize) -> [T; 3] {
         part::<T, 3>(self.row(i), LOG_SCALE).map(T::exp)
     }
 
-    /// How it is turned: a unit quaternion w, x, y, z.
+    /// The rotation of a splat: a unit quaternion w, x, y, z.
     pub fn rotation(&self, i: usize) -> [T; 4] {
         let raw: [T; 4] = part(self.row(i), ROTATION);
         let square = raw.into_iter().fold(T::ZERO, |sum, q| sum + q * q);
@@ -161,17 +161,17 @@ impl<T: Scalar> Splats<T> {
         raw.map(|q| q / length)
     }
 
-    /// How much of what is behind its middle it hides, 0 to 1.
+    /// The opacity of a splat at its mean, 0 to 1.
     pub fn opacity(&self, i: usize) -> T {
         self.row(i)[OPACITY].sigmoid()
     }
 
-    /// Its colour without what depends on the direction.
+    /// The colour of a splat without view dependence: its harmonic of degree 0.
     pub fn colour(&self, i: usize) -> [T; 3] {
         part::<T, 3>(self.row(i), HARMONICS).map(|value| value * T::of(FLAT) + T::of(0.5))
     }
 
-    /// Gives it another colour; what depends on the direction stays.
+    /// Changes the harmonic of degree 0; view dependence stays.
     pub(crate) fn paint(&mut self, i: usize, colour: [T; 3]) {
         let width = self.width();
         for (c, value) in colour.into_iter().enumerate() {
@@ -179,7 +179,7 @@ impl<T: Scalar> Splats<T> {
         }
     }
 
-    /// The same in other numbers.
+    /// The same splats in another kind of number.
     pub fn cast<U: Scalar>(&self) -> Splats<U> {
         Splats { degree: self.degree, rows: self.rows.iter().map(|value| U::of(value.get())).collect() }
     }

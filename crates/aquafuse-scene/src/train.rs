@@ -1,8 +1,9 @@
-//! Training: splats that look like the images, one view a step.
+//! Training: splats are fitted to the images, one view a step.
 //!
-//! As published by Kerbl et al.: draw a view, compare (`loss.rs`), go back to the splats, step by Adam (`adam.rs`), now
-//! and then add and take away splats (`density.rs`). What is done when stands in `options.rs`. A run is its [`Options`],
-//! its views and its state, which a checkpoint keeps (`checkpoint.rs`); nothing else has a say, threads least of all.
+//! As published by Kerbl et al.: render a view, compare (`loss.rs`), propagate the gradient back to the splats, step by Adam
+//! (`adam.rs`), and at intervals add and remove splats (`density.rs`). `options.rs` says what happens at which step. A run is
+//! determined by its [`Options`], its views and its state, which a checkpoint keeps (`checkpoint.rs`); the number of threads
+//! changes nothing. [`training`](crate::training) runs a whole scene from its folder.
 
 mod adam;
 mod checkpoint;
@@ -27,7 +28,7 @@ use state::State;
 
 /// An image to train on and the camera that took it.
 #[derive(Clone, Debug)]
-pub struct Shot {
+pub struct TrainView {
     /// The camera; of the image's size.
     pub camera: Camera,
     /// The image.
@@ -40,17 +41,17 @@ pub struct Shot {
 ///
 /// ```
 /// use aquafuse::truth::Size;
-/// use aquafuse_scene::train::{Options, Shot, Trainer, loss::Target};
+/// use aquafuse_scene::train::{Options, TrainView, Trainer, loss::Target};
 /// use aquafuse_scene::{points, truth};
 ///
 /// let views = truth::views(1, Size { width: 40, height: 30 }, 4, 1);
 /// let images: Vec<_> = views.iter().map(|view| view.clear()).collect();
 /// let splats = points::splats(&truth::points(&views, &images, 16), 0);
-/// let shots = views.into_iter().zip(&images).map(|(view, image)| Shot {
+/// let views = views.into_iter().zip(&images).map(|(view, image)| TrainView {
 ///     target: Target::new(40, 30, image.pixels()),
 ///     camera: view.camera,
 /// });
-/// let mut trainer = Trainer::new(Options { iterations: 20, ..Options::default() }, shots.collect(), splats, None);
+/// let mut trainer = Trainer::new(Options { iterations: 20, ..Options::default() }, views.collect(), splats, None);
 /// let first = trainer.step();
 /// while !trainer.is_done() {
 ///     trainer.step();
@@ -60,53 +61,59 @@ pub struct Shot {
 #[derive(Clone, Debug)]
 pub struct Trainer {
     options: Options,
-    shots: Vec<Shot>,
-    /// How far the cameras stand from their middle, units of the scene.
+    views: Vec<TrainView>,
+    /// How far the cameras stand from their centre, in units of the scene.
     extent: f32,
-    /// What the images and cameras come to, as one number.
+    /// A digest of images and cameras.
     subject: u64,
     state: State,
 }
 
 impl Trainer {
-    /// Begins with these splats, whose colours are those of the images; `water` is where a water that is to be learned
-    /// begins, none for air. It is taken out of the colours first: else fading would be unlearned to explain them. Once distances are known it is told again (`water.rs`).
+    /// Begins with these splats, in the colours of the images. `water` is the first guess of a water to be learned; `None`:
+    /// air. The water is removed from the colours first: otherwise training would lower β_D to explain them. Once distances
+    /// are known the water is estimated again (`water.rs`).
     ///
     /// # Panics
     ///
-    /// When there is no shot, or one whose camera has another size than its image.
-    pub fn new(options: Options, shots: Vec<Shot>, splats: Splats<f32>, water: Option<Water<f32>>) -> Self {
+    /// When there is no view, or a camera and its image differ in size.
+    pub fn new(
+        options: Options,
+        views: Vec<TrainView>,
+        splats: Splats<f32>,
+        water: Option<Water<f32>>,
+    ) -> Self {
         let mut splats = splats;
         if let Some(water) = &water {
             // They are seen as through air, for they have the colours of the images.
-            water::repaint(&mut splats, &shots, &Medium::Air, water);
+            water::repaint(&mut splats, &views, &Medium::Air, water);
         }
         let state = State::new(splats, water, options.seed);
-        Self::at(options, shots, state)
+        Self::at(options, views, state)
     }
 
-    fn at(options: Options, shots: Vec<Shot>, state: State) -> Self {
-        assert!(!shots.is_empty(), "there must be something to train on");
-        for shot in &shots {
+    fn at(options: Options, views: Vec<TrainView>, state: State) -> Self {
+        assert!(!views.is_empty(), "there must be something to train on");
+        for view in &views {
             assert_eq!(
-                (shot.camera.width, shot.camera.height),
-                shot.target.size(),
+                (view.camera.width, view.camera.height),
+                view.target.size(),
                 "a camera of its image's size"
             );
         }
-        let cameras: Vec<&Camera> = shots.iter().map(|shot| &shot.camera).collect();
-        Self { options, extent: extent(&cameras) as f32, subject: subject(&shots), shots, state }
+        let cameras: Vec<&Camera> = views.iter().map(|view| &view.camera).collect();
+        Self { options, extent: extent(&cameras) as f32, subject: subject(&views), views, state }
     }
 
-    /// Shows one view and takes one step; gives the loss before it.
+    /// Renders one view and takes one step; returns the loss before it.
     pub fn step(&mut self) -> Loss {
-        let shot = self.state.next_view(self.shots.len());
-        let Shot { camera, target } = &self.shots[shot];
-        let degree = self.options.degree(self.state.step, self.state.splats.degree());
+        let view = self.state.next_view(self.views.len());
+        let TrainView { camera, target } = &self.views[view];
+        let degree = self.options.degree(self.state.step, self.state.splats.sh_degree());
         let medium = self.state.medium();
         let drawn = render(&self.state.splats, degree, camera, &medium);
-        let (loss, of_drawing) = loss(&drawn.drawing, target, self.options.lambda);
-        let gradient = drawn.back(&self.state.splats, &medium, &of_drawing);
+        let (loss, of_rendering) = loss(&drawn.rendering, target, self.options.lambda);
+        let gradient = drawn.back(&self.state.splats, &medium, &of_rendering);
 
         self.state.density.note(&gradient, camera.width, camera.height);
         let rates = self.rates();
@@ -118,8 +125,8 @@ impl Trainer {
             let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
         }
-        if self.options.looks_at_water_after(state.step) {
-            Self::look_at_water(&self.shots, state);
+        if self.options.estimates_water_after(state.step) {
+            Self::estimate_water(&self.views, state);
         }
         if self.options.grows_after(state.step) {
             density::change(state, &self.options, self.extent);
@@ -130,27 +137,27 @@ impl Trainer {
         loss
     }
 
-    /// Takes the water that the views tell by the distances there are now, and the splats' colours with it.
-    fn look_at_water(shots: &[Shot], state: &mut State) {
+    /// Estimates the water again from the views and the present distances, and changes the splats' colours with it.
+    fn estimate_water(views: &[TrainView], state: &mut State) {
         let old = state.medium();
         let Some((water, moments)) = &mut state.water else { return };
-        if let Some(told) = water::told(shots, &state.splats, water) {
-            water::repaint(&mut state.splats, shots, &old, &told);
-            (*water, *moments) = (told, Moments::new(PARAMETERS));
+        if let Some(estimated) = water::estimate(views, &state.splats, water) {
+            water::repaint(&mut state.splats, views, &old, &estimated);
+            (*water, *moments) = (estimated, Moments::new(PARAMETERS));
         }
     }
 
     /// The rate of each number of a row at this step.
     fn rates(&self) -> Vec<f32> {
         let rates = &self.options.rates;
-        let position = self.options.position_rate(self.state.step) * f64::from(self.extent);
+        let means = self.options.means_rate(self.state.step) * f64::from(self.extent);
         let rate = |i: usize| match i {
-            0..LOG_SCALE => position,
-            LOG_SCALE..ROTATION => rates.scale,
-            ROTATION..OPACITY => rates.rotation,
-            OPACITY => rates.opacity,
-            _ if i < HARMONICS + 3 => rates.colour,
-            _ => rates.colour / 20.0,
+            0..LOG_SCALE => means,
+            LOG_SCALE..ROTATION => rates.scales,
+            ROTATION..OPACITY => rates.quats,
+            OPACITY => rates.opacities,
+            _ if i < HARMONICS + 3 => rates.sh0,
+            _ => rates.sh0 / 20.0,
         };
         (0..self.state.splats.width()).map(|i| rate(i) as f32).collect()
     }
@@ -165,21 +172,21 @@ impl Trainer {
         self.state.step >= self.options.iterations
     }
 
-    /// The splats as they are.
+    /// The splats so far.
     pub fn splats(&self) -> &Splats<f32> {
         &self.state.splats
     }
 
-    /// What they are seen through: air, or the water as it is learned so far.
+    /// The medium: air, or the water as learned so far.
     pub fn medium(&self) -> Medium<f32> {
         self.state.medium()
     }
 }
 
-/// All images and cameras as one number (FNV-1a, a value at a time): a run is not gone on with on others.
-fn subject(shots: &[Shot]) -> u64 {
+/// A digest of all images and cameras (FNV-1a, a value at a time): a run does not go on with others.
+fn subject(views: &[TrainView]) -> u64 {
     let add = |sum: u64, value: u64| (sum ^ value).wrapping_mul(0x0000_0100_0000_01b3);
-    shots.iter().fold(0xcbf2_9ce4_8422_2325, |sum, Shot { camera, target }| {
+    views.iter().fold(0xcbf2_9ce4_8422_2325, |sum, TrainView { camera, target }| {
         let Camera { width, height, focal, centre, rotation, translation } = camera;
         let numbers = focal.iter().chain(centre).chain(rotation.as_flattened()).chain(translation);
         let sum = [*width, *height].iter().fold(sum, |sum, side| add(sum, *side as u64));
@@ -188,12 +195,12 @@ fn subject(shots: &[Shot]) -> u64 {
     })
 }
 
-/// The greatest distance of a camera from the middle of all, and a tenth more: the size of a scene, as published.
+/// The greatest distance of a camera from the centre of all, and a tenth more: the size of a scene, as published.
 pub fn extent(cameras: &[&Camera]) -> f64 {
     let positions: Vec<[f64; 3]> = cameras.iter().map(|camera| camera.position()).collect();
-    let middle: [f64; 3] =
+    let centre: [f64; 3] =
         std::array::from_fn(|i| positions.iter().map(|p| p[i]).sum::<f64>() / positions.len() as f64);
-    let apart = |p: &[f64; 3]| (0..3).map(|i| (p[i] - middle[i]).powi(2)).sum::<f64>().sqrt();
+    let apart = |p: &[f64; 3]| (0..3).map(|i| (p[i] - centre[i]).powi(2)).sum::<f64>().sqrt();
     // A single camera, or several at one place, have a scene too.
     (1.1 * positions.iter().map(apart).fold(0.0, f64::max)).max(1e-3)
 }

@@ -1,4 +1,4 @@
-//! A place of known geometry seen by many cameras: what training is held against.
+//! A synthetic place of known geometry, seen by many cameras: training is compared with it.
 //!
 //! The place is that of [`aquafuse::truth`], in metres. Its axes there are x right, y up, z ahead, which is a left-handed
 //! frame; scenes turn y over.
@@ -12,7 +12,7 @@ use aquafuse_data::files::FileError;
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 
 use crate::camera::Camera;
-use crate::files::{Cameras, SceneFileError, Taken, write_cameras};
+use crate::files::{Cameras, PosedImage, SceneFileError, write_cameras};
 use crate::lens::{Lens, shrunk};
 use crate::points::Point;
 
@@ -149,13 +149,13 @@ pub fn write(
         let made = std::fs::create_dir_all(folder);
         made.map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
     }
-    let mut taken = Vec::with_capacity(views.len());
+    let mut posed = Vec::with_capacity(views.len());
     for (number, (view, image_file)) in views.iter().zip(image_files).enumerate() {
         let name = PathBuf::from(format!("view_{number:03}.png"));
         ImageFile::new(image_file.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
-        taken.push(Taken { name, lens: Lens { camera: view.camera.clone(), distortion: [0.0; 4] } });
+        posed.push(PosedImage { name, lens: Lens { camera: view.camera.clone(), distortion: [0.0; 4] } });
     }
-    write_cameras(&model, &Cameras { taken, points, model: PathBuf::new() }, false)
+    write_cameras(&model, &Cameras { images: posed, points, model: PathBuf::new() }, false)
 }
 
 #[cfg(test)]

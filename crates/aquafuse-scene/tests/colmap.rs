@@ -16,9 +16,9 @@ fn points_of_a_real_model_lie_in_view_of_its_cameras() {
         return;
     }
     let found = read_cameras(&scene).unwrap();
-    assert_eq!((found.taken.len(), found.points.len()), (18, 3452));
-    assert!(found.taken.windows(2).all(|two| two[0].name < two[1].name));
-    for one in &found.taken {
+    assert_eq!((found.images.len(), found.points.len()), (18, 3452));
+    assert!(found.images.windows(2).all(|two| two[0].name < two[1].name));
+    for one in &found.images {
         let camera = &one.lens.camera;
         assert_eq!((camera.width, camera.height), (1280, 720));
         let in_view = found.points.iter().filter(|point| {

@@ -2,7 +2,7 @@
 
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::medium::{Medium, PARAMETERS, Water};
-use aquafuse_scene::render::{Drawing, render};
+use aquafuse_scene::render::{Rendering, render};
 use aquafuse_scene::splats::Splats;
 use aquafuse_scene::train::loss::{Target, loss};
 
@@ -69,16 +69,16 @@ fn water() -> Water<f64> {
 
 /// A loss that asks for everything that is drawn: numbers times planes, and the loss of training.
 struct Asked {
-    weights: Drawing<f64>,
+    weights: Rendering<f64>,
     target: Target<f64>,
 }
 
 impl Asked {
     fn new() -> Self {
         let mut numbers = Numbers(9);
-        let mut weights = Drawing::zeros(WIDTH, HEIGHT);
+        let mut weights = Rendering::zeros(WIDTH, HEIGHT);
         let [r, g, b] = &mut weights.colour;
-        for plane in [r, g, b, &mut weights.distance, &mut weights.through] {
+        for plane in [r, g, b, &mut weights.distance, &mut weights.transmittance] {
             plane.iter_mut().for_each(|v| *v = numbers.between(-1.0, 1.0) / (WIDTH * HEIGHT) as f64);
         }
         let mut value = || numbers.next() as f32;
@@ -86,24 +86,24 @@ impl Asked {
         Self { weights, target: Target::new(WIDTH, HEIGHT, &pixels) }
     }
 
-    fn of(&self, drawing: &Drawing<f64>) -> f64 {
-        let planes = |d: &Drawing<f64>| -> Vec<f64> {
+    fn of(&self, rendering: &Rendering<f64>) -> f64 {
+        let planes = |d: &Rendering<f64>| -> Vec<f64> {
             let [r, g, b] = &d.colour;
-            [r, g, b, &d.distance, &d.through].into_iter().flatten().copied().collect()
+            [r, g, b, &d.distance, &d.transmittance].into_iter().flatten().copied().collect()
         };
-        let weighed: f64 = planes(drawing).iter().zip(planes(&self.weights)).map(|(a, b)| a * b).sum();
-        weighed + loss(drawing, &self.target, 0.2).0.total
+        let weighed: f64 = planes(rendering).iter().zip(planes(&self.weights)).map(|(a, b)| a * b).sum();
+        weighed + loss(rendering, &self.target, 0.2).0.total
     }
 
-    fn gradient(&self, drawing: &Drawing<f64>) -> Drawing<f64> {
-        let (_, mut gradient) = loss(drawing, &self.target, 0.2);
+    fn gradient(&self, rendering: &Rendering<f64>) -> Rendering<f64> {
+        let (_, mut gradient) = loss(rendering, &self.target, 0.2);
         for c in 0..3 {
             for (sum, weight) in gradient.colour[c].iter_mut().zip(&self.weights.colour[c]) {
                 *sum += weight;
             }
         }
         gradient.distance.clone_from(&self.weights.distance);
-        gradient.through.clone_from(&self.weights.through);
+        gradient.transmittance.clone_from(&self.weights.transmittance);
         gradient
     }
 }
@@ -120,11 +120,11 @@ fn off(slope: f64, found: f64) -> f64 {
 fn worst(degree: u8, medium: &Medium<f64>) -> (f64, usize) {
     let (camera, asked, mut splats) = (camera(), Asked::new(), splats(degree));
     let value = |splats: &Splats<f64>, medium: &Medium<f64>| {
-        asked.of(&render(splats, degree, &camera, medium).drawing)
+        asked.of(&render(splats, degree, &camera, medium).rendering)
     };
     let drawn = render(&splats, degree, &camera, medium);
-    let gradient = drawn.back(&splats, medium, &asked.gradient(&drawn.drawing));
-    let (mut worst, mut told) = (0.0_f64, 0);
+    let gradient = drawn.back(&splats, medium, &asked.gradient(&drawn.rendering));
+    let (mut worst, mut counted) = (0.0_f64, 0);
     for i in 0..splats.rows().len() {
         let at = splats.rows()[i];
         let mut moved = |by: f64| {
@@ -142,7 +142,7 @@ fn worst(degree: u8, medium: &Medium<f64>) -> (f64, usize) {
             i % splats.width()
         );
         worst = worst.max(error);
-        told += usize::from(found.abs() > LEAST);
+        counted += usize::from(found.abs() > LEAST);
     }
     if let Medium::Learned(water) = medium {
         for i in 0..PARAMETERS {
@@ -158,21 +158,21 @@ fn worst(degree: u8, medium: &Medium<f64>) -> (f64, usize) {
             worst = worst.max(error);
         }
     }
-    (worst, told)
+    (worst, counted)
 }
 
 #[test]
 fn every_gradient_is_that_of_finite_differences_in_air() {
     for degree in 0..=3 {
-        let (worst, told) = worst(degree, &Medium::Air);
-        println!("degree {degree}: worst relative error {worst:.1e}, {told} gradients");
-        assert!(told > 150, "{told} gradients tell something");
+        let (worst, counted) = worst(degree, &Medium::Air);
+        println!("degree {degree}: worst relative error {worst:.1e}, {counted} gradients");
+        assert!(counted > 150, "{counted} gradients are large enough to compare");
     }
 }
 
 #[test]
 fn every_gradient_is_that_of_finite_differences_in_learned_water() {
-    let (worst, told) = worst(3, &Medium::Learned(water()));
-    println!("worst relative error {worst:.1e}, {told} gradients");
-    assert!(told > 700, "{told} gradients tell something");
+    let (worst, counted) = worst(3, &Medium::Learned(water()));
+    println!("worst relative error {worst:.1e}, {counted} gradients");
+    assert!(counted > 700, "{counted} gradients are large enough to compare");
 }

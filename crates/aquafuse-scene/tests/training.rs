@@ -11,7 +11,7 @@ use aquafuse_scene::medium::{Medium, Water};
 use aquafuse_scene::render::render;
 use aquafuse_scene::splats::Splats;
 use aquafuse_scene::train::loss::Target;
-use aquafuse_scene::train::{CheckpointError, Options, Shot, Trainer};
+use aquafuse_scene::train::{CheckpointError, Options, TrainView, Trainer};
 use aquafuse_scene::truth::{TruthView, views};
 use aquafuse_scene::{points, truth};
 
@@ -32,9 +32,9 @@ impl Place {
         self.views.iter().map(through).collect()
     }
 
-    fn shots(&self, images: &[Image<f32>]) -> Vec<Shot> {
+    fn shots(&self, images: &[Image<f32>]) -> Vec<TrainView> {
         let kept = self.views.iter().zip(images).enumerate().filter(|(i, _)| *i != HELD);
-        let shot = |(_, (view, image)): (usize, (&TruthView, &Image<f32>))| Shot {
+        let shot = |(_, (view, image)): (usize, (&TruthView, &Image<f32>))| TrainView {
             camera: view.camera.clone(),
             target: Target::new(SIZE.width, SIZE.height, image.pixels()),
         };
@@ -48,12 +48,12 @@ impl Place {
     /// How near the view that was held back comes, in dB.
     fn score(&self, trained: (&Splats<f32>, &Medium<f32>), image_there: &Image<f32>) -> f64 {
         let drawn = render(trained.0, 1, &self.views[HELD].camera, trained.1);
-        psnr(&image(&drawn.drawing), image_there).unwrap()
+        psnr(&image(&drawn.rendering), image_there).unwrap()
     }
 }
 
 fn options(iterations: u32) -> Options {
-    Options { iterations, most_splats: 5000, ..Options::default() }
+    Options { iterations, max_splats: 5000, ..Options::default() }
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn a_water_is_learned_and_taken_out() {
     // Where things are, the place without its water is nearer to what it is than its image.
     let view = &place.views[HELD];
     let drawn = render(trainer.splats(), 1, &view.camera, &Medium::Air);
-    let (dry, clear) = (image(&drawn.drawing), view.clear());
+    let (dry, clear) = (image(&drawn.rendering), view.clear());
     let error = |image: &Image<f32>| -> f64 {
         let near = view.scene.depth.distances();
         let pixels = image.pixels().iter().zip(clear.pixels()).zip(near).filter(|(_, z)| *z < 8.0);

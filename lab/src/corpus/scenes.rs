@@ -8,7 +8,7 @@ use aquafuse_scene::files::ply_bytes;
 use aquafuse_scene::medium::Water;
 use aquafuse_scene::splats::Splats;
 use aquafuse_scene::train::loss::Target;
-use aquafuse_scene::train::{Options, Shot, Trainer};
+use aquafuse_scene::train::{Options, TrainView, Trainer};
 use aquafuse_scene::truth::views;
 
 use super::add;
@@ -45,8 +45,8 @@ pub(super) fn add_all(corpus: &Path) -> Result<()> {
 /// A checkpoint without its mark, its options and what the images come to.
 fn state(splats: Splats<f32>) -> Vec<u8> {
     let view = views(1, Size { width: 8, height: 6 }, 1, 1).remove(0);
-    let shot = Shot { target: Target::new(8, 6, view.clear().pixels()), camera: view.camera };
-    let water = (splats.degree() > 0).then(|| Water::new([0.1, 0.3, 0.5], [0.2; 3], [0.2; 3]));
+    let shot = TrainView { target: Target::new(8, 6, view.clear().pixels()), camera: view.camera };
+    let water = (splats.sh_degree() > 0).then(|| Water::new([0.1, 0.3, 0.5], [0.2; 3], [0.2; 3]));
     let mut trainer = Trainer::new(Options::default(), vec![shot.clone(), shot], splats, water);
     trainer.step();
     let bytes = trainer.checkpoint();

@@ -4,7 +4,7 @@ use aquafuse::truth::Size;
 use aquafuse_scene::medium::Medium;
 use aquafuse_scene::render::render;
 use aquafuse_scene::train::loss::{Target, loss};
-use aquafuse_scene::train::{Options, Shot, Trainer};
+use aquafuse_scene::train::{Options, TrainView, Trainer};
 use aquafuse_scene::truth::TruthView;
 use aquafuse_scene::{points, truth};
 use xtask::clock;
@@ -33,7 +33,7 @@ fn row(size: Size, splats: usize) -> String {
     let begin = points::splats(&points, 0);
     let camera = &views[1].camera;
     let target = Target::new(size.width, size.height, images[1].pixels());
-    let shot = Shot { camera: camera.clone(), target: target.clone() };
+    let shot = TrainView { camera: camera.clone(), target: target.clone() };
     let mut trainer =
         Trainer::new(Options { iterations: 100_000, ..Options::default() }, vec![shot], begin, None);
     for _ in 0..TIMED {
@@ -49,9 +49,9 @@ fn row(size: Size, splats: usize) -> String {
     });
     let splats = trainer.splats();
     let drawn = render(splats, 0, camera, &Medium::Air);
-    let (_, gradient) = loss(&drawn.drawing, &target, 0.2);
+    let (_, gradient) = loss(&drawn.rendering, &target, 0.2);
     let draw = timed(&mut || drop(render(splats, 0, camera, &Medium::Air)));
-    let compared = timed(&mut || drop(loss(&drawn.drawing, &target, 0.2)));
+    let compared = timed(&mut || drop(loss(&drawn.rendering, &target, 0.2)));
     let back = timed(&mut || drop(drawn.back(splats, &Medium::Air, &gradient)));
     format!(
         "| {}x{} | {} | {} | {draw:.1} | {compared:.1} | {back:.1} | {whole:.1} |\n",

@@ -14,7 +14,7 @@ use aquafuse_scene::medium::{Medium, Water};
 use aquafuse_scene::render::render;
 use aquafuse_scene::splats::Splats;
 use aquafuse_scene::train::loss::Target;
-use aquafuse_scene::train::{Options, Rates, Shot, Trainer};
+use aquafuse_scene::train::{Options, Rates, TrainView, Trainer};
 use aquafuse_scene::truth::TruthView;
 use aquafuse_scene::{points, truth};
 use xtask::clock;
@@ -87,8 +87,8 @@ pub(super) fn tables(folder: Option<&Path>) -> Result<[(&'static str, String); 2
     Ok([("scene", learned), ("scene-water", water)])
 }
 
-fn options(rates: Rates, iterations: u32, most_splats: usize) -> Options {
-    Options { iterations, most_splats, rates, ..Options::default() }
+fn options(rates: Rates, iterations: u32, max_splats: usize) -> Options {
+    Options { iterations, max_splats, rates, ..Options::default() }
 }
 
 struct Place {
@@ -116,7 +116,7 @@ impl Place {
     fn run(&self, images: &[Image<f32>], options: &Options, every: usize, water: Option<Water<f32>>) -> Run {
         let begin = points::splats(&truth::points(&self.views, images, every), 0);
         let kept = self.views.iter().zip(images).enumerate().filter(|(i, _)| i % HELD != 0);
-        let shots = kept.map(|(_, (view, image))| Shot {
+        let shots = kept.map(|(_, (view, image))| TrainView {
             camera: view.camera.clone(),
             target: Target::new(view.camera.width, view.camera.height, image.pixels()),
         });
@@ -135,7 +135,7 @@ impl Place {
     }
 
     fn drawn(&self, splats: &Splats<f32>, medium: &Medium<f32>) -> Vec<Image<f32>> {
-        self.held(&self.views).map(|view| image(&render(splats, 0, &view.camera, medium).drawing)).collect()
+        self.held(&self.views).map(|view| image(&render(splats, 0, &view.camera, medium).rendering)).collect()
     }
 
     /// PSNR and SSIM of what was drawn for the views held back, against all images.

@@ -21,6 +21,9 @@ pub(crate) struct Common {
     /// Print only errors and the requested result.
     #[arg(long, global = true, help_heading = HEADING)]
     pub(crate) quiet: bool,
+    /// Print details: more lines in summaries, and what work was done.
+    #[arg(short, long, global = true, help_heading = HEADING, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
 }
 
 impl Common {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use aquafuse_data::drawing::{self, Captions};
 use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
-use aquafuse_data::pipeline::analyse;
+use aquafuse_data::pipeline::{analyse, analyse_with_evidence};
 use clap::Args;
 
 use crate::args::depth::DepthArguments;
@@ -52,14 +52,20 @@ impl Inspect {
         let image_file = reading.read(&self.image)?;
         let supply = self.depth.supply(false, self.model.get()).map_err(Failure::usage)?;
         let source = supply.of(&self.image).map_err(Failure::usage)?;
-        let found = analyse(&image_file, &source)?;
-        if let Some(path) = &plot {
+        let (found, evidence) = match &plot {
+            Some(_) => {
+                analyse_with_evidence(&image_file, &source).map(|(found, seen)| (found, Some(seen)))?
+            }
+            None => (analyse(&image_file, &source)?, None),
+        };
+        if let (Some(path), Some(evidence)) = (&plot, &evidence) {
             let name = self.image.file_name().unwrap_or_default();
             let captions = Captions {
                 name: &display(name.as_ref()).to_string(),
                 veiling_light: &veiling_light_in_short(&found.estimate),
             };
-            let figure = drawing::estimates(captions, &image_file, &found).map_err(Failure::work)?;
+            let figure =
+                drawing::estimates(captions, &image_file, &found, evidence).map_err(Failure::work)?;
             let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
             remove_stale_parts(make_folder_of(path)?);
             ImageFile::new(figure).write(path, &options)?;

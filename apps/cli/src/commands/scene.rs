@@ -6,23 +6,23 @@ mod fuse;
 mod looked_through;
 mod render;
 mod sfm;
-mod splats_file;
 mod train;
 mod view;
 
 use aquafuse_scene::capture::CaptureError;
 use aquafuse_scene::files::SceneFileError;
+use aquafuse_scene::model::ModelError;
 use clap::{Args, Subcommand};
 
 use crate::args::common::Common;
 use crate::failure::Failure;
 
-/// Scenes in 3D: splats trained on a CPU, with the water inside.
+/// Scenes in 3D: Gaussian splats trained on a CPU, with the water in them.
 #[derive(Args)]
 #[command(after_help = "\
-SCENE is a folder with the cameras that structure from motion found (COLMAP's cameras, images and
-points3D, .bin or .txt, in it, in sparse/0, sparse or colmap_text; or transforms.json) and the
-images, in its folder images or beside them.
+SCENE is a folder with images (in images/, or directly in it) and their cameras, as structure from
+motion writes them: COLMAP's cameras, images and points3D (.bin or .txt, in SCENE, sparse/0, sparse
+or colmap_text), or transforms.json.
 
 Examples:
   aquafuse scene sfm photos/ -o reef/
@@ -75,8 +75,18 @@ impl From<SceneFileError> for Failure {
 impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         match error {
-            CaptureError::Cameras(error) => error.into(),
             CaptureError::Image(error) => error.into(),
+            error => Self::work(error),
+        }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        match error {
+            ModelError::File(error) => error.into(),
+            ModelError::Splats(error) => error.into(),
+            ModelError::Water(error) => error.into(),
             error => Self::work(error),
         }
     }

@@ -68,7 +68,7 @@ pub(crate) fn run(
     let mut reports = reports.into_inner().unwrap_or_default();
     reports.sort_by(|(a, _), (b, _)| a.output.cmp(&b.output));
     if !common.quiet && !arguments.json {
-        output::print(&(words.heading + &summary::of(&reports, ended.skipped)))?;
+        output::print(&(words.heading + &summary::of(&reports, ended.skipped, common.verbose)))?;
     }
     if let Some(path) = &arguments.report {
         let images = records.into_inner().unwrap_or_default();

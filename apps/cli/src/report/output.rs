@@ -1,11 +1,10 @@
 //! What is printed, and where.
 
-use std::fs::DirEntry;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use anyhow::anyhow;
-use aquafuse_data::files::display;
+use aquafuse_data::files::{display, holds_files};
 
 use crate::failure::Failure;
 
@@ -14,27 +13,20 @@ pub(crate) fn complain(what: &impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "aquafuse: {what}");
 }
 
-/// Refuses a folder in which something stands, but for entries of these names. Folders without a file count as nothing: they
-/// are what a run leaves that was killed before its first file.
-pub(crate) fn refuse_filled(folder: &Path, but: &[&str]) -> Result<(), Failure> {
-    match entries(folder)
-        .any(|entry| !but.iter().any(|name| entry.file_name() == *name) && holds_a_file(&entry))
-    {
+/// Says something on standard error that is no complaint.
+pub(crate) fn remark(what: &impl std::fmt::Display) {
+    let _ = writeln!(std::io::stderr(), "{what}");
+}
+
+/// Refuses a folder that holds files, but for entries of these names.
+pub(crate) fn refuse_filled(folder: &Path, except: &[&str]) -> Result<(), Failure> {
+    match holds_files(folder, except) {
         false => Ok(()),
         true => Err(Failure::usage(anyhow!(
             "{} is not empty; name another folder with -o, or add --overwrite",
             display(folder)
         ))),
     }
-}
-
-fn holds_a_file(entry: &DirEntry) -> bool {
-    let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-    !is_folder || entries(&entry.path()).any(|entry| holds_a_file(&entry))
-}
-
-fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
-    folder.read_dir().into_iter().flatten().flatten()
 }
 
 /// Prints `text`; a reader that has gone away (`| head`) is no error.

@@ -19,8 +19,9 @@ const THICKEST: f32 = 20.0;
 /// Images named for each thing that is worth a word.
 const NAMED: usize = 5;
 
-/// The summary of these images, and of `kept` that were there before.
-pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
+/// The summary of these images, and of `kept` that were there before; every image is named if it is `verbose`.
+pub(super) fn of(reports: &[(Item, Report)], kept: usize, verbose: bool) -> String {
+    let named = if verbose { usize::MAX } else { NAMED };
     let mut text = String::new();
     if kept > 0 {
         let _ = writeln!(text, "{kept} images were there already, made by a run before this one");
@@ -42,9 +43,9 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     let with_share = |(item, report): &&(Item, Report)| {
         format!("{} {:.0} %", name(item), 100.0 * report.outcome.clipping.share())
     };
-    list(&mut text, "much clipped", clipped.iter().map(with_share));
+    list(&mut text, named, "much clipped", clipped.iter().map(with_share));
     let supplied = reports.iter().filter_map(|(item, report)| Some((item, report.supplied?)));
-    for (item, supplied) in supplied.clone().filter(|(_, supplied)| supplied.looks_turned_round()).take(NAMED)
+    for (item, supplied) in supplied.clone().filter(|(_, supplied)| supplied.looks_turned_round()).take(named)
     {
         let _ = writeln!(text, "  WARNING: the depth map of {} {}", name(item), inverted(&supplied));
     }
@@ -53,7 +54,7 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
         let is_metric = matches!(supplied.kind, SuppliedKind::Metres | SuppliedKind::Millimetres);
         (is_metric && report.water.backscatter_coefficient[1] > THICKEST).then_some((item, supplied))
     });
-    for (item, supplied) in thick.take(NAMED) {
+    for (item, supplied) in thick.take(named) {
         let _ = writeln!(
             text,
             "  WARNING: by its depth map {} has thicker water than there is; are its values really {}?",
@@ -65,29 +66,31 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     let with_share = |(item, supplied): (&Item, SuppliedReport)| {
         format!("{} {:.1} %", name(item), 100.0 * supplied.invalid_share())
     };
-    list(&mut text, "pixels without a valid depth, told from colour", holes.map(with_share));
+    list(&mut text, named, "pixels without a valid depth, told from colour", holes.map(with_share));
     let vanished = reports.iter().filter(|(_, report)| report.outcome.has_vanished());
     let with_share = |(item, report): &(Item, Report)| {
         format!("{} {:.0} %", name(item), 100.0 * report.outcome.contrast_left.unwrap_or(1.0))
     };
     let about = "hidden by WATER, share of the contrast left (a smaller --metres-at-one lets through more, --model physical all)";
-    list(&mut text, about, vanished.map(with_share));
+    list(&mut text, named, about, vanished.map(with_share));
     for verdict in [Verdict::Failed, Verdict::Doubtful] {
         let of_verdict = reports.iter().filter(|(_, report)| report.quality.verdict == verdict);
         let with_reasons =
             |(item, report): &(Item, Report)| format!("{} ({})", name(item), reasons(report.quality));
         let about = format!("{}, see `aquafuse inspect`", verdict.name());
-        list(&mut text, &about, of_verdict.map(with_reasons));
+        list(&mut text, named, &about, of_verdict.map(with_reasons));
     }
     let damaged = reports.iter().filter_map(|(item, report)| Some((item, report.damage.as_ref()?)));
     list(
         &mut text,
+        named,
         "from damaged files, and marked as such",
         damaged.map(|(item, damage)| format!("{} ({damage})", name(item))),
     );
     let left_out = reports.iter().filter(|(_, report)| !report.left_out.is_empty());
     list(
         &mut text,
+        named,
         "not carried over",
         left_out.map(|(item, report)| format!("{} ({})", name(item), report.left_out.join(", "))),
     );
@@ -95,6 +98,7 @@ pub(super) fn of(reports: &[(Item, Report)], kept: usize) -> String {
     let held = reports.iter().filter(|(_, report)| report.outcome.limited.any());
     list(
         &mut text,
+        named,
         "held back",
         held.map(|(item, report)| format!("{} ({})", name(item), bounds(report.outcome.limited))),
     );
@@ -141,10 +145,10 @@ fn bounds(bounds: Limited) -> String {
 }
 
 /// A line that names the first few of what it is about, and counts the rest.
-fn list(text: &mut String, about: &str, names: impl Iterator<Item = String>) {
+fn list(text: &mut String, named: usize, about: &str, names: impl Iterator<Item = String>) {
     let names: Vec<String> = names.collect();
-    let shown = names.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
-    let _ = match names.len().saturating_sub(NAMED) {
+    let shown = names.iter().take(named).cloned().collect::<Vec<_>>().join(", ");
+    let _ = match names.len().saturating_sub(named) {
         _ if names.is_empty() => Ok(()),
         0 => writeln!(text, "  {about}: {shown}"),
         more => writeln!(text, "  {about}: {shown} and {more} more"),

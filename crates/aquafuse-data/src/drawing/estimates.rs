@@ -6,9 +6,10 @@ mod panels;
 mod view;
 
 use crate::image_file::ImageFile;
-use crate::pipeline::{Analysis, DepthSource, evidence};
+use crate::pipeline::{Analysis, DepthSource};
 use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
 use aquafuse::image::Image;
+use aquafuse::waterbody::Evidence;
 
 use super::DrawError;
 use charts::{Chart, Charts};
@@ -28,7 +29,7 @@ pub struct Captions<'a> {
     pub veiling_light: &'a str,
 }
 
-/// Draws what was found in an image.
+/// Draws what was found in an image, and the evidence it was found by.
 ///
 /// # Errors
 ///
@@ -37,14 +38,14 @@ pub fn estimates(
     captions: Captions<'_>,
     image: &ImageFile,
     found: &Analysis,
+    evidence: &Evidence,
 ) -> Result<Image<u8>, DrawError> {
-    let seen = evidence(image, found)?;
     let view = View::new(image, panels::ROOM);
     let z = view.depth(&found.depth);
     let water = &found.estimate.water;
     let unit = unit(found.depth.kind());
     let depth_factors = found.estimate.depth_factors.as_ref();
-    let charts = Charts { water, depth_factors, evidence: &seen, unit };
+    let charts = Charts { water, depth_factors, evidence, unit };
     Sheet::draw(&format!("{}: depth and water, estimated", captions.name), |sheet| {
         let shown = view.content();
         let mut panels = sheet.panels(shown.height());
@@ -64,11 +65,11 @@ pub fn estimates(
             &next(&depth_title(&found.depth_source))?,
             &view,
             &z,
-            [found.depth.percentile(NEAREST), seen.z95],
+            [found.depth.percentile(NEAREST), evidence.z95],
         )?;
 
         let mask = next("where the veiling light B∞ was read: white")?;
-        mask.image(&view.mask(&seen.read_from))?;
+        mask.image(&view.mask(&evidence.read_from))?;
         let veil = water.veiling_light.rgb();
         mask.swatch(veil.map(|value| (255.0 * value).round() as u8))?;
         mask.caption_beside(captions.veiling_light)?;

@@ -1,5 +1,6 @@
 //! Folders for outputs.
 
+use std::fs::DirEntry;
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -30,4 +31,20 @@ pub fn make_folder_of(file: &Path) -> Result<&Path, FileError> {
         Some(folder) if !folder.as_os_str().is_empty() => make_folder(folder).map(|()| folder),
         _ => Ok(Path::new(".")),
     }
+}
+
+/// Whether a folder holds a file, in folders inside it too; entries of the names in `except` are not looked at.
+///
+/// Folders without a file do not count: a run that was killed before its first file leaves them.
+pub fn holds_files(folder: &Path, except: &[&str]) -> bool {
+    entries(folder).any(|entry| !except.iter().any(|name| entry.file_name() == *name) && holds_a_file(&entry))
+}
+
+fn holds_a_file(entry: &DirEntry) -> bool {
+    let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+    !is_folder || entries(&entry.path()).any(|entry| holds_a_file(&entry))
+}
+
+fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
+    folder.read_dir().into_iter().flatten().flatten()
 }

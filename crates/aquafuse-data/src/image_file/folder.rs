@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::files::FileError;
+use crate::files::{FileError, Step, count};
 use crate::image_file::Format;
 
 /// What stands in a folder, by name.
@@ -21,6 +21,7 @@ pub struct Listing {
 /// [`FileError::Read`] when the folder cannot be listed.
 pub fn list(folder: &Path) -> Result<Listing, FileError> {
     let failed = |error| FileError::Read { path: folder.to_owned(), error };
+    count(Step::FolderListed);
     let mut listing = Listing::default();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;

@@ -19,7 +19,7 @@ use super::limits::Size;
 use super::pixels::Layers;
 use super::{Format, ImageFile, Metadata, Pixels, ReadOptions};
 use crate::files::catch_panic;
-use crate::files::{FileError, one_line};
+use crate::files::{FileError, Step, count, one_line};
 
 /// An image file whose header was read and found within the limits; its pixels are not decoded yet.
 #[derive(Debug)]
@@ -237,11 +237,12 @@ impl Opened {
 
     /// Decodes the image, and shows the bytes of its file.
     pub(crate) fn decode_seeing(mut self, see: impl FnOnce(&[u8])) -> Result<ImageFile, FileError> {
+        count(Step::ImageDecoded);
         self.decoded(see).map_err(|fault| fault.named(&self.path))
     }
 
     /// Memory that its pixels take once decoded, in bytes.
-    pub(crate) fn memory_of_pixels(&self) -> u64 {
+    pub fn memory_of_pixels(&self) -> u64 {
         self.size.memory_of_pixels()
     }
 

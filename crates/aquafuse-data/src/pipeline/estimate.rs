@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
-use aquafuse::image::{Encoded, Encoding, Linear, SizeError};
+use aquafuse::image::{Encoded, Encoding, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
 use crate::depth_file;
-use crate::files::FileError;
+use crate::files::{FileError, Step, count};
 use crate::image_file::ImageFile;
 
 /// How an image's depth is obtained.
@@ -132,6 +132,7 @@ fn analyse_typed<E: Encoding>(
             (found.depth, Some(found.report))
         }
     };
+    count(Step::WaterEstimated);
     let mut estimate =
         waterbody::estimate(&bytes, &depth, &options(image)).expect("the depth map was made for this image");
     if supplied.is_some_and(|report| report.looks_turned_round()) {
@@ -140,13 +141,20 @@ fn analyse_typed<E: Encoding>(
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
 }
 
-/// What the water of [`Analysis::estimate`] was fitted to, read again from the `image` that was analysed.
+/// As [`analyse`], with what the water was fitted to: for plots of an estimate.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when it is another image, of another size.
-pub fn evidence(image: &ImageFile, found: &Analysis) -> Result<Evidence, SizeError> {
-    waterbody::evidence::<Encoded>(&image.bytes(), &found.depth, &options(image))
+/// As [`analyse`].
+pub fn analyse_with_evidence(
+    image: &ImageFile,
+    source: &DepthSource,
+) -> Result<(Analysis, Evidence), FileError> {
+    let found = analyse(image, source)?;
+    // The core gives either the estimate or its evidence, and works out both each time: so it is counted twice.
+    count(Step::WaterEstimated);
+    let evidence = waterbody::evidence::<Encoded>(&image.bytes(), &found.depth, &options(image));
+    Ok((found, evidence.expect("the depth map was made for this image")))
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {

@@ -81,6 +81,31 @@ impl RunOptions {
         slots.into_iter().map(|(_, slot)| slot.into_inner().ok_or(Stopped)).collect()
     }
 
+    /// Does `work`, which may fail, on every item; the results stand in the order of the items. No item begins after one
+    /// has failed.
+    ///
+    /// # Errors
+    ///
+    /// The error of the first item that failed, by the order of the items, or [`Stopped`] when the run was stopped before
+    /// all were done.
+    pub fn try_map<T: Sync, R: Send + Sync, E: Send + Sync + From<Stopped>>(
+        &self,
+        items: &[T],
+        work: impl Fn(&T) -> Result<R, E> + Sync,
+    ) -> Result<Vec<R>, E> {
+        let slots: Vec<(&T, OnceLock<Result<R, E>>)> =
+            items.iter().map(|item| (item, OnceLock::new())).collect();
+        let until_one_fails = Self { max_failures: Some(0), ..self.clone() };
+        until_one_fails.each(&slots, &|(item, slot), _| {
+            let result = work(item);
+            let ending = if result.is_ok() { Ending::Done } else { Ending::Failed };
+            let _ = slot.set(result);
+            ending
+        });
+        // Items begin in their order: before one that failed there is none that was not tried.
+        slots.into_iter().map(|(_, slot)| slot.into_inner().unwrap_or_else(|| Err(Stopped.into()))).collect()
+    }
+
     fn work_on<T>(&self, items: &[T], permits: &Budget, progress: &Progress, work: &Work<'_, T>) {
         loop {
             let mut permit = Permit(Some(permits.reserve(1)));
@@ -149,6 +174,28 @@ mod tests {
             assert_eq!(options.map(&items, |item| item * item), Ok(squares));
         }
         assert_eq!(RunOptions::default().map(&[] as &[u8], |item| *item), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn the_first_failure_by_the_order_of_the_items_is_the_error() {
+        #[derive(Debug, PartialEq)]
+        struct Fault(Option<usize>);
+        impl From<Stopped> for Fault {
+            fn from(_: Stopped) -> Self {
+                Self(None)
+            }
+        }
+        let items: Vec<usize> = (0..200).collect();
+        for threads in [1, 3, 16] {
+            let options = RunOptions { threads: NonZeroUsize::new(threads), ..RunOptions::default() };
+            let fault = |bad: fn(usize) -> bool| {
+                options.try_map(&items, |&item| if bad(item) { Err(Fault(Some(item))) } else { Ok(item) })
+            };
+            assert_eq!(fault(|_| false), Ok(items.clone()));
+            assert_eq!(fault(|item| item >= 70), Err(Fault(Some(70))));
+            options.stop.stop();
+            assert_eq!(fault(|_| true), Err(Fault(None)));
+        }
     }
 
     #[test]

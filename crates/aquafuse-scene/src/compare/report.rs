@@ -12,36 +12,27 @@ use serde_json::json;
 use super::{image, normal_deviation, normals_shown};
 use crate::around::Around;
 use crate::camera::Camera;
-use crate::capture::Shown;
-use crate::medium::Medium;
-use crate::render::{Drawing, render};
-use crate::splats::{MOST_DEGREE, Splats};
+use crate::capture::View;
+use crate::model::Model;
+use crate::render::{Rendering, render};
+use crate::splats::MAX_SH_DEGREE;
 
-/// Splats and what they are seen through.
-#[derive(Clone, Debug)]
-pub struct Model {
-    /// What was trained.
-    pub splats: Splats<f32>,
-    /// What it was trained through.
-    pub medium: Medium<f32>,
-}
-
-/// A scene: images that were held back, and what was trained on the others.
+/// A scene: the images held out of training, and the model trained on the others.
 #[derive(Clone, Debug)]
 pub struct Side {
-    /// What it is called.
+    /// The scene's name.
     pub name: String,
-    /// The images held back.
-    pub held: Vec<Shown>,
-    /// What was trained on the others.
+    /// The images held out.
+    pub held_out: Vec<View>,
+    /// The model trained on the other images.
     pub model: Model,
 }
 
-/// A scene and the same one fused, in one water or by one model or in several.
+/// A scene and the same scene fused, once or several times (several waters or fusion models).
 #[derive(Clone, Debug)]
 pub struct Comparison {
     original: Side,
-    /// What was trained on the original's images with another seed: how far two runs differ on the same images.
+    /// A model trained on the original's images with another seed: the difference between two runs on the same images.
     floor: Option<Model>,
     fused: Vec<Side>,
     lpips: Option<Lpips>,
@@ -61,15 +52,15 @@ pub enum CompareError {
         /// The other's name.
         other: String,
     },
-    /// There is nothing to compare by.
+    /// No image was held out.
     #[error("no image of {scene} is compared; lower --hold")]
-    NothingHeld {
+    NothingHeldOut {
         /// The original's name.
         scene: String,
     },
 }
 
-/// PSNR, SSIM, LPIPS, SND in percent, and the mean of 1 - cos; none where there is none.
+/// PSNR, SSIM, LPIPS, SND in percent, and the mean of 1 - cos; `None` where a score is unknown.
 type Scores = [Option<f64>; 5];
 
 const SCORES: [Score; 5] = [
@@ -97,7 +88,7 @@ const ABOUT: [&str; 2] = [
 
 /// Seed of resampling: intervals are the same in every run.
 const SEED: u64 = 0;
-/// Views that are display, the first and one from the middle.
+/// Views shown in the report: the first, and one half way.
 const STRIPS: usize = 2;
 
 impl Comparison {
@@ -105,19 +96,20 @@ impl Comparison {
     ///
     /// # Errors
     ///
-    /// [`CompareError`] when their cameras differ, or no image was held back.
+    /// [`CompareError`] when their cameras differ, or no image was held out.
     pub fn new(
         original: Side,
         floor: Option<Model>,
         fused: Vec<Side>,
         lpips: Option<Lpips>,
     ) -> Result<Self, CompareError> {
-        if original.held.is_empty() {
-            return Err(CompareError::NothingHeld { scene: original.name });
+        if original.held_out.is_empty() {
+            return Err(CompareError::NothingHeldOut { scene: original.name });
         }
         let alike = |side: &Side| {
-            let cameras = side.held.iter().zip(&original.held);
-            side.held.len() == original.held.len() && cameras.into_iter().all(|(a, b)| a.camera == b.camera)
+            let cameras = side.held_out.iter().zip(&original.held_out);
+            side.held_out.len() == original.held_out.len()
+                && cameras.into_iter().all(|(a, b)| a.camera == b.camera)
         };
         if let Some(other) = fused.iter().find(|side| !alike(side)) {
             return Err(CompareError::OtherCameras {
@@ -128,26 +120,26 @@ impl Comparison {
         Ok(Self { original, floor, fused, lpips })
     }
 
-    /// Draws and scores every view.
+    /// Renders and scores every view.
     ///
     /// # Errors
     ///
     /// [`EvaluateError`] when the network of LPIPS cannot take a view.
     pub fn report(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         let sides = self.sides();
-        listener(Event::Started { total: sides.len() * self.original.held.len() });
+        listener(Event::Started { total: sides.len() * self.original.held_out.len() });
         // Of each side, view by view.
         let mut scores: Vec<Vec<Scores>> = vec![Vec::new(); sides.len()];
         let mut gallery = Vec::new();
-        for (view, one) in self.original.held.iter().enumerate() {
-            let drawn: Vec<Drawing<f32>> = sides.iter().map(|side| draw(side.model, &one.camera)).collect();
+        for (view, one) in self.original.held_out.iter().enumerate() {
+            let drawn: Vec<Rendering<f32>> = sides.iter().map(|side| draw(side.model, &one.camera)).collect();
             for (place, side) in sides.iter().enumerate() {
-                let taken = &side.held[view];
+                let taken = &side.held_out[view];
                 let against = (place > 0).then(|| &drawn[0]);
                 scores[place].push(self.scores(taken, &drawn[place], against)?);
                 listener(Event::Done { item: &display(&taken.name).to_string(), result: () });
             }
-            if view.is_multiple_of(self.original.held.len().div_ceil(STRIPS)) {
+            if view.is_multiple_of(self.original.held_out.len().div_ceil(STRIPS)) {
                 gallery.extend(strips(&sides, view, &drawn));
             }
         }
@@ -159,7 +151,7 @@ impl Comparison {
             settings: json!({
                 "scene": self.original.name,
                 "fused": self.fused.iter().map(|side| side.name.as_str()).collect::<Vec<_>>(),
-                "views": self.original.held.len(),
+                "views": self.original.held_out.len(),
             }),
             tables: [Some(self.table(&sides, &scores)), self.ratios(&scores)].into_iter().flatten().collect(),
             items: self.items(&sides, &scores),
@@ -168,22 +160,23 @@ impl Comparison {
         })
     }
 
-    /// The original, its floor and what was fused, in this order.
+    /// The original, its floor and the fused scenes, in this order.
     fn sides(&self) -> Vec<Named<'_>> {
         let original = &self.original;
-        let of = |label: String, held, model| Named { label, held, model };
-        let first = of("original".into(), &original.held, &original.model);
-        let floor = self.floor.iter().map(|model| of("original, another seed".into(), &original.held, model));
+        let of = |label: String, held_out, model| Named { label, held_out, model };
+        let first = of("original".into(), &original.held_out, &original.model);
+        let floor =
+            self.floor.iter().map(|model| of("original, another seed".into(), &original.held_out, model));
         let fused =
-            self.fused.iter().map(|side| of(format!("fused: {}", side.name), &side.held, &side.model));
+            self.fused.iter().map(|side| of(format!("fused: {}", side.name), &side.held_out, &side.model));
         [first].into_iter().chain(floor).chain(fused).collect()
     }
 
     fn scores(
         &self,
-        taken: &Shown,
-        drawn: &Drawing<f32>,
-        against: Option<&Drawing<f32>>,
+        taken: &View,
+        drawn: &Rendering<f32>,
+        against: Option<&Rendering<f32>>,
     ) -> Result<Scores, EvaluateError> {
         let seen = image(drawn);
         let lpips = match &self.lpips {
@@ -216,14 +209,15 @@ impl Comparison {
         };
         Table {
             name: "reconstruction",
-            title: "Views held back, and surfaces".into(),
+            title: "Views held out, and surfaces".into(),
             labels: vec!["scene", "pictures"],
             scores: self.taken().map(|place| SCORES[place]).collect(),
             rows: sides.iter().zip(scores).map(row).collect(),
         }
     }
 
-    /// What was fused in shares of the original; the floor's own deviation is its unit. None without anything fused.
+    /// Scores of the fused scenes as shares of the original's; the unit of deviation is the floor's. `None` without a fused
+    /// scene.
     fn ratios(&self, scores: &[Vec<Scores>]) -> Option<Table> {
         let value = |side: &Vec<Scores>, place| mean(side, place).map(|summary| summary.mean);
         let (original, fused) = scores.split_first()?;
@@ -257,7 +251,7 @@ impl Comparison {
 
     fn items(&self, sides: &[Named<'_>], scores: &[Vec<Scores>]) -> Items {
         let rows = sides.iter().zip(scores).flat_map(|(side, scores)| {
-            side.held.iter().zip(scores).map(|(one, scores)| ItemsRow {
+            side.held_out.iter().zip(scores).map(|(one, scores)| ItemsRow {
                 labels: vec![self.original.name.clone(), side.label.clone(), display(&one.name).to_string()],
                 values: self.taken().map(|place| scores[place]).collect(),
             })
@@ -271,7 +265,7 @@ impl Comparison {
 
     /// Each scene from above.
     fn above(&self, sides: &[Named<'_>]) -> Option<Strip> {
-        let cameras: Vec<&Camera> = self.original.held.iter().map(|one| &one.camera).collect();
+        let cameras: Vec<&Camera> = self.original.held_out.iter().map(|one| &one.camera).collect();
         let camera = Around::new(&cameras, &self.original.model.splats)?.above();
         let images = sides
             .iter()
@@ -287,26 +281,26 @@ impl Comparison {
 /// A row of the table.
 struct Named<'a> {
     label: String,
-    held: &'a [Shown],
+    held_out: &'a [View],
     model: &'a Model,
 }
 
-fn draw(model: &Model, camera: &Camera) -> Drawing<f32> {
-    render(&model.splats, MOST_DEGREE, camera, &model.medium).drawing
+fn draw(model: &Model, camera: &Camera) -> Rendering<f32> {
+    render(&model.splats, MAX_SH_DEGREE, camera, &model.medium).rendering
 }
 
-/// A score's mean over views; none where no view has it.
+/// A score's mean over views; `None` where no view has it.
 fn mean(scores: &[Scores], place: usize) -> Option<Summary> {
     let values: Vec<Vec<f64>> = scores.iter().filter_map(|scores| scores[place]).map(|v| vec![v]).collect();
     Summary::of(&values, SEED, &[SCORES[place].key])
 }
 
-/// One view of every scene: what its camera took, what is drawn of its splats, and their surfaces.
-fn strips(sides: &[Named<'_>], view: usize, drawn: &[Drawing<f32>]) -> [Strip; 3] {
-    let name = |one: &Shown| display(&one.name).to_string();
-    let camera = &sides[0].held[view].camera;
+/// One view of every scene: its image, its rendering, and its surfaces.
+fn strips(sides: &[Named<'_>], view: usize, drawn: &[Rendering<f32>]) -> [Strip; 3] {
+    let name = |one: &View| display(&one.name).to_string();
+    let camera = &sides[0].held_out[view].camera;
     let strip = |what: &str, of: &dyn Fn(usize) -> aquafuse::image::Image<f32>| Strip {
-        caption: format!("{}: {what}", name(&sides[0].held[view])),
+        caption: format!("{}: {what}", name(&sides[0].held_out[view])),
         images: sides
             .iter()
             .enumerate()
@@ -314,7 +308,7 @@ fn strips(sides: &[Named<'_>], view: usize, drawn: &[Drawing<f32>]) -> [Strip; 3
             .collect(),
     };
     [
-        strip("what the camera took", &|place| sides[place].held[view].image.clone()),
+        strip("what the camera took", &|place| sides[place].held_out[view].image.clone()),
         strip("what the splats show", &|place| image(&drawn[place])),
         strip("their surfaces, coloured by the way they face", &|place| normals_shown(camera, &drawn[place])),
     ]

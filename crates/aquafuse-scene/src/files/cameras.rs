@@ -2,16 +2,16 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use aquafuse_data::files::display;
+use aquafuse_data::files::{Step, count, display};
 
 use super::{SceneFileError, bytes, colmap_binary, colmap_text, transforms};
 use crate::camera::Camera;
 use crate::lens::Lens;
 use crate::points::Point;
 
-/// An image and the lens it was taken through.
+/// An image and the lens it was taken with.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Taken {
+pub struct PosedImage {
     /// The image's name relative to the folder of images: it does not lead out of it.
     pub name: PathBuf,
     /// Camera, pose and distortion.
@@ -22,8 +22,8 @@ pub struct Taken {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cameras {
     /// Images with a pose, sorted by name.
-    pub taken: Vec<Taken>,
-    /// Points on things; none where the model has none.
+    pub images: Vec<PosedImage>,
+    /// Points on surfaces; empty where the model has none.
     pub points: Vec<Point>,
     /// The folder that holds the model, within the one that was named: what goes along when a scene is copied.
     pub model: PathBuf,
@@ -38,6 +38,7 @@ const PLACES: [&str; 4] = ["", "sparse/0", "sparse", "colmap_text"];
 ///
 /// [`SceneFileError`] when there is none, or one cannot be read.
 pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
+    count(Step::CamerasParsed);
     for place in PLACES {
         let model = folder.join(place);
         let there = |name: &str| model.join(name).is_file();
@@ -48,25 +49,25 @@ pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
         } else {
             continue;
         };
-        cameras.taken.sort_by(|a, b| a.name.cmp(&b.name));
+        cameras.images.sort_by(|a, b| a.name.cmp(&b.name));
         return checked(Cameras { model: PathBuf::from(place), ..cameras }, &model);
     }
     let path = folder.join("transforms.json");
     if !path.is_file() {
         return Err(SceneFileError::NoCameras { folder: folder.to_owned() });
     }
-    let mut taken = transforms::read(&path, &bytes::read(&path)?)?;
-    taken.sort_by(|a, b| a.name.cmp(&b.name));
-    checked(Cameras { taken, points: Vec::new(), model: PathBuf::new() }, &path)
+    let mut images = transforms::read(&path, &bytes::read(&path)?)?;
+    images.sort_by(|a, b| a.name.cmp(&b.name));
+    checked(Cameras { images, points: Vec::new(), model: PathBuf::new() }, &path)
 }
 
 fn checked(cameras: Cameras, path: &Path) -> Result<Cameras, SceneFileError> {
-    if cameras.taken.is_empty() {
+    if cameras.images.is_empty() {
         let cause = "no image has a pose. Run structure from motion on more, or on sharper, images";
         return Err(SceneFileError::content(path, cause));
     }
     // They are sorted by name.
-    let mut next = cameras.taken.iter().zip(cameras.taken.iter().skip(1));
+    let mut next = cameras.images.iter().zip(cameras.images.iter().skip(1));
     if let Some((one, _)) = next.find(|(one, next)| one.name == next.name) {
         let cause = format!("it has two cameras of {}. Leave one of them out", display(&one.name));
         return Err(SceneFileError::content(path, cause));

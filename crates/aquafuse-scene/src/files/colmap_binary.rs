@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::SceneFileError;
 use super::bytes::{self, Bytes};
-use super::cameras::{Cameras, Intrinsics, Taken, inside, model, point};
+use super::cameras::{Cameras, Intrinsics, PosedImage, inside, model, point};
 use crate::points::Point;
 
 /// The least bytes of a camera (identity, model, width, height, three parameters), an image (identity, pose, camera,
@@ -22,9 +22,9 @@ pub(super) fn read(folder: &Path) -> Result<Cameras, SceneFileError> {
     let path = folder.join("cameras.bin");
     let intrinsics = cameras(&path, &bytes::read(&path)?)?;
     let path = folder.join("images.bin");
-    let taken = images(&path, &bytes::read(&path)?, &intrinsics)?;
+    let posed = images(&path, &bytes::read(&path)?, &intrinsics)?;
     let path = folder.join("points3D.bin");
-    Ok(Cameras { taken, points: points(&path, &bytes::read(&path)?)?, ..Cameras::default() })
+    Ok(Cameras { images: posed, points: points(&path, &bytes::read(&path)?)?, ..Cameras::default() })
 }
 
 /// So many things, and nothing after them.
@@ -63,7 +63,7 @@ fn images(
     path: &Path,
     file: &[u8],
     intrinsics: &BTreeMap<u32, Intrinsics>,
-) -> Result<Vec<Taken>, SceneFileError> {
+) -> Result<Vec<PosedImage>, SceneFileError> {
     all(&mut Bytes::new(path, file), IMAGE, |bytes| {
         let _identity = bytes.word()?;
         let (quaternion, translation) = (doubles(bytes)?, doubles(bytes)?);
@@ -75,7 +75,7 @@ fn images(
         let name = inside(&name).map_err(|cause| bytes.wrong(cause))?;
         let seen = bytes.count(IMAGE_POINT)?;
         bytes.skip(seen.saturating_mul(IMAGE_POINT))?;
-        Ok(Taken { name, lens })
+        Ok(PosedImage { name, lens })
     })
 }
 
@@ -139,9 +139,9 @@ mod tests {
         let path = Path::new("x.bin");
         let known = cameras(path, &camera_file()).unwrap();
         assert_eq!(known[&7].distortion, [-0.0377, 0.0, 0.0, 0.0]);
-        let taken = images(path, &image_file(), &known).unwrap();
-        assert_eq!(taken[0].name, Path::new("a b.jpg"));
-        assert_eq!(taken[0].lens.camera.translation, [0.5, 1.0, 2.0]);
+        let posed = images(path, &image_file(), &known).unwrap();
+        assert_eq!(posed[0].name, Path::new("a b.jpg"));
+        assert_eq!(posed[0].lens.camera.translation, [0.5, 1.0, 2.0]);
         let points = points(path, &point_file()).unwrap();
         assert_eq!(points, [Point { position: [1.5, -2.0, 3.0], colour: [1.0, 0.0, 0.2] }]);
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
 
-use super::cameras::{Cameras, Intrinsics, Taken, inside, model, point};
+use super::cameras::{Cameras, Intrinsics, PosedImage, inside, model, point};
 use super::{SceneFileError, bytes};
 use crate::points::Point;
 
@@ -25,9 +25,9 @@ pub(super) fn read(folder: &Path) -> Result<Cameras, SceneFileError> {
     let (path, text) = parse("cameras.txt")?;
     let intrinsics = cameras(&path, &text)?;
     let (path, text) = parse("images.txt")?;
-    let taken = images(&path, &text, &intrinsics)?;
+    let posed = images(&path, &text, &intrinsics)?;
     let (path, text) = parse("points3D.txt")?;
-    Ok(Cameras { taken, points: points(&path, &text)?, ..Cameras::default() })
+    Ok(Cameras { images: posed, points: points(&path, &text)?, ..Cameras::default() })
 }
 
 /// Lines that are no remark, with their numbers from 1.
@@ -86,8 +86,8 @@ fn images(
     path: &Path,
     text: &str,
     intrinsics: &BTreeMap<u32, Intrinsics>,
-) -> Result<Vec<Taken>, SceneFileError> {
-    let image = |line: &str| -> Result<Taken, String> {
+) -> Result<Vec<PosedImage>, SceneFileError> {
+    let image = |line: &str| -> Result<PosedImage, String> {
         let mut fields = Fields::new(line);
         let _: u32 = fields.value("IMAGE_ID")?;
         let (quaternion, translation) =
@@ -96,18 +96,18 @@ fn images(
         // A name may have spaces in it.
         let name = fields.0.collect::<Vec<_>>().join(" ");
         let known = intrinsics.get(&camera).ok_or_else(|| format!("there is no camera {camera}"))?;
-        Ok(Taken { name: inside(&name)?, lens: known.posed(quaternion, translation)? })
+        Ok(PosedImage { name: inside(&name)?, lens: known.posed(quaternion, translation)? })
     };
     let mut lines = lines(text);
-    let mut taken = Vec::new();
+    let mut posed = Vec::new();
     while let Some((number, line)) = lines.next() {
         if line.is_empty() {
             continue;
         }
-        taken.push(image(line).map_err(|cause| SceneFileError::line(path, number, cause))?);
+        posed.push(image(line).map_err(|cause| SceneFileError::line(path, number, cause))?);
         lines.next();
     }
-    Ok(taken)
+    Ok(posed)
 }
 
 fn points(path: &Path, text: &str) -> Result<Vec<Point>, SceneFileError> {
@@ -147,11 +147,11 @@ mod tests {
         assert_eq!(known[&3].focal, [5.0, 6.0]);
         // The points of the first image are an empty line, its name has a space.
         let text = "14 2 0 0 0 .5 1 2 3 a b.jpg\n\n15 1 0 0 0 0 0 0 1 dir/c.jpg\n1 2 3\n";
-        let taken = images(path, text, &known).unwrap();
-        assert_eq!(taken.len(), 2);
-        assert_eq!(taken[0].name, Path::new("a b.jpg"));
-        assert_eq!(taken[0].lens.camera.rotation[0], [1.0, 0.0, 0.0]);
-        assert_eq!(taken[0].lens.camera.translation, [0.5, 1.0, 2.0]);
+        let posed = images(path, text, &known).unwrap();
+        assert_eq!(posed.len(), 2);
+        assert_eq!(posed[0].name, Path::new("a b.jpg"));
+        assert_eq!(posed[0].lens.camera.rotation[0], [1.0, 0.0, 0.0]);
+        assert_eq!(posed[0].lens.camera.translation, [0.5, 1.0, 2.0]);
         let points = points(path, "10 1.5 -2 3 255 0 51 .8 15 22 14 34\n").unwrap();
         assert_eq!(points, [Point { position: [1.5, -2.0, 3.0], colour: [1.0, 0.0, 0.2] }]);
     }

@@ -10,7 +10,7 @@ use aquafuse_data::files::write_bytes;
 
 use super::SceneFileError;
 use super::bytes::{self, Bytes};
-use crate::splats::{self, HARMONICS, LOG_SCALE, MOST_DEGREE, OPACITY, POSITION, ROTATION, Splats};
+use crate::splats::{self, HARMONICS, LOG_SCALE, MAX_SH_DEGREE, MEAN, OPACITY, ROTATION, Splats};
 
 /// The properties of a degree in the order of the layout, each with its place in a row; none is a normal, which is 0.
 ///
@@ -24,7 +24,7 @@ fn layout(degree: u8) -> Vec<(String, Option<usize>)> {
         (0..beyond).map(move |k| k.saturating_add(1).saturating_mul(3).saturating_add(channel))
     });
     let rest = rest.zip(0_usize..).map(|(at, i)| (format!("f_rest_{i}"), Some(HARMONICS.saturating_add(at))));
-    let position = ["x", "y", "z"].into_iter().zip(POSITION..).map(|(name, at)| (name.into(), Some(at)));
+    let position = ["x", "y", "z"].into_iter().zip(MEAN..).map(|(name, at)| (name.into(), Some(at)));
     position
         .chain(["nx", "ny", "nz"].map(|name| (name.into(), None)))
         .chain(numbered("f_dc", 3, HARMONICS))
@@ -46,7 +46,7 @@ pub fn write_ply(path: &Path, splats: &Splats<f32>, overwrite: bool) -> Result<(
 
 /// The bytes of such a file.
 pub fn ply_bytes(splats: &Splats<f32>) -> Vec<u8> {
-    let layout = layout(splats.degree());
+    let layout = layout(splats.sh_degree());
     let mut bytes = Vec::new();
     // Writing to memory does not fail.
     let _ = write!(bytes, "ply\nformat binary_little_endian 1.0\nelement vertex {}\n", splats.len());
@@ -75,7 +75,7 @@ pub fn read_ply(path: &Path) -> Result<Splats<f32>, SceneFileError> {
 fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {
     let header = Header::read(path, file)?;
     let rest = header.properties.iter().filter(|property| property.name.starts_with("f_rest_")).count();
-    let degree = (0..=MOST_DEGREE)
+    let degree = (0..=MAX_SH_DEGREE)
         .find(|&degree| splats::harmonics(degree).saturating_sub(1).saturating_mul(3) == rest)
         .ok_or_else(|| {
             let cause = format!(

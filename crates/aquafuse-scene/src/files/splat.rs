@@ -25,7 +25,7 @@ pub fn splat_bytes(splats: &Splats<f32>) -> Vec<u8> {
     order.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)).then(a.cmp(&b)));
     let mut bytes = Vec::with_capacity(splats.len().saturating_mul(32));
     for i in order {
-        for value in splats.position(i).into_iter().chain(splats.scale(i)) {
+        for value in splats.mean(i).into_iter().chain(splats.scale(i)) {
             bytes.extend(value.to_le_bytes());
         }
         bytes.extend(splats.colour(i).map(|value| byte(255.0 * value)));

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::SceneFileError;
-use super::cameras::{Intrinsics, Taken, inside};
+use super::cameras::{Intrinsics, PosedImage, inside};
 
 /// A frame, or the whole file: a frame's own numbers come before the file's.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -24,7 +24,7 @@ struct Numbers {
     p2: Option<f64>,
 }
 
-/// Where a frame was taken.
+/// The pose of a frame.
 #[derive(Deserialize)]
 struct Pose {
     file_path: String,
@@ -41,7 +41,7 @@ struct Frames<T> {
 /// How far a rotation's rows may be from unit length and right angles.
 const CROOKED: f64 = 1e-3;
 
-pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Taken>, SceneFileError> {
+pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<PosedImage>, SceneFileError> {
     let failed = |error: serde_json::Error| {
         SceneFileError::line(path, error.line(), format!("it is not as expected: {error}"))
     };
@@ -51,7 +51,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Taken>, SceneFileErr
     let frames = poses.frames.iter().zip(&numbers.frames).zip(1_usize..);
     frames
         .map(|((pose, own), number)| {
-            pose.taken(own, &shared).map_err(|cause| {
+            pose.posed(own, &shared).map_err(|cause| {
                 SceneFileError::content(path, format!("frame {number}: {cause}. Export the cameras again"))
             })
         })
@@ -59,7 +59,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Taken>, SceneFileErr
 }
 
 impl Pose {
-    fn taken(&self, own: &Numbers, shared: &Numbers) -> Result<Taken, String> {
+    fn posed(&self, own: &Numbers, shared: &Numbers) -> Result<PosedImage, String> {
         let get = |of: fn(&Numbers) -> Option<f64>| of(own).or_else(|| of(shared));
         let side = |of: fn(&Numbers) -> Option<f64>, name: &str| {
             let length =
@@ -95,7 +95,7 @@ impl Pose {
         if name.extension().is_none() {
             name.set_extension("png");
         }
-        Ok(Taken { name, lens: camera.turned(rotation, translation)? })
+        Ok(PosedImage { name, lens: camera.turned(rotation, translation)? })
     }
 }
 
@@ -118,9 +118,9 @@ mod tests {
 
     #[test]
     fn a_frame_looks_along_minus_z_with_y_up() {
-        let taken = read(Path::new("t.json"), FILE.as_bytes()).unwrap();
-        let camera = &taken[0].lens.camera;
-        assert_eq!(taken[0].name, Path::new("train/r_0.png"));
+        let posed = read(Path::new("t.json"), FILE.as_bytes()).unwrap();
+        let camera = &posed[0].lens.camera;
+        assert_eq!(posed[0].name, Path::new("train/r_0.png"));
         assert!((camera.focal[0] - 20.0).abs() < 1e-12);
         assert_eq!(camera.position(), [2.0, 3.0, 4.0]);
         // Two ahead and one up of it.

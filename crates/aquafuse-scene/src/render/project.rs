@@ -1,16 +1,16 @@
-//! A splat as a camera draws it: an ellipse of one colour, and the way back to the splat's own numbers.
+//! A splat projected to an image: an ellipse of one colour, and the gradient back to the splat's own numbers.
 
 use super::harmonics;
 use crate::camera::{Camera, View, dot, rotation};
 use crate::medium::{Between, Medium, PARAMETERS};
 use crate::scalar::Scalar;
-use crate::splats::{self, HARMONICS, LOG_SCALE, OPACITY, POSITION, ROTATION, Splats, part};
+use crate::splats::{self, HARMONICS, LOG_SCALE, MEAN, OPACITY, ROTATION, Splats, part};
 
-/// What is nearer than this, in units of the scene, is not drawn: its ellipse has no bound.
+/// Splats nearer than this, in units of the scene, are not rendered: their ellipses have no bound.
 const NEAREST: f64 = 0.05;
 /// Added to the variance of an ellipse, pixels squared: no splat falls between the pixels. Published.
 pub(crate) const DILATION: f64 = 0.3;
-/// Opacity at a pixel below which a splat is not drawn there. Published.
+/// Opacity at a pixel below which a splat is not rendered there. Published.
 pub(crate) const FAINTEST: f64 = 1.0 / 255.0;
 /// Slack in pixels around an ellipse's box, for rounding.
 const SLACK: f64 = 0.01;
@@ -20,7 +20,7 @@ const SLACK: f64 = 0.01;
 pub(crate) struct Footprint<T> {
     /// Which splat it is.
     pub(crate) splat: u32,
-    /// Its middle, in pixels.
+    /// Its projected mean, in pixels.
     pub(crate) mean: [T; 2],
     /// The inverse of its covariance: xx, xy, yy.
     pub(crate) conic: [T; 3],
@@ -29,7 +29,7 @@ pub(crate) struct Footprint<T> {
     pub(crate) opacity: T,
     /// Colour as seen through the medium.
     pub(crate) colour: [T; 3],
-    /// Distance of its middle from the camera.
+    /// Distance of its mean from the camera.
     pub(crate) distance: T,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct Footprint<T> {
 pub(crate) struct Sums<T> {
     pub(crate) colour: [T; 3],
     pub(crate) distance: T,
-    /// Of v = α dL/dα, and of v times dx, dy, dx², dx dy, dy², where d leads from the middle to the pixel.
+    /// Of v = α dL/dα, and of v times dx, dy, dx², dx dy, dy², where d leads from the projected mean to the pixel.
     pub(crate) moments: [T; 6],
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct Sight<T> {
 
 impl<T: Scalar> Sight<T> {
     pub(crate) fn of(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Self {
-        Self { view: camera.view(), between: medium.between(), degree: degree.min(splats.degree()) }
+        Self { view: camera.view(), between: medium.between(), degree: degree.min(splats.sh_degree()) }
     }
 }
 
@@ -101,7 +101,7 @@ struct Placed<T> {
 
 impl<T: Scalar> Placed<T> {
     fn new(row: &[T], view: &View<T>) -> Option<Self> {
-        let position: [T; 3] = part(row, POSITION);
+        let position: [T; 3] = part(row, MEAN);
         let seen: [T; 3] = std::array::from_fn(|i| dot(view.rotation[i], position) + view.translation[i]);
         if !is_more(seen[2], T::of(NEAREST)) {
             return None;
@@ -175,7 +175,7 @@ fn colour<T: Scalar>(row: &[T], degree: u8, direction: [T; 3]) -> [T; 3] {
     colour
 }
 
-/// The splat of this row as it is seen; none if it cannot be.
+/// The splat of this row as it is seen; `None` if it is not.
 pub(crate) fn project<T: Scalar>(splat: u32, row: &[T], sight: &Sight<T>) -> Option<Footprint<T>> {
     let Sight { view, between, degree } = sight;
     let placed = Placed::new(row, view)?;
@@ -198,8 +198,8 @@ pub(crate) fn project<T: Scalar>(splat: u32, row: &[T], sight: &Sight<T>) -> Opt
     })
 }
 
-/// What the gradient of one footprint says of its middle's place on the image.
-pub(crate) fn drift<T: Scalar>(footprint: &Footprint<T>, sums: &Sums<T>) -> [T; 2] {
+/// The gradient by the projected mean of one footprint.
+pub(crate) fn grad2d<T: Scalar>(footprint: &Footprint<T>, sums: &Sums<T>) -> [T; 2] {
     let [xx, xy, yy] = footprint.conic;
     let [_, x, y, ..] = sums.moments;
     [xx * x + xy * y, xy * x + yy * y]
@@ -293,12 +293,12 @@ pub(crate) fn back<T: Scalar>(
     }
 
     // mean = focal · seen/z + centre; flat = focal/z · (rotation row - slant · rotation row 2).
-    let drift = drift(footprint, sums);
+    let grad2d = grad2d(footprint, sums);
     let inverse = T::ONE / placed.seen[2];
     let mut of_seen = [T::ZERO; 3];
     for a in 0..2 {
-        of_seen[a] += drift[a] * view.focal[a] * inverse;
-        of_seen[2] += -drift[a] * view.focal[a] * placed.seen[a] * inverse * inverse;
+        of_seen[a] += grad2d[a] * view.focal[a] * inverse;
+        of_seen[2] += -grad2d[a] * view.focal[a] * placed.seen[a] * inverse * inverse;
         of_seen[2] += -dot(of_flat[a], placed.flat[a]) * inverse;
         if placed.own[a] {
             let of_slant = -view.focal[a] * inverse * dot(of_flat[a], view.rotation[2]);
@@ -310,7 +310,7 @@ pub(crate) fn back<T: Scalar>(
         for row in 0..3 {
             of_position[i] += view.rotation[row][i] * of_seen[row];
         }
-        gradient[POSITION + i] = of_position[i];
+        gradient[MEAN + i] = of_position[i];
     }
 }
 

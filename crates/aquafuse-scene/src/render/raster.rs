@@ -1,4 +1,4 @@
-//! One row of tiles drawn front to back, and the way back.
+//! One row of tiles rendered front to back, and its gradients.
 //!
 //! Plain loops over rows of eight pixels, which the compiler makes vectors of. A pixel takes splats until less than
 //! [`LAST_LIGHT`] comes through; what it does not take counts as nothing, so that no pixel branches.
@@ -9,7 +9,7 @@ use super::project::{FAINTEST, Footprint, Sums};
 use super::tiles::{SIDE, Tiles};
 use crate::scalar::Scalar;
 
-/// Light that comes through below which nothing farther is drawn. Published.
+/// The transmittance below which nothing farther is rendered. Published.
 const LAST_LIGHT: f64 = 1e-4;
 /// The most a splat hides at a pixel: what is behind must stay to be seen, if faintly. Published.
 const MOST_HIDDEN: f64 = 0.99;
@@ -23,10 +23,10 @@ type Lane<T> = [T; SIDE];
 pub(crate) struct Strip<'a, T> {
     pub(crate) colour: [&'a mut [T]; 3],
     pub(crate) distance: &'a mut [T],
-    pub(crate) through: &'a mut [T],
+    pub(crate) transmittance: &'a mut [T],
 }
 
-/// What a row of tiles is drawn from.
+/// What a row of tiles is rendered from.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a, T> {
     pub(crate) footprints: &'a [Footprint<T>],
@@ -86,7 +86,7 @@ impl<T: Scalar> Work for Draw<'_, T> {
 
     #[inline(always)]
     fn run(self) {
-        let rows = self.strip.through.len() / self.source.width;
+        let rows = self.strip.transmittance.len() / self.source.width;
         for column in 0..self.source.tiles.across {
             let tile = Canvas::drawn(&self.source, column, rows);
             let left = column * SIDE;
@@ -96,21 +96,21 @@ impl<T: Scalar> Work for Draw<'_, T> {
                 for k in 0..across {
                     for c in 0..3 {
                         self.strip.colour[c][at + k] =
-                            tile.colour[c][y][k] + tile.through[y][k] * self.source.background[c];
+                            tile.colour[c][y][k] + tile.transmittance[y][k] * self.source.background[c];
                     }
                     self.strip.distance[at + k] = tile.distance[y][k];
-                    self.strip.through[at + k] = tile.through[y][k];
+                    self.strip.transmittance[at + k] = tile.transmittance[y][k];
                 }
             }
         }
     }
 }
 
-/// A tile while it is drawn.
+/// A tile while it is rendered.
 struct Canvas<T> {
     colour: [[Lane<T>; SIDE]; 3],
     distance: [Lane<T>; SIDE],
-    through: [Lane<T>; SIDE],
+    transmittance: [Lane<T>; SIDE],
 }
 
 impl<T: Scalar> Canvas<T> {
@@ -119,7 +119,7 @@ impl<T: Scalar> Canvas<T> {
         let mut canvas = Self {
             colour: [[[T::ZERO; SIDE]; SIDE]; 3],
             distance: [[T::ZERO; SIDE]; SIDE],
-            through: [[T::ONE; SIDE]; SIDE],
+            transmittance: [[T::ONE; SIDE]; SIDE],
         };
         let (left, top) = (column * SIDE, source.row * SIDE);
         let entries = &source.tiles.entries[source.tiles.range(source.row * source.tiles.across + column)];
@@ -127,7 +127,7 @@ impl<T: Scalar> Canvas<T> {
             for &entry in some {
                 canvas.take(&source.footprints[entry as usize], left, top, rows);
             }
-            if !any_light(&canvas.through[..rows]) {
+            if !any_light(&canvas.transmittance[..rows]) {
                 break;
             }
         }
@@ -141,12 +141,12 @@ impl<T: Scalar> Canvas<T> {
         for y in rows_reached(footprint, top, rows) {
             let dy = T::of((top + y) as f64 + 0.5) - footprint.mean[1];
             let (alpha, _) = hidden(footprint, &dx, dy);
-            let through = &mut self.through[y];
+            let transmittance = &mut self.transmittance[y];
             let mut weight = [T::ZERO; SIDE];
             for k in 0..SIDE {
-                let taken = if through[k] >= last { alpha[k] } else { T::ZERO };
-                weight[k] = through[k] * taken;
-                through[k] -= weight[k];
+                let taken = if transmittance[k] >= last { alpha[k] } else { T::ZERO };
+                weight[k] = transmittance[k] * taken;
+                transmittance[k] -= weight[k];
             }
             for c in 0..3 {
                 let row = &mut self.colour[c][y];
@@ -163,9 +163,9 @@ impl<T: Scalar> Canvas<T> {
 }
 
 #[inline(always)]
-fn any_light<T: Scalar>(through: &[Lane<T>]) -> bool {
+fn any_light<T: Scalar>(transmittance: &[Lane<T>]) -> bool {
     let mut most = T::ZERO;
-    for row in through {
+    for row in transmittance {
         for k in 0..SIDE {
             most = most.at_least(row[k]);
         }
@@ -173,12 +173,12 @@ fn any_light<T: Scalar>(through: &[Lane<T>]) -> bool {
     most >= T::of(LAST_LIGHT)
 }
 
-/// A row of tiles' planes for reading: a gradient, or what was drawn.
+/// A row of tiles' planes for reading: a gradient, or a rendering.
 #[derive(Clone, Copy)]
 pub(crate) struct Planes<'a, T> {
     pub(crate) colour: [&'a [T]; 3],
     pub(crate) distance: &'a [T],
-    pub(crate) through: &'a [T],
+    pub(crate) transmittance: &'a [T],
 }
 
 /// From the gradient of a row of tiles to that of its footprints: one [`Sums`] for each entry of its lists, written to
@@ -186,7 +186,7 @@ pub(crate) struct Planes<'a, T> {
 ///
 /// With `s = g · (colour, distance)` of each splat, the loss changes with α_i by `T_i s_i - R_i / (1 - α_i)`, where R_i is
 /// what splats behind, and the background, add to `g · pixel`. R is taken down from the front, so that nothing of the
-/// drawing needs to be kept.
+/// rendering needs to be kept.
 pub(crate) struct Undraw<'a, T> {
     pub(crate) source: Source<'a, T>,
     pub(crate) drawn: Planes<'a, T>,
@@ -199,7 +199,7 @@ impl<T: Scalar> Work for Undraw<'_, T> {
 
     #[inline(always)]
     fn run(self) -> [T; 3] {
-        let rows = self.drawn.through.len() / self.source.width;
+        let rows = self.drawn.transmittance.len() / self.source.width;
         let mut background = [T::ZERO; 3];
         let begin = self.source.tiles.row_range(self.source.row).start;
         for column in 0..self.source.tiles.across {
@@ -212,7 +212,7 @@ impl<T: Scalar> Work for Undraw<'_, T> {
                 for (&entry, sums) in entries.iter().zip(sums) {
                     *sums = light.take(&self.source.footprints[entry as usize], left, top, rows);
                 }
-                if !any_light(&light.through[..rows]) {
+                if !any_light(&light.transmittance[..rows]) {
                     break;
                 }
             }
@@ -225,7 +225,7 @@ impl<T: Scalar> Work for Undraw<'_, T> {
 struct Light<T> {
     colour: [[Lane<T>; SIDE]; 3],
     distance: [Lane<T>; SIDE],
-    through: [Lane<T>; SIDE],
+    transmittance: [Lane<T>; SIDE],
     /// R: what is still to come.
     rest: [Lane<T>; SIDE],
 }
@@ -234,21 +234,25 @@ impl<T: Scalar> Light<T> {
     #[inline(always)]
     fn new(undraw: &Undraw<'_, T>, column: usize, rows: usize, background: &mut [T; 3]) -> Self {
         let nothing = [[T::ZERO; SIDE]; SIDE];
-        let mut light =
-            Self { colour: [nothing; 3], distance: nothing, through: [[T::ONE; SIDE]; SIDE], rest: nothing };
+        let mut light = Self {
+            colour: [nothing; 3],
+            distance: nothing,
+            transmittance: [[T::ONE; SIDE]; SIDE],
+            rest: nothing,
+        };
         let width = undraw.source.width;
         let left = column * SIDE;
         for y in 0..rows {
             for k in 0..(width - left).min(SIDE) {
                 let at = y * width + left + k;
-                let through = undraw.drawn.through[at];
+                let transmittance = undraw.drawn.transmittance[at];
                 let mut rest = undraw.gradient.distance[at] * undraw.drawn.distance[at]
-                    + undraw.gradient.through[at] * through;
+                    + undraw.gradient.transmittance[at] * transmittance;
                 for c in 0..3 {
                     let of_colour = undraw.gradient.colour[c][at];
                     light.colour[c][y][k] = of_colour;
                     rest += of_colour * undraw.drawn.colour[c][at];
-                    background[c] += of_colour * through;
+                    background[c] += of_colour * transmittance;
                 }
                 light.distance[y][k] = undraw.gradient.distance[at];
                 light.rest[y][k] = rest;
@@ -269,17 +273,17 @@ impl<T: Scalar> Light<T> {
             let (alpha, bell) = hidden(footprint, &dx, dy);
             let mut v = [T::ZERO; SIDE];
             for k in 0..SIDE {
-                let through = self.through[y][k];
-                let taken = if through >= last { alpha[k] } else { T::ZERO };
-                let weight = through * taken;
+                let transmittance = self.transmittance[y][k];
+                let taken = if transmittance >= last { alpha[k] } else { T::ZERO };
+                let weight = transmittance * taken;
                 let own = footprint.colour[0] * self.colour[0][y][k]
                     + footprint.colour[1] * self.colour[1][y][k]
                     + footprint.colour[2] * self.colour[2][y][k]
                     + footprint.distance * self.distance[y][k];
                 let rest = self.rest[y][k] - weight * own;
-                v[k] = bell[k] * taken * (through * own - rest / (T::ONE - taken));
+                v[k] = bell[k] * taken * (transmittance * own - rest / (T::ONE - taken));
                 self.rest[y][k] = rest;
-                self.through[y][k] = through - weight;
+                self.transmittance[y][k] = transmittance - weight;
                 for c in 0..3 {
                     colour[c][k] += weight * self.colour[c][y][k];
                 }

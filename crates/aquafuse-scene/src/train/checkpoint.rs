@@ -1,4 +1,4 @@
-//! A run on disk: what is written between two steps goes on to the same end, bit by bit.
+//! A run on disk: resumed from a checkpoint, it ends in the same bits.
 //!
 //! Little-endian: a mark, the length of the options and they as JSON, what the images come to, then the state field by
 //! field, each list with its length before it.
@@ -6,15 +6,15 @@
 use super::adam::Moments;
 use super::density::Density;
 use super::state::State;
-use super::{Options, Shot, Trainer};
+use super::{Options, TrainView, Trainer};
 use crate::medium::{PARAMETERS, Water};
 use crate::random::Random;
 use crate::splats::Splats;
 
 /// Says what the file is, and the version of what follows.
-const MARK: &[u8; 16] = b"aquafuse scene 2";
+const MARK: &[u8; 16] = b"aquafuse scene 3";
 
-/// Bytes are no checkpoint of this run.
+/// The bytes are no checkpoint of this run.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
@@ -36,7 +36,7 @@ pub enum CheckpointError {
 }
 
 impl Trainer {
-    /// The run as it is now.
+    /// The run so far, as bytes.
     pub fn checkpoint(&self) -> Vec<u8> {
         let mut bytes = MARK.to_vec();
         put_list(&mut bytes, options_text(&self.options).as_bytes(), |byte| [*byte]);
@@ -45,10 +45,10 @@ impl Trainer {
         bytes.extend(state.step.to_le_bytes());
         bytes.extend(state.random.0.to_le_bytes());
         put_list(&mut bytes, &state.queue, |view| view.to_le_bytes());
-        bytes.push(state.splats.degree());
+        bytes.push(state.splats.sh_degree());
         put_list(&mut bytes, state.splats.rows(), |value| value.to_le_bytes());
         put_moments(&mut bytes, &state.moments);
-        put_list(&mut bytes, &state.density.drift, |value| value.to_le_bytes());
+        put_list(&mut bytes, &state.density.grad2d, |value| value.to_le_bytes());
         put_list(&mut bytes, &state.density.seen, |value| value.to_le_bytes());
         let water = state.water.as_slice();
         bytes.push(u8::from(!water.is_empty()));
@@ -59,16 +59,16 @@ impl Trainer {
         bytes
     }
 
-    /// Goes on from a checkpoint of a run with the same options on the same images.
+    /// Resumes a checkpoint of a run with the same options on the same images.
     ///
     /// # Errors
     ///
-    /// [`CheckpointError`] when the bytes are none, or of other options.
+    /// [`CheckpointError`] when the bytes are no checkpoint, or belong to a run with other options or images.
     ///
     /// # Panics
     ///
     /// As [`Trainer::new`].
-    pub fn resume(options: Options, shots: Vec<Shot>, bytes: &[u8]) -> Result<Self, CheckpointError> {
+    pub fn resume(options: Options, views: Vec<TrainView>, bytes: &[u8]) -> Result<Self, CheckpointError> {
         let rest = bytes.strip_prefix(MARK).ok_or(CheckpointError::Unknown)?;
         let mut reader = Reader { rest, length: bytes.len() };
         let text: Vec<u8> = reader.list(|[byte]: [u8; 1]| byte)?;
@@ -76,16 +76,16 @@ impl Trainer {
             return Err(CheckpointError::OtherOptions);
         }
         let subject = u64::from_le_bytes(reader.take()?);
-        if subject != super::subject(&shots) {
+        if subject != super::subject(&views) {
             return Err(CheckpointError::OtherImages);
         }
         let state = reader.state()?;
-        let views = shots.len();
-        let is_of_views = state.queue.iter().all(|&view| (view as usize) < views);
+        let count = views.len();
+        let is_of_views = state.queue.iter().all(|&view| (view as usize) < count);
         if !reader.rest.is_empty() || !is_of_views || state.step > options.iterations || !is_finite(&state) {
             return Err(reader.damaged());
         }
-        Ok(Self::at(options, shots, state))
+        Ok(Self::at(options, views, state))
     }
 }
 
@@ -94,7 +94,7 @@ fn is_finite(state: &State) -> bool {
     let all = |list: &[f32]| list.iter().all(|value| value.is_finite());
     let moments = |moments: &Moments| all(&moments.first) && all(&moments.second);
     let water = state.water.as_ref().is_none_or(|(water, of)| all(&water.raw) && moments(of));
-    all(state.splats.rows()) && moments(&state.moments) && all(&state.density.drift) && water
+    all(state.splats.rows()) && moments(&state.moments) && all(&state.density.grad2d) && water
 }
 
 fn options_text(options: &Options) -> String {
@@ -159,7 +159,7 @@ impl Reader<'_> {
         let rows = self.list(f32::from_le_bytes)?;
         let splats = Splats::from_rows(degree, rows).ok_or_else(|| self.damaged())?;
         let moments = self.moments(splats.rows().len())?;
-        let drift = self.floats(splats.len())?;
+        let grad2d = self.floats(splats.len())?;
         let seen = self.list(u32::from_le_bytes)?;
         if seen.len() != splats.len() {
             return Err(self.damaged());
@@ -173,6 +173,6 @@ impl Reader<'_> {
             }
             _ => return Err(self.damaged()),
         };
-        Ok(State { step, splats, moments, water, density: Density { drift, seen }, random, queue })
+        Ok(State { step, splats, moments, water, density: Density { grad2d, seen }, random, queue })
     }
 }

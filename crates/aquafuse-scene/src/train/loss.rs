@@ -1,9 +1,9 @@
-//! How far a drawing is from an image, and in which direction it would come nearer: L1 and structural similarity.
+//! How far a rendering is from an image, and in which direction it would come nearer: L1 and structural similarity.
 
 use aquafuse::simd::{Work, widest};
 use rayon::prelude::*;
 
-use crate::render::Drawing;
+use crate::render::Rendering;
 use crate::scalar::Scalar;
 
 /// Deviation of the Gaussian window of SSIM, and its reach to either side: 11 x 11.
@@ -85,16 +85,16 @@ pub struct Loss {
     pub ssim: f64,
 }
 
-/// `(1 - λ) L1 + λ (1 - SSIM)` of a drawing, as published with λ = .2, and its gradient with respect to the colours.
+/// `(1 - λ) L1 + λ (1 - SSIM)` of a rendering, as published with λ = .2, and its gradient with respect to the colours.
 ///
 /// # Panics
 ///
 /// When the sizes differ.
-pub fn loss<T: Scalar>(drawing: &Drawing<T>, target: &Target<T>, lambda: f64) -> (Loss, Drawing<T>) {
-    assert_eq!((drawing.width, drawing.height), target.size(), "one size");
+pub fn loss<T: Scalar>(rendering: &Rendering<T>, target: &Target<T>, lambda: f64) -> (Loss, Rendering<T>) {
+    assert_eq!((rendering.width, rendering.height), target.size(), "one size");
     let width = target.width;
     let count = 3.0 * (width * target.height) as f64;
-    let channels: Vec<(f64, f64, Vec<T>)> = drawing
+    let channels: Vec<(f64, f64, Vec<T>)> = rendering
         .colour
         .par_iter()
         .zip(&target.planes)
@@ -105,12 +105,12 @@ pub fn loss<T: Scalar>(drawing: &Drawing<T>, target: &Target<T>, lambda: f64) ->
     let (l1, ssim) = (l1 / count, ssim / count);
     let nothing = vec![T::ZERO; width * target.height];
     let mut colours = channels.into_iter().map(|(.., gradient)| gradient);
-    let gradient = Drawing {
+    let gradient = Rendering {
         width,
         height: target.height,
         colour: std::array::from_fn(|_| colours.next().unwrap_or_default()),
         distance: nothing.clone(),
-        through: nothing,
+        transmittance: nothing,
     };
     (Loss { total: (1.0 - lambda) * l1 + lambda * (1.0 - ssim), l1, ssim }, gradient)
 }
@@ -280,12 +280,12 @@ mod tests {
         (0..width * height).map(|_| [next(), next(), next()]).collect()
     }
 
-    fn drawn(width: usize, height: usize, pixels: &[[f32; 3]]) -> Drawing<f64> {
-        let mut drawing = Drawing::zeros(width, height);
+    fn drawn(width: usize, height: usize, pixels: &[[f32; 3]]) -> Rendering<f64> {
+        let mut rendering = Rendering::zeros(width, height);
         for c in 0..3 {
-            drawing.colour[c] = pixels.iter().map(|pixel| f64::from(pixel[c])).collect();
+            rendering.colour[c] = pixels.iter().map(|pixel| f64::from(pixel[c])).collect();
         }
-        drawing
+        rendering
     }
 
     #[test]
@@ -299,17 +299,17 @@ mod tests {
     fn the_gradient_is_that_of_finite_differences() {
         let (width, height) = (19, 14);
         let target = Target::<f64>::new(width, height, &image(width, height, 2));
-        let mut drawing = drawn(width, height, &image(width, height, 3));
-        let (_, gradient) = loss(&drawing, &target, 0.2);
+        let mut rendering = drawn(width, height, &image(width, height, 3));
+        let (_, gradient) = loss(&rendering, &target, 0.2);
         for i in (0..width * height).step_by(7) {
             for c in 0..3 {
-                let at = drawing.colour[c][i];
+                let at = rendering.colour[c][i];
                 let mut moved = |by: f64| {
-                    drawing.colour[c][i] = at + by;
-                    loss(&drawing, &target, 0.2).0.total
+                    rendering.colour[c][i] = at + by;
+                    loss(&rendering, &target, 0.2).0.total
                 };
                 let slope = (moved(1e-6) - moved(-1e-6)) / 2e-6;
-                drawing.colour[c][i] = at;
+                rendering.colour[c][i] = at;
                 let found = gradient.colour[c][i];
                 assert!((slope - found).abs() < 1e-6 * slope.abs().max(1e-4), "{i} {c}: {slope} {found}");
             }

@@ -1,81 +1,76 @@
-//! How to train, and when what happens.
+//! How to train, and when splats, opacities and the water are looked at again.
 
 use serde::{Deserialize, Serialize};
 
-/// How to train. The defaults are those published by Kerbl et al., their times in proportion to the number of steps; but
-/// for the rates, which are [`Rates::quick`], since fewer steps must be longer.
+/// How to train. The defaults are the values published by Kerbl et al., with times in proportion to the number of steps;
+/// only the learning rates are [`Rates::quick`], since fewer steps must be longer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     /// Steps, each of one view, > 0. Default: 2,000.
     pub iterations: u32,
-    /// Replays a run: which view is shown when, where split splats go. Default: 0.
+    /// Random seed: decides which view each step takes and where split splats go. Default: 0.
     pub seed: u64,
     /// λ, the weight of 1 - SSIM beside L1. Default: .2.
     pub lambda: f64,
-    /// The most splats there may be: what a step costs grows with them. Default: 100,000.
-    pub most_splats: usize,
-    /// How fast what is learned.
+    /// The most splats there may be (`cap_max` of gsplat): the cost of a step grows with them. Default: 100,000.
+    pub max_splats: usize,
+    /// Learning rates.
     pub rates: Rates,
-    /// When splats are added and taken away.
+    /// Density control: when splats are added and removed.
     pub density: DensityOptions,
 }
 
-/// Learning rates of Adam.
+/// Learning rates of Adam, by the names that gsplat and nerfstudio use.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rates {
-    /// Of positions at the first and the last step, in extents of the scene; it falls evenly in its logarithm.
-    pub position: [f64; 2],
-    /// Of logarithms of deviations.
-    pub scale: f64,
+    /// Of means at the first and the last step, in extents of the scene; the logarithm falls evenly.
+    pub means: [f64; 2],
+    /// Of the logarithms of scales.
+    pub scales: f64,
     /// Of quaternions.
-    pub rotation: f64,
-    /// Of the logit of opacity.
-    pub opacity: f64,
-    /// Of the harmonic of degree 0; the others take a twentieth.
-    pub colour: f64,
-    /// Of the logit of B∞, which open water in every image tells, so that it must not wait until splats stand there; the
-    /// logarithms of the betas, which only the same thing near and far tells, take a sixth. Not published: ours.
+    pub quats: f64,
+    /// Of the logits of opacities.
+    pub opacities: f64,
+    /// Of the spherical harmonic of degree 0; the others take a twentieth.
+    pub sh0: f64,
+    /// Of the logit of B∞. Open water shows it in every image, so it must not wait until splats stand there. The logarithms
+    /// of β_B and β_D take a sixth: only things seen from near and from far determine them. Not published: ours.
     pub water: f64,
 }
 
 impl Rates {
-    /// The published ones, for 30,000 steps.
+    /// The published rates, for 30,000 steps.
     pub fn published() -> Self {
         Self {
-            position: [1.6e-4, 1.6e-6],
-            scale: 0.005,
-            rotation: 0.001,
-            opacity: 0.05,
-            colour: 0.0025,
+            means: [1.6e-4, 1.6e-6],
+            scales: 0.005,
+            quats: 0.001,
+            opacities: 0.05,
+            sh0: 0.0025,
             water: 0.03,
         }
     }
 
-    /// Ours for a few thousand steps: four to ten times the published ones, but for opacity. `docs/results.md` has both side
-    /// by side.
+    /// Our rates for a few thousand steps: four to ten times the published rates, except for opacities. `docs/results.md`
+    /// compares both.
     pub fn quick() -> Self {
-        Self {
-            position: [1.6e-3, 1.6e-5],
-            scale: 0.02,
-            rotation: 0.008,
-            opacity: 0.05,
-            colour: 0.02,
-            water: 0.03,
-        }
+        Self { means: [1.6e-3, 1.6e-5], scales: 0.02, quats: 0.008, opacities: 0.05, sh0: 0.02, water: 0.03 }
     }
 }
 
-/// When splats are added and taken away.
+/// Thresholds of density control, by the names and with the defaults of gsplat's `DefaultStrategy`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensityOptions {
-    /// Mean drift of a splat's place on the image, in half images, from which it is doubled.
-    pub drift: f64,
-    /// Splats up to this, in extents of the scene, are doubled where they are; larger ones are split.
-    pub small: f64,
-    /// Splats fainter than this are taken away.
-    pub faintest: f64,
-    /// Splats larger than this, in extents of the scene, are taken away once opacities were reset.
-    pub largest: f64,
+    /// A splat is duplicated or split from this mean gradient of the loss by its projected mean on, in units of half an
+    /// image. Lower: more splats. Default: 0.0002.
+    pub grow_grad2d: f64,
+    /// Such a splat is duplicated if its largest scale is at most this, in extents of the scene, and split if it is larger.
+    /// Default: 0.01.
+    pub grow_scale3d: f64,
+    /// Splats of a lower opacity are removed. Higher: fewer splats. Default: 0.005.
+    pub prune_opa: f64,
+    /// Splats of a larger scale, in extents of the scene, are removed once opacities have been reset. Default: 0.1.
+    pub prune_scale3d: f64,
 }
 
 impl Default for Options {
@@ -84,22 +79,27 @@ impl Default for Options {
             iterations: 2000,
             seed: 0,
             lambda: 0.2,
-            most_splats: 100_000,
+            max_splats: 100_000,
             rates: Rates::quick(),
-            density: DensityOptions { drift: 2e-4, small: 0.01, faintest: 0.005, largest: 0.1 },
+            density: DensityOptions {
+                grow_grad2d: 2e-4,
+                grow_scale3d: 0.01,
+                prune_opa: 0.005,
+                prune_scale3d: 0.1,
+            },
         }
     }
 }
 
 /// The steps that the published times belong to.
 const PUBLISHED: f64 = 30_000.0;
-/// Steps between two looks at the density, and the first of them: fewer would not show every view. Published: 100 of 30,000.
+/// Steps between two density controls, at least: fewer would not show every view. Published: 100 of 30,000.
 const LEAST_INTERVAL: u32 = 100;
 /// Steps between two resets of opacity, at least: what is reset must grow again first. Published: 3,000 of 30,000.
 const LEAST_RESET: u32 = 3000;
 
-/// When a water is told again: once distances are about right, and once more when they are better, early enough for colours
-/// to follow. Not published: ours.
+/// When the water is estimated again: once distances are about right, and once more when they are better, early enough for
+/// colours to follow. Not published: ours.
 const WATER_AT: [f64; 2] = [9_000.0, 18_000.0];
 
 impl Options {
@@ -108,14 +108,14 @@ impl Options {
         (published / PUBLISHED * f64::from(self.iterations)).round() as u32
     }
 
-    /// Whether splats are added and taken away after this step.
+    /// Whether splats are added and removed after this step.
     pub(crate) fn grows_after(&self, step: u32) -> bool {
         let every = self.time(100.0).max(LEAST_INTERVAL);
         step > self.time(500.0) && step <= self.time(15_000.0) && step.is_multiple_of(every)
     }
 
-    /// Whether a water that is learned is told again after this step, from the distances there are by then.
-    pub(crate) fn looks_at_water_after(&self, step: u32) -> bool {
+    /// Whether a learned water is estimated again after this step, from the distances known by then.
+    pub(crate) fn estimates_water_after(&self, step: u32) -> bool {
         WATER_AT.iter().any(|&time| step == self.time(time))
     }
 
@@ -130,15 +130,15 @@ impl Options {
         step > self.time(3000.0).max(LEAST_RESET)
     }
 
-    /// The degree of harmonics at this step: one more every 1,000 published ones.
+    /// The spherical-harmonics degree at this step: one more every 1,000 published steps.
     pub(crate) fn degree(&self, step: u32, most: u8) -> u8 {
         let degree = step / self.time(1000.0).max(1);
         u8::try_from(degree).unwrap_or(most).min(most)
     }
 
-    /// The rate of positions at this step, in extents.
-    pub(crate) fn position_rate(&self, step: u32) -> f64 {
-        let [first, last] = self.rates.position;
+    /// The rate of means at this step, in extents.
+    pub(crate) fn means_rate(&self, step: u32) -> f64 {
+        let [first, last] = self.rates.means;
         let along = f64::from(step) / f64::from(self.iterations.max(1));
         (first.ln() + along.min(1.0) * (last.ln() - first.ln())).exp()
     }
@@ -158,7 +158,7 @@ mod tests {
             [0, 999, 1000, 2999, 3000, 29_000].map(|step| options.degree(step, 3)),
             [0, 0, 1, 2, 3, 3]
         );
-        assert!((options.position_rate(0) - 1.6e-4).abs() < 1e-12);
-        assert!((options.position_rate(30_000) - 1.6e-6).abs() < 1e-12);
+        assert!((options.means_rate(0) - 1.6e-4).abs() < 1e-12);
+        assert!((options.means_rate(30_000) - 1.6e-6).abs() < 1e-12);
     }
 }

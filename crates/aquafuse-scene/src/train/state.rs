@@ -6,7 +6,7 @@ use crate::medium::{Medium, PARAMETERS, Water};
 use crate::random::Random;
 use crate::splats::Splats;
 
-/// Where a run is: written as a checkpoint, it goes on as if it had never stopped.
+/// The state of a run: resumed from a checkpoint of it, a run continues as if it had never stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct State {
     /// Steps done.

@@ -1,26 +1,26 @@
-//! The water told again from the images, once the splats know distances.
+//! The water, estimated again from the images once the splats know distances.
 //!
 //! Steps alone hardly move β: a splat's own colour is free and follows at once, and what is left for β in a step is far less
-//! than what views differ by. But the same thing is seen from near and from far. So a few thousand places are followed
-//! through the images, and for each β the colour of each thing that suits it best is known in closed form: what remains
-//! is a search over two numbers a channel, for the β by which every thing has one colour.
+//! than the difference between views. But the same surface is seen from near and from far. So a few thousand places are
+//! followed through the images. For each β, the best colour of each place is known in closed form. What remains is a search
+//! over two numbers a channel, for the β that gives each place one colour.
 
-use super::Shot;
+use super::TrainView;
 use crate::camera::Camera;
 use crate::compare::distances;
 use crate::medium::{Medium, Water};
 use crate::render::render;
 use crate::splats::Splats;
 
-/// Views that are asked, at most, taken evenly from all.
+/// Views that are used, at most, spread evenly over all.
 const ASKED: usize = 24;
 /// Places that are followed, about.
 const PLACES: usize = 4000;
 /// A place is seen where the image's own distance is that of the place, but for this share.
 const SAME: f64 = 0.03;
-/// Views that must see a place for it to tell anything.
+/// Views that must see a place for it to count.
 const VIEWS: usize = 3;
-/// Places that must be left, or nothing is told.
+/// Places that must be left for an estimate.
 const LEAST_PLACES: usize = 100;
 /// Differences of colour below this count by their square, others by their size: highlights, and what hides a place.
 const TOLERATED: f64 = 0.003;
@@ -39,11 +39,11 @@ struct Seen {
     colour: [f32; 3],
 }
 
-/// The water that the images tell by the distances that the splats have; none where too little is seen from several places.
+/// The water by the images and the distances of the splats; `None` where too little is seen from several cameras.
 ///
-/// B∞ stays as it was learned: open water in every view tells it.
-pub(super) fn told(shots: &[Shot], splats: &Splats<f32>, water: &Water<f32>) -> Option<Water<f32>> {
-    let places = places(shots, splats, &Medium::Learned(water.clone()));
+/// B∞ stays as learned: open water shows it in every view.
+pub(super) fn estimate(views: &[TrainView], splats: &Splats<f32>, water: &Water<f32>) -> Option<Water<f32>> {
+    let places = places(views, splats, &Medium::Learned(water.clone()));
     if places.len() < LEAST_PLACES {
         return None;
     }
@@ -56,21 +56,21 @@ pub(super) fn told(shots: &[Shot], splats: &Splats<f32>, water: &Water<f32>) -> 
 }
 
 /// Places on things, each with all views of it.
-fn places(shots: &[Shot], splats: &Splats<f32>, medium: &Medium<f32>) -> Vec<Vec<Seen>> {
-    let asked: Vec<&Shot> = shots.iter().step_by(shots.len().div_ceil(ASKED)).collect();
+fn places(views: &[TrainView], splats: &Splats<f32>, medium: &Medium<f32>) -> Vec<Vec<Seen>> {
+    let asked: Vec<&TrainView> = views.iter().step_by(views.len().div_ceil(ASKED)).collect();
     let maps: Vec<Vec<Option<f32>>> =
-        asked.iter().map(|shot| distances(&render(splats, 0, &shot.camera, medium).drawing)).collect();
+        asked.iter().map(|view| distances(&render(splats, 0, &view.camera, medium).rendering)).collect();
     let pixels: usize = maps.iter().map(Vec::len).sum();
     let every = pixels.div_ceil(PLACES);
     let mut places = Vec::new();
-    for (number, (shot, map)) in asked.iter().zip(&maps).enumerate() {
+    for (number, (view, map)) in asked.iter().zip(&maps).enumerate() {
         // Another grid in each view.
         for i in ((number * 7919) % every..map.len()).step_by(every) {
             let Some(distance) = map[i] else { continue };
-            let width = shot.camera.width;
+            let width = view.camera.width;
             let place = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
-            let position = shot.camera.point_at(place, f64::from(distance));
-            let views = asked.iter().zip(&maps).filter_map(|(shot, map)| seen(shot, map, position));
+            let position = view.camera.point_at(place, f64::from(distance));
+            let views = asked.iter().zip(&maps).filter_map(|(view, map)| seen(view, map, position));
             let views: Vec<Seen> = views.collect();
             if views.len() >= VIEWS {
                 places.push(views);
@@ -81,15 +81,15 @@ fn places(shots: &[Shot], splats: &Splats<f32>, medium: &Medium<f32>) -> Vec<Vec
 }
 
 /// The place in this view; none where it is out of it or hidden.
-fn seen(shot: &Shot, map: &[Option<f32>], position: [f64; 3]) -> Option<Seen> {
-    let Camera { width, height, focal, centre, .. } = &shot.camera;
-    let seen = shot.camera.to_camera(position);
+fn seen(view: &TrainView, map: &[Option<f32>], position: [f64; 3]) -> Option<Seen> {
+    let Camera { width, height, focal, centre, .. } = &view.camera;
+    let seen = view.camera.to_camera(position);
     let [x, y] = [0, 1].map(|a| focal[a] * seen[a] / seen[2] + centre[a]);
     let inside = seen[2] > 0.0 && x > 0.5 && y > 0.5 && x < *width as f64 - 0.5 && y < *height as f64 - 0.5;
     let there = inside.then(|| map[y as usize * width + x as usize]).flatten().map(f64::from)?;
     let distance = seen.iter().map(|v| v * v).sum::<f64>().sqrt();
     ((there / distance - 1.0).abs() < SAME)
-        .then(|| Seen { distance: distance as f32, colour: shot.target.between(x - 0.5, y - 0.5) })
+        .then(|| Seen { distance: distance as f32, colour: view.target.between(x - 0.5, y - 0.5) })
 }
 
 /// One channel of all places.
@@ -161,11 +161,11 @@ fn searched(channel: &Channel<'_>, before: [f64; 2]) -> [f64; 2] {
 
 /// Gives the splats the colours that look through `new` as theirs did through `old`, from half way between the nearest and
 /// the farthest camera.
-pub(super) fn repaint(splats: &mut Splats<f32>, shots: &[Shot], old: &Medium<f32>, new: &Water<f32>) {
-    let cameras: Vec<[f64; 3]> = shots.iter().map(|shot| shot.camera.position()).collect();
+pub(super) fn repaint(splats: &mut Splats<f32>, views: &[TrainView], old: &Medium<f32>, new: &Water<f32>) {
+    let cameras: Vec<[f64; 3]> = views.iter().map(|view| view.camera.position()).collect();
     let between = old.between();
     for i in 0..splats.len() {
-        let distance = half_way(&cameras, splats.position(i).map(f64::from));
+        let distance = half_way(&cameras, splats.mean(i).map(f64::from));
         let seen = between.through(splats.colour(i), distance);
         splats.paint(i, new.taken_out(seen, distance));
     }

@@ -1,25 +1,26 @@
-//! `aquafuse scene compare`: how alike a scene and the same one fused are.
+//! `aquafuse scene compare`: a scene beside the same scene fused.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse_data::files::display;
-use aquafuse_scene::capture::{self, Shown, images_of};
-use aquafuse_scene::compare::{CompareError, Comparison, Model, Side};
+use aquafuse_scene::capture::{self, Split, View, images_of};
+use aquafuse_scene::compare::{CompareError, Comparison, Side};
+use aquafuse_scene::files::read_cameras;
+use aquafuse_scene::model::Model;
 use clap::Args;
 
-use super::splats_file::Trained;
 use crate::args::common::Common;
 use crate::args::evaluation::{LpipsArguments, ReportArguments};
 use crate::failure::Failure;
 use crate::report::published;
 
-/// Compare a trained scene with the same one fused: PSNR and SSIM of views, and how far surfaces lean away.
+/// Compare a trained scene with the same scene fused: PSNR and SSIM of held-out views, and surface-normal deviation.
 #[derive(Args)]
 #[command(after_help = "\
-SND is the mean angle between the normals of both scenes' surfaces, of 180 degrees, over pixels opaque in both,
-1 - cos its mean. The floor is what two runs on the originals differ by: train twice with other --seed.
-A page (-o FILE.html) shows what cameras took, what splats show, their surfaces, and the scene from above.
+SND is the mean angle between the surface normals of both scenes, as a share of 180 degrees, over pixels that are
+opaque in both; 1 - cos is the mean of that. The floor is the difference between two runs on the original images:
+train twice with another --seed. A page (-o FILE.html) shows images, renderings, surfaces, and the scene from above.
 
 Example:
   aquafuse scene train reef/ -o a.ply --hold 8 && aquafuse scene train reef/ -o b.ply --hold 8 --seed 1
@@ -28,22 +29,22 @@ Example:
 pub(crate) struct Compare {
     /// The folder of the scene.
     original_scene: PathBuf,
-    /// The folder of the same scene, fused; several for several waters or models.
+    /// The folder of the same scene, fused; several folders for several waters or models.
     #[arg(required = true)]
     fused_scenes: Vec<PathBuf>,
-    /// What was trained on the first.
+    /// The splats trained on the original scene.
     #[arg(long, value_name = "FILE.ply")]
     original: PathBuf,
-    /// What was trained on the fused one; as often as there are fused ones, in their order.
+    /// The splats trained on a fused scene; once for each fused scene, in their order.
     #[arg(long, value_name = "FILE.ply", required = true)]
     fused: Vec<PathBuf>,
-    /// What was trained on the first with another seed.
+    /// The splats trained on the original scene with another seed.
     #[arg(long, value_name = "FILE.ply")]
     floor: Option<PathBuf>,
-    /// Every Nth image is compared: those that `scene train --hold N` held back.
+    /// Compare every Nth image: those that `scene train --hold N` held out.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     hold: u32,
-    /// Images are compared at this many pixels on their longer side.
+    /// Compare images at this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
     #[command(flatten)]
@@ -63,10 +64,14 @@ impl Compare {
         }
         self.report.check()?;
         let side = |scene: &Path, trained: &Path| -> Result<Side, Failure> {
-            Ok(Side { name: name(scene), held: self.held(scene, common)?, model: model(trained)? })
+            Ok(Side {
+                name: name(scene),
+                held_out: self.held_out(scene, common)?,
+                model: Model::read(trained)?,
+            })
         };
         let original = side(&self.original_scene, &self.original)?;
-        let floor = self.floor.as_deref().map(model).transpose()?;
+        let floor = self.floor.as_deref().map(Model::read).transpose()?;
         let fused = self.fused_scenes.iter().zip(&self.fused).map(|(scene, trained)| side(scene, trained));
         let fused: Vec<Side> = fused.collect::<Result<_, _>>()?;
         let comparison = Comparison::new(original, floor, fused, self.lpips.network()?)?;
@@ -78,17 +83,11 @@ impl Compare {
         )
     }
 
-    fn held(&self, scene: &Path, common: &Common) -> Result<Vec<Shown>, Failure> {
-        let taken =
-            capture::read(scene, &images_of(scene), self.longest as usize, &common.reading.options())?;
-        let kept = taken.shown.into_iter().enumerate().filter(|(i, _)| i.is_multiple_of(self.hold as usize));
-        Ok(kept.map(|(_, one)| one).collect())
+    fn held_out(&self, scene: &Path, common: &Common) -> Result<Vec<View>, Failure> {
+        let (cameras, images) = (read_cameras(scene)?, images_of(scene));
+        let views = capture::read(&cameras, &images, self.longest as usize, &common.reading.options())?;
+        Ok(Split::new(views, self.hold as usize).held_out)
     }
-}
-
-fn model(path: &Path) -> Result<Model, Failure> {
-    let Trained { splats, medium } = Trained::read(path)?;
-    Ok(Model { splats, medium })
 }
 
 /// A folder by its own name.

@@ -4,26 +4,26 @@ use std::path::PathBuf;
 
 use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
 use aquafuse_scene::files::{read_ply, write_cloud, write_ply, write_splat};
-use aquafuse_scene::points::middles;
+use aquafuse_scene::points::means;
 use clap::Args;
 
 use crate::args::common::Common;
 use crate::failure::Failure;
 use crate::report::output;
 
-/// Write a trained scene for other programs: .splat for viewers on the web, .ply as it is published, or points.
+/// Write a trained scene for other programs: .splat for web viewers, .ply as published by Kerbl et al., or points.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   aquafuse scene export reef.ply -o reef.splat
-  aquafuse scene export reef.ply -o cloud.ply --points      for programs that know points and no splats")]
+  aquafuse scene export reef.ply -o cloud.ply --points      for programs that read points, not splats")]
 pub(crate) struct Export {
     /// A trained scene.
     splats: PathBuf,
-    /// Where to write; the name says the format, .splat (no harmonics) or .ply.
+    /// Where to write; the extension chooses the format, .splat (no spherical harmonics) or .ply.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Points instead of splats, to a .ply: the middles of those that hide at least half of what is behind them.
+    /// Write points instead of splats, as .ply: the means of splats with an opacity of at least 0.5.
     #[arg(long)]
     points: bool,
     /// Replace OUT if it exists.
@@ -45,7 +45,7 @@ impl Export {
         let splats = read_ply(&self.splats)?;
         remove_stale_parts(make_folder_of(&self.output)?);
         let (count, what) = if self.points {
-            let points = middles(&splats);
+            let points = means(&splats);
             write_cloud(&self.output, &points, self.overwrite)?;
             (points.len(), "points")
         } else {

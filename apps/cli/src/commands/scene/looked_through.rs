@@ -1,20 +1,19 @@
-//! `--water` of what is drawn: what a trained scene is seen through.
+//! `--water` of a rendering: the medium that a trained scene is seen through.
 
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::{DepthKind, DepthModel};
-use aquafuse::image::Encoded;
+use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_scene::medium::Medium;
 use clap::Args;
 
-use super::splats_file::known;
 use crate::args::common::Common;
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
 
 #[derive(Args)]
 pub(crate) struct LookedThrough {
-    /// What it is seen through: `none` for air, or an image, NAME.water.json or preset:NAME.
+    /// Medium to render through: `none` for air, or an image, NAME.water.json or preset:NAME [default: the learned water].
     #[arg(long, value_name = "WATER")]
     water: Option<PathBuf>,
     #[command(flatten)]
@@ -22,15 +21,16 @@ pub(crate) struct LookedThrough {
 }
 
 impl LookedThrough {
-    /// The water that is asked for, or the one that a scene was trained through.
+    /// The medium of `--water`, or the one that the scene was trained with.
     pub(crate) fn medium(&self, trained: Medium<f32>, common: &Common) -> Result<Medium<f32>, Failure> {
         let Some(said) = &self.water else { return Ok(trained) };
         if said == Path::new("none") {
             return Ok(Medium::Air);
         }
         let source = WaterSource::parse(said)?;
-        let mut file = self.waters.read::<Encoded>(&source, DepthModel::default(), &common.reading)?;
+        let mut file =
+            self.waters.read(&source, DepthModel::default(), PixelEncoding::Encoded, &common.reading)?;
         file.estimate = self.waters.per(DepthKind::Metres, &file)?;
-        Ok(known(&file))
+        Ok(Medium::of_file(&file))
     }
 }

@@ -1,4 +1,4 @@
-//! `aquafuse scene render`: a trained scene as its cameras see it, or round about, through any water.
+//! `aquafuse scene render`: a trained scene as its cameras see it, or from an orbit, through any water.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -12,21 +12,21 @@ use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::compare::{distances, image};
 use aquafuse_scene::files::read_cameras;
+use aquafuse_scene::model::Model;
 use aquafuse_scene::render::{memory, render};
-use aquafuse_scene::splats::{MOST_DEGREE, Splats};
+use aquafuse_scene::splats::{MAX_SH_DEGREE, Splats};
 use clap::Args;
 
 use super::looked_through::LookedThrough;
-use super::splats_file::Trained;
 use crate::args::common::Common;
 use crate::failure::Failure;
 use crate::report::output;
 use crate::report::progress::Progress;
 
-/// Draw a trained scene as its cameras see it, or as one that goes round it would.
+/// Render a trained scene from its cameras, or from an orbit around it.
 #[derive(Args)]
 #[command(after_help = "\
-Through the water that was learned unless --water says otherwise. A unit of the scene counts as a metre.
+Renders through the learned water unless --water names another. A unit of the scene counts as a metre.
 
 Examples:
   aquafuse scene render reef.ply reef/ -o views/
@@ -42,15 +42,15 @@ pub(crate) struct Render {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     #[command(flatten)]
-    through: LookedThrough,
-    /// Not the cameras' own views but this many on an orbit: once around where cameras stood all around, else swaying where
-    /// they stood. The last comes before the first.
+    medium: LookedThrough,
+    /// Render this many views of an orbit instead of the cameras' own: a full circle if the cameras surround the scene,
+    /// otherwise an arc along them. The last view precedes the first.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     orbit: Option<u32>,
-    /// Distances too, NAME.depth.tiff in units of the scene; 0 where nothing is opaque.
+    /// Also write distances, NAME.depth.tiff, in units of the scene; 0 where nothing is opaque.
     #[arg(long)]
     depth: bool,
-    /// Images have this many pixels on their longer side.
+    /// Render at this many pixels on the longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=16384))]
     longest: u32,
     /// Replace images that exist.
@@ -60,8 +60,8 @@ pub(crate) struct Render {
 
 impl Render {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        let Trained { splats, medium } = Trained::read(&self.splats)?;
-        let medium = self.through.medium(medium, common)?;
+        let Model { splats, medium } = Model::read(&self.splats)?;
+        let medium = self.medium.medium(medium, common)?;
         let views = self.views(&splats)?;
         make_folder(&self.output)?;
         remove_stale_parts(&self.output);
@@ -73,17 +73,18 @@ impl Render {
             let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
             let camera = camera.scaled_to(side(camera.width), side(camera.height));
             let (needed, most) =
-                (memory(&splats, MOST_DEGREE, &camera, &medium), common.reading.options().max_memory);
+                (memory(&splats, MAX_SH_DEGREE, &camera, &medium), common.reading.options().max_memory);
             if needed > most {
                 return Err(Failure::work(anyhow!(
-                    "{name} takes {needed} bytes to draw, more than the {most} of --max-memory; raise that, or lower --longest"
+                    "{name} takes {needed} bytes to render, more than the {most} of --max-memory; raise that, or lower --longest"
                 )));
             }
-            let drawn = render(&splats, MOST_DEGREE, &camera, &medium).drawing;
+            let rendered = render(&splats, MAX_SH_DEGREE, &camera, &medium).rendering;
             let path = self.output.join(format!("{name}.png"));
-            ImageFile::new(image(&drawn).to_samples::<u8>()).write(&path, &writing)?;
+            ImageFile::new(image(&rendered).to_samples::<u8>()).write(&path, &writing)?;
             if self.depth {
-                let known = distances(&drawn).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
+                let known =
+                    distances(&rendered).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
                 let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
                 depth_file::write(
                     &path.with_extension("depth.tiff"),
@@ -98,14 +99,14 @@ impl Render {
         if common.quiet { Ok(()) } else { output::print(&text) }
     }
 
-    /// What is drawn: a name and a camera each.
+    /// The views to render: a name and a camera each.
     fn views(&self, splats: &Splats<f32>) -> Result<Vec<(String, Camera)>, Failure> {
-        let taken = read_cameras(&self.scene)?.taken;
+        let posed = read_cameras(&self.scene)?.images;
         if let Some(count) = self.orbit {
-            let cameras: Vec<&Camera> = taken.iter().map(|one| &one.lens.camera).collect();
+            let cameras: Vec<&Camera> = posed.iter().map(|one| &one.lens.camera).collect();
             let around = Around::new(&cameras, splats).ok_or_else(|| {
                 Failure::usage(anyhow!(
-                    "the cameras of {} look nowhere; leave out --orbit",
+                    "the cameras of {} have no common direction; leave out --orbit",
                     display(&self.scene)
                 ))
             })?;
@@ -113,10 +114,10 @@ impl Render {
             let orbit = around.orbit(count as usize).into_iter().enumerate();
             return Ok(orbit.map(|(i, camera)| (format!("orbit_{i:0digits$}"), camera)).collect());
         }
-        let views: Vec<_> = taken.into_iter().map(|one| (flat(&one.name), one.lens.camera)).collect();
+        let views: Vec<_> = posed.into_iter().map(|one| (flat(&one.name), one.lens.camera)).collect();
         if views.iter().map(|(name, _)| name).collect::<BTreeSet<_>>().len() < views.len() {
             return Err(Failure::usage(anyhow!(
-                "{} has images that differ in their extension alone; rename one of each",
+                "{} has images whose names differ only in their extension; rename one of each",
                 display(&self.scene)
             )));
         }
@@ -124,8 +125,8 @@ impl Render {
     }
 }
 
-/// An image's name without folders and extension, so that all outputs stand in one folder. What follows an earlier dot
-/// is no extension.
+/// An image's name without folders and extension, so that all outputs fit into one folder. Only the last dot begins an
+/// extension.
 fn flat(name: &Path) -> String {
     let parts: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();
     let whole = parts.join("__");

@@ -1,4 +1,4 @@
-//! `aquafuse scene sfm`: the cameras of a folder of images, found by a program of others.
+//! `aquafuse scene sfm`: the cameras of a folder of images, found by an external program.
 
 mod tools;
 
@@ -19,37 +19,37 @@ use crate::report::progress::Progress;
 use crate::tool;
 use tools::{Job, STEPS, Tool};
 
-/// Find the cameras of a folder of images, by pycolmap or COLMAP, and make it a scene.
+/// Find the cameras of a folder of images with pycolmap or COLMAP, and write a scene.
 #[derive(Args)]
 #[command(after_help = "\
-Structure from motion is the work of COLMAP, which must be installed: `python3 -m pip install pycolmap` anywhere, or
+Structure from motion is done by COLMAP, which must be installed: `python3 -m pip install pycolmap` on any system, or
 Debian's package `colmap`. SCENE gets the images (images/), and cameras and points (sparse/0/).
 
 Examples:
   aquafuse scene sfm photos/ -o reef/
-  aquafuse scene sfm frames/ -o dive/ --in-order           many frames of one film
+  aquafuse scene sfm frames/ -o dive/ --in-order           frames of a video
   aquafuse scene sfm photos/ -o reef/ --python venv/bin/python")]
 pub(crate) struct Sfm {
-    /// A folder of images of one place from many sides.
+    /// A folder of images of one place, taken from many sides.
     images: PathBuf,
     /// The scene's folder; made if it is missing.
     #[arg(short, long, value_name = "SCENE")]
     output: PathBuf,
-    /// The images are frames of a film in the order of their names: each is matched with its neighbours alone.
+    /// The images are frames of a video in the order of their names: match each with its neighbours only.
     #[arg(long)]
     in_order: bool,
-    /// The Python that has pycolmap [default: python3, if it has].
+    /// The Python that has pycolmap [default: python3, if it has it].
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
     /// COLMAP's own command instead of pycolmap [default: colmap, where there is no pycolmap].
     #[arg(long, value_name = "PROGRAM", conflicts_with = "python")]
     colmap: Option<PathBuf>,
-    /// Write into a folder that is not empty, replacing its model and images of the same names.
+    /// Write into a folder that is not empty, and replace its model and images of the same names.
     #[arg(long)]
     overwrite: bool,
 }
 
-/// Where the program works, in the scene's folder; what is left there was of a run that failed.
+/// The program's work folder in the scene's folder; a run that failed leaves it.
 const WORK: &str = ".aquafuse-sfm";
 /// Where models of COLMAP stand in a scene.
 const MODEL: &str = "sparse/0";
@@ -87,7 +87,7 @@ impl Sfm {
         self.write(&names, &model)?;
         // Its duty is done; the next run would remove it too.
         let _ = std::fs::remove_dir_all(&work);
-        if common.quiet { Ok(()) } else { output::print(&self.told(&tool, &names, &found)) }
+        if common.quiet { Ok(()) } else { output::print(&self.summary(&tool, &names, &found)) }
     }
 
     fn tool(&self) -> Result<Tool, Failure> {
@@ -117,7 +117,7 @@ impl Sfm {
         let names: Vec<String> = listed.images.iter().filter_map(name).collect();
         if names.len() < listed.images.len() {
             return Err(Failure::usage(anyhow!(
-                "{} has names that are no UTF-8; rename them",
+                "{} has file names that are not UTF-8; rename them",
                 display(&self.images)
             )));
         }
@@ -156,14 +156,14 @@ impl Sfm {
         Ok(())
     }
 
-    fn told(&self, tool: &Tool, names: &[String], found: &Cameras) -> String {
-        let posed: BTreeSet<&Path> = found.taken.iter().map(|one| one.name.as_path()).collect();
+    fn summary(&self, tool: &Tool, names: &[String], found: &Cameras) -> String {
+        let posed: BTreeSet<&Path> = found.images.iter().map(|one| one.name.as_path()).collect();
         let lost: Vec<&str> =
             names.iter().map(String::as_str).filter(|name| !posed.contains(Path::new(name))).collect();
         let mut text = format!(
             "{}: {} of {} images have a camera, {} points; by {}\n",
             display(&self.output),
-            found.taken.len(),
+            found.images.len(),
             names.len(),
             found.points.len(),
             tool.name()
@@ -183,7 +183,7 @@ fn largest(models: &Path) -> Result<(PathBuf, Cameras), Failure> {
     let mut best: Option<(PathBuf, Cameras)> = None;
     for folder in folders.into_iter().filter(|folder| folder.join(MODEL_FILES[0]).is_file()) {
         let found = read_cameras(&folder)?;
-        if best.as_ref().is_none_or(|(_, other)| found.taken.len() > other.taken.len()) {
+        if best.as_ref().is_none_or(|(_, other)| found.images.len() > other.images.len()) {
             best = Some((folder, found));
         }
     }

@@ -1,34 +1,27 @@
 //! `aquafuse scene train`: splats from images with cameras.
 
 mod brush;
-mod cpu;
-mod engine;
 
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use aquafuse::metrics::{psnr, ssim};
-use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
-use aquafuse_scene::camera::Camera;
-use aquafuse_scene::capture::{self, Shown};
-use aquafuse_scene::compare::image;
-use aquafuse_scene::files::{Cameras, Taken, read_cameras};
+use aquafuse_data::files::display;
+use aquafuse_data::run::Event;
 use aquafuse_scene::medium::Medium;
-use aquafuse_scene::render::render;
+use aquafuse_scene::model::Model;
 use aquafuse_scene::train::Options;
+use aquafuse_scene::training::{Plan, Request, Training, TrainingError};
 use clap::{Args, ValueEnum};
 
-use super::splats_file::{Trained, check_name, water_beside};
 use crate::args::common::Common;
 use crate::failure::Failure;
 use crate::report::output;
+use crate::report::progress::Progress;
 use brush::Brush;
-use cpu::Cpu;
-use engine::{Engine, Task};
 
 /// Train splats on a scene's images.
 ///
-/// One that was stopped goes on where it was: the same command ends in the same file, byte for byte.
+/// A run that was stopped goes on where it stopped: the same command ends in the same file, byte for byte.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -45,34 +38,34 @@ pub(crate) struct Train {
     /// The folder of the images [default: SCENE/images, or SCENE where there is none].
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
-    /// Steps, each of one image.
+    /// Training steps, each of one image.
     #[arg(long, value_name = "N", default_value_t = Options::default().iterations, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     iterations: u32,
-    /// Replays a run.
+    /// Random seed.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// How much colours may depend on the direction, 0 (not at all) to 3.
+    /// Spherical-harmonics degree, 0 to 3 (0: no view dependence).
     #[arg(long, value_name = "D", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=3))]
     sh_degree: u8,
-    /// What is between the camera and things: `none` leaves the water in the colours, `learn` finds it.
+    /// Medium: `none` bakes the water into the colours, `learn` estimates it.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
     water: WaterInside,
-    /// The most splats: time and memory grow with them.
-    #[arg(long, value_name = "N", default_value_t = Options::default().most_splats)]
+    /// The most splats: time and memory grow with their number.
+    #[arg(long, value_name = "N", default_value_t = Options::default().max_splats)]
     splats: usize,
     /// Images are scaled down to this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
-    /// What trains.
+    /// Training backend.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
     engine: Trainer,
     /// Brush's program [default: brush, or brush_app].
     #[arg(long, value_name = "PROGRAM")]
     brush: Option<PathBuf>,
-    /// Hold every Nth image back, and say how near it comes.
+    /// Hold every Nth image out of training, and score the result on them.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     hold: Option<u32>,
-    /// Replace FILE.ply if it exists, and begin again.
+    /// Replace FILE.ply if it exists, and start training from the beginning.
     #[arg(long)]
     overwrite: bool,
 }
@@ -91,140 +84,102 @@ enum Trainer {
     /// Ours, on this machine's processors.
     #[default]
     Cpu,
-    /// Brush, a program of others for graphics cards, which must be installed; without water and resuming.
+    /// Brush, an external program for graphics cards, which must be installed; it learns no water and cannot resume.
     Brush,
 }
 
-/// Points to begin with where the model has none.
-const SCATTERED: usize = 10_000;
-/// An image to train on, as it is and as the loss has it.
-const BYTES_A_PIXEL: u64 = 48;
-/// A drawing, its gradient and the loss's.
-const STEP_BYTES_A_PIXEL: u64 = 240;
-/// A splat without its harmonics five times (it, its gradient, two moments, a checkpoint), and its places in tiles.
-const BYTES_A_SPLAT: u64 = 5 * 44 + 800;
-
 impl Train {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        self.check()?;
-        let engine = self.engine()?;
-        self.check_memory(common)?;
-        let image_files = self.images.clone().unwrap_or_else(|| capture::images_of(&self.scene));
-        let taken =
-            capture::read(&self.scene, &image_files, self.longest as usize, &common.reading.options())?;
-        let held = |i: usize| self.hold.is_some_and(|every| i.is_multiple_of(every as usize));
-        let (held, shown): (Vec<_>, Vec<_>) = taken.shown.iter().enumerate().partition(|(i, _)| held(*i));
-        let (held, trained_on): (Vec<&Shown>, Vec<&Shown>) =
-            (held.into_iter().map(|(_, one)| one).collect(), shown.into_iter().map(|(_, one)| one).collect());
-        if trained_on.is_empty() {
-            return Err(Failure::usage(anyhow!("--hold leaves no image to train on; raise it")));
+        let plan = Plan::new(self.request())?;
+        let brush = self.brush()?;
+        let options = common.run_options();
+        let training = plan.load(&options)?;
+        let model = match &brush {
+            Some(brush) => brush.train(&training)?,
+            None => {
+                let progress = Progress::new(common.quiet);
+                let ended = training.run(&options, &|event| match event {
+                    Event::Started { total } => progress.start(total),
+                    Event::Done { result, .. } => {
+                        progress.done(format!("{} splats, loss {:.4}", result.splats, result.loss));
+                    }
+                    Event::Skipped { .. } => progress.done(String::new()),
+                    _ => {}
+                });
+                progress.finish();
+                ended?
+            }
+        };
+        training.write(&model)?;
+        if brush.is_some() {
+            Brush::clear(&training);
         }
-        let task = Task {
-            taken: &taken,
-            trained_on: &trained_on,
-            options: self.options(),
+        if common.quiet { Ok(()) } else { output::print(&summary(&training, &model)) }
+    }
+
+    fn request(&self) -> Request {
+        Request {
+            scene: self.scene.clone(),
+            images: self.images.clone(),
+            output: self.output.clone(),
+            options: Options {
+                iterations: self.iterations,
+                seed: self.seed,
+                max_splats: self.splats,
+                ..Options::default()
+            },
             sh_degree: self.sh_degree,
             learns_water: self.water == WaterInside::Learn,
-            output: &self.output,
+            longest: self.longest as usize,
+            hold_out: self.hold.map(|every| every as usize),
             overwrite: self.overwrite,
-            quiet: common.quiet,
-        };
-        let trained = engine.train(&task)?;
-        trained.write(&self.output, &self.scene, self.overwrite)?;
-        engine.clear(&task);
-        if common.quiet { Ok(()) } else { output::print(&self.told(&trained, &held)) }
-    }
-
-    /// Refuses what can be refused before work begins.
-    fn check(&self) -> Result<(), Failure> {
-        check_name(&self.output)?;
-        // A water that lies there would be taken for that of the new splats, learned or not.
-        let outputs = [self.output.clone(), water_beside(&self.output)];
-        if let Some(path) =
-            outputs.into_iter().find(|path| !self.overwrite && path.symlink_metadata().is_ok())
-        {
-            return Err(FileError::Exists { path }.into());
-        }
-        remove_stale_parts(make_folder_of(&self.output)?);
-        Ok(())
-    }
-
-    fn options(&self) -> Options {
-        Options {
-            iterations: self.iterations,
-            seed: self.seed,
-            most_splats: self.splats,
-            ..Options::default()
         }
     }
 
-    fn engine(&self) -> Result<Box<dyn Engine>, Failure> {
+    /// The external engine, if it was asked for.
+    fn brush(&self) -> Result<Option<Brush>, Failure> {
         match (self.engine, self.water) {
-            (Trainer::Cpu, _) => Ok(Box::new(Cpu)),
+            (Trainer::Cpu, _) => Ok(None),
             (Trainer::Brush, WaterInside::Learn) => Err(Failure::usage(anyhow!(
-                "--engine brush knows no water; leave --water learn, or --engine brush, out"
+                "--engine brush cannot learn a water; leave out --water learn or --engine brush"
             ))),
-            (Trainer::Brush, WaterInside::None) => Ok(Box::new(Brush::find(self.brush.as_deref())?)),
+            (Trainer::Brush, WaterInside::None) => Brush::find(self.brush.as_deref()).map(Some),
         }
     }
+}
 
-    /// Refuses a scene that would take more memory than may be taken, before any image is read.
-    fn check_memory(&self, common: &Common) -> Result<(), Failure> {
-        let (needed, most) = (self.memory(&read_cameras(&self.scene)?), common.reading.options().max_memory);
-        let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
-        (needed <= most).then_some(()).ok_or_else(|| {
-            Failure::usage(anyhow!(
-                "{} takes about {} MiB to train on, more than the {} MiB of --max-memory; raise that, or lower --longest \
-                 or --splats",
-                display(&self.scene),
-                mebibytes(needed),
-                mebibytes(most)
-            ))
-        })
+fn summary(training: &Training, model: &Model) -> String {
+    let mut text = format!("{}: {} splats\n", display(&training.request().output), model.splats.len());
+    if let Medium::Learned(water) = &model.medium {
+        let three = |values: [f32; 3]| values.map(|value| format!("{value:.3}")).join(" ");
+        text += &format!(
+            "  water: B_inf {}, beta_B {}, beta_D {} per unit of the scene\n",
+            three(water.veil()),
+            three(water.backscatter()),
+            three(water.attenuation())
+        );
     }
-
-    /// Bytes that training takes at most: all images, one step of the largest, and all splats.
-    fn memory(&self, cameras: &Cameras) -> u64 {
-        let pixels = |one: &Taken| {
-            let Camera { width, height, .. } = one.lens.camera;
-            let scale = (f64::from(self.longest) / width.max(height) as f64).min(1.0);
-            (scale * width as f64 * scale * height as f64).ceil() as u64
-        };
-        let all: u64 = cameras.taken.iter().map(pixels).sum();
-        let largest = cameras.taken.iter().map(pixels).max().unwrap_or(0);
-        let harmonics = (u64::from(self.sh_degree) + 1).pow(2);
-        let begun_with = cameras.points.len().max(SCATTERED);
-        let splats = self.splats.max(begun_with) as u64;
-        BYTES_A_PIXEL * all + STEP_BYTES_A_PIXEL * largest + splats * (BYTES_A_SPLAT + 5 * 12 * harmonics)
+    if let Some(scores) = training.held_out_scores(model) {
+        text += &format!(
+            "  {} images held out: PSNR {:.2} dB, SSIM {:.3}\n",
+            scores.views, scores.psnr, scores.ssim
+        );
     }
+    text
+}
 
-    /// What came of it.
-    fn told(&self, trained: &Trained, held: &[&Shown]) -> String {
-        let mut text = format!("{}: {} splats\n", display(&self.output), trained.splats.len());
-        if let Medium::Learned(water) = &trained.medium {
-            let three = |values: [f32; 3]| values.map(|value| format!("{value:.3}")).join(" ");
-            text += &format!(
-                "  water: B_inf {}, beta_B {}, beta_D {} per unit of the scene\n",
-                three(water.veil()),
-                three(water.backscatter()),
-                three(water.attenuation())
-            );
+impl From<TrainingError> for Failure {
+    fn from(error: TrainingError) -> Self {
+        match error {
+            TrainingError::File(error) => error.into(),
+            TrainingError::Cameras(error) => error.into(),
+            TrainingError::Images(error) => error.into(),
+            TrainingError::Model(error) => error.into(),
+            TrainingError::Memory { .. }
+            | TrainingError::NothingToTrainOn
+            | TrainingError::Checkpoint { .. }
+            | TrainingError::Water(_) => Self::usage(error),
+            error => Self::work(error),
         }
-        if !held.is_empty() {
-            let scores = held.iter().filter_map(|one| {
-                let drawn = render(&trained.splats, self.sh_degree, &one.camera, &trained.medium);
-                let drawn = image(&drawn.drawing);
-                Some((psnr(&drawn, &one.image).ok()?, ssim(&drawn, &one.image).ok()??))
-            });
-            let (sum, similar) = scores.fold((0.0, 0.0), |sum, score| (sum.0 + score.0, sum.1 + score.1));
-            let count = held.len() as f64;
-            text += &format!(
-                "  {} images held back: PSNR {:.2} dB, SSIM {:.3}\n",
-                held.len(),
-                sum / count,
-                similar / count
-            );
-        }
-        text
     }
 }

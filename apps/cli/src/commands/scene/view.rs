@@ -1,4 +1,4 @@
-//! `aquafuse scene view`: a trained scene as a page that shows it in a browser.
+//! `aquafuse scene view`: a trained scene as a page for a browser.
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,7 @@ use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::files::read_cameras;
 use aquafuse_scene::medium::Medium;
+use aquafuse_scene::model::Model;
 use aquafuse_scene::splats::Splats;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -15,36 +16,35 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::looked_through::LookedThrough;
-use super::splats_file::Trained;
 use crate::args::common::Common;
 use crate::failure::Failure;
 use crate::report::output;
 
-/// Write a trained scene as one page that any browser shows: to turn, to walk from camera to camera, to take its water out.
+/// Write a trained scene as one HTML page: turn it, step from camera to camera, remove its water.
 #[derive(Args)]
 #[command(after_help = "\
-The page holds all it needs and asks for nothing: it opens from a disk, without a network. It draws by WebGL 2, colours
-as they are from everywhere: what harmonics add (train --sh-degree) is left out. PAGE#view=3&water=0 opens it there.
+The page is self-contained: it opens from a disk, without a network. It renders by WebGL 2 and ignores view dependence
+(train --sh-degree). PAGE#view=3&water=0 opens it at the third camera, without water.
 
 Examples:
   aquafuse scene view reef.ply reef/ -o reef.html
-  aquafuse scene view reef.ply -o coast.html --water preset:jerlov-3C        without cameras; in another water")]
+  aquafuse scene view reef.ply -o coast.html --water preset:jerlov-3C        without cameras, in another water")]
 pub(crate) struct View {
     /// A trained scene.
     splats: PathBuf,
-    /// The folder with its cameras, from which it is seen; without it, one that sees most of it.
+    /// The folder with its cameras; without it, the page has one camera that sees most of the scene.
     scene: Option<PathBuf>,
     /// Where to write, PAGE.html.
     #[arg(short, long, value_name = "PAGE.html")]
     output: PathBuf,
     #[command(flatten)]
-    through: LookedThrough,
+    medium: LookedThrough,
     /// Replace PAGE.html if it exists.
     #[arg(long)]
     overwrite: bool,
 }
 
-/// The page, with places for what is in it; and what runs in it.
+/// The page with its placeholders, and its scripts.
 const PAGE: &str = include_str!("view/page.html");
 const VIEWER: &str = include_str!("view/viewer.js");
 const CONTROLS: &str = include_str!("view/controls.js");
@@ -55,11 +55,11 @@ impl View {
         if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
             return Err(FileError::UnknownExtension { path: path.clone(), expected: ".html" }.into());
         }
-        let Trained { splats, medium } = Trained::read(&self.splats)?;
-        let medium = self.through.medium(medium, common)?;
+        let Model { splats, medium } = Model::read(&self.splats)?;
+        let medium = self.medium.medium(medium, common)?;
         let cameras = match &self.scene {
             Some(scene) => read_cameras(scene)?
-                .taken
+                .images
                 .into_iter()
                 .map(|one| (display(&one.name).to_string(), one.lens.camera))
                 .collect(),
@@ -79,11 +79,12 @@ impl View {
         cameras: &[(String, Camera)],
     ) -> Result<String, Failure> {
         let all: Vec<&Camera> = cameras.iter().map(|(_, camera)| camera).collect();
-        let around = Around::new(&all, splats)
-            .ok_or_else(|| Failure::usage(anyhow!("the cameras look nowhere; leave out the scene")))?;
+        let around = Around::new(&all, splats).ok_or_else(|| {
+            Failure::usage(anyhow!("the cameras have no common direction; leave out the scene"))
+        })?;
         let scene = json!({
             "water": water(medium),
-            "middle": around.middle(),
+            "middle": around.centre(),
             "up": around.up(),
             "cameras": cameras.iter().map(|(name, camera)| json!({
                 "name": name,
@@ -96,7 +97,7 @@ impl View {
             })).collect::<Vec<_>>(),
         });
         let name = self.splats.file_name().map_or(self.splats.as_path(), Path::new);
-        // No text in it may end the element that it stands in.
+        // No string in it may end the element that contains it.
         let scene = scene.to_string().replace('<', "\\u003c");
         Ok(filled(
             PAGE,
@@ -111,14 +112,14 @@ impl View {
     }
 }
 
-/// The splats as the page has them, 36 bytes each, little-endian: place and deviations as floats; colour, opacity and
-/// quaternion as words and bytes. Colours go up to 8, for without its water what is bright in an image is brighter than white.
+/// The splats as the page reads them, 36 bytes each, little-endian: mean and scales as floats; colour, opacity and
+/// quaternion as words and bytes. Colours go up to 8: without the water, what is bright in an image is brighter than white.
 fn packed(splats: &Splats<f32>) -> Vec<u8> {
-    // Of floats `as` makes the nearest number that there is.
+    // `as` saturates.
     let word = |value: f32| (value.round() as u16).to_le_bytes();
     let mut bytes = Vec::with_capacity(36 * splats.len());
     for i in 0..splats.len() {
-        let floats = splats.position(i).into_iter().chain(splats.scale(i));
+        let floats = splats.mean(i).into_iter().chain(splats.scale(i));
         bytes.extend(floats.flat_map(f32::to_le_bytes));
         bytes.extend(splats.colour(i).into_iter().flat_map(|value| word(8192.0 * value)));
         bytes.extend(word(65535.0 * splats.opacity(i)));
@@ -127,7 +128,7 @@ fn packed(splats: &Splats<f32>) -> Vec<u8> {
     bytes
 }
 
-/// The medium as the page has it; none of air.
+/// The medium as the page reads it; null is air.
 fn water(medium: &Medium<f32>) -> Value {
     let (veil, growth, curves, per_unit) = match medium {
         Medium::Air => return Value::Null,
@@ -142,7 +143,7 @@ fn water(medium: &Medium<f32>) -> Value {
             *per_unit,
         ),
     };
-    // From the water's z to units of the scene.
+    // From units of the water's z to units of the scene.
     json!({
         "veil": veil,
         "growth": growth.map(|beta| beta * per_unit),
@@ -151,10 +152,10 @@ fn water(medium: &Medium<f32>) -> Value {
     })
 }
 
-/// A camera that sees most of the splats, upright as cameras of COLMAP mostly are: y down.
+/// A camera that sees most of the splats, with y down, as COLMAP's cameras mostly have it.
 fn outside(splats: &Splats<f32>) -> Camera {
     let all = |axis: usize| {
-        let mut values: Vec<f64> = (0..splats.len()).map(|i| f64::from(splats.position(i)[axis])).collect();
+        let mut values: Vec<f64> = (0..splats.len()).map(|i| f64::from(splats.mean(i)[axis])).collect();
         values.sort_by(f64::total_cmp);
         values
     };
@@ -175,7 +176,7 @@ fn outside(splats: &Splats<f32>) -> Camera {
     }
 }
 
-/// A text with `{{name}}` replaced; what is put in is not looked at again.
+/// A string with `{{name}}` replaced; what is inserted is not searched again.
 fn filled(page: &str, parts: &[(&str, &str)]) -> String {
     let mut pieces = page.split("{{");
     let mut text = pieces.next().unwrap_or_default().to_owned();
@@ -187,7 +188,7 @@ fn filled(page: &str, parts: &[(&str, &str)]) -> String {
     text
 }
 
-/// A text whose signs mean nothing to HTML.
+/// A string with the characters escaped that HTML would interpret.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
@@ -232,7 +233,7 @@ mod tests {
         }
         let camera = outside(&splats);
         let seen = (0..splats.len()).filter(|&i| {
-            let [x, y, z] = camera.to_camera(splats.position(i).map(f64::from));
+            let [x, y, z] = camera.to_camera(splats.mean(i).map(f64::from));
             z > 0.0 && (x / z).abs() < 400.0 / 700.0 && (y / z).abs() < 300.0 / 700.0
         });
         assert!(seen.count() > 80);

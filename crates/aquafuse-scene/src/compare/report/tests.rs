@@ -1,5 +1,7 @@
 use super::*;
+use crate::medium::Medium;
 use crate::points;
+use crate::splats::Splats;
 use crate::truth::{self, TruthView};
 use aquafuse::truth::{Size, waters};
 
@@ -9,14 +11,14 @@ fn side(name: &str, seed: u64, water: usize) -> Side {
     let views = truth::views(seed, Size { width: 48, height: 36 }, 4, 1);
     let clear: Vec<_> = views.iter().map(TruthView::clear).collect();
     let splats = points::splats(&truth::points(&views, &clear, 4), 0);
-    let held = views.iter().enumerate().map(|(i, view)| Shown {
+    let held_out = views.iter().enumerate().map(|(i, view)| View {
         name: format!("{i}.png").into(),
         camera: view.camera.clone(),
         image: view.seen_through(&water),
     });
     Side {
         name: name.into(),
-        held: held.collect(),
+        held_out: held_out.collect(),
         model: Model { splats: opaque(&splats), medium: Medium::Known { water, per_unit: 1.0 } },
     }
 }
@@ -77,12 +79,15 @@ fn shares_are_those_of_the_means() {
 #[test]
 fn scenes_of_other_cameras_are_refused() {
     let mut other = side("other", 1, 1);
-    other.held[2].camera.focal[0] += 1.0;
+    other.held_out[2].camera.focal[0] += 1.0;
     let refused = |fused| Comparison::new(side("reef", 1, 0), None, vec![fused], None).unwrap_err();
     assert!(refused(other).to_string().contains("other has other cameras than reef"));
     let mut fewer = side("fewer", 1, 1);
-    fewer.held.pop();
+    fewer.held_out.pop();
     assert!(matches!(refused(fewer), CompareError::OtherCameras { .. }));
-    let empty = Side { held: Vec::new(), ..side("reef", 1, 0) };
-    assert!(matches!(Comparison::new(empty, None, Vec::new(), None), Err(CompareError::NothingHeld { .. })));
+    let empty = Side { held_out: Vec::new(), ..side("reef", 1, 0) };
+    assert!(matches!(
+        Comparison::new(empty, None, Vec::new(), None),
+        Err(CompareError::NothingHeldOut { .. })
+    ));
 }

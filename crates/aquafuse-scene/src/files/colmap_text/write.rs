@@ -7,7 +7,7 @@ use aquafuse_data::files::{display, write_text};
 
 use crate::camera::Camera;
 use crate::files::SceneFileError;
-use crate::files::cameras::{Cameras, Taken};
+use crate::files::cameras::{Cameras, PosedImage};
 use crate::lens::Lens;
 
 /// Writes `cameras.txt`, `images.txt` and `points3D.txt` into a folder that is there, each whole or not at all.
@@ -20,7 +20,7 @@ use crate::lens::Lens;
 /// refuses.
 pub fn write_cameras(folder: &Path, cameras: &Cameras, overwrite: bool) -> Result<(), SceneFileError> {
     let images = folder.join("images.txt");
-    for one in &cameras.taken {
+    for one in &cameras.images {
         // Fields are told apart by blanks: those at either end, or two in a row, would be lost.
         let name =
             one.name.to_str().filter(|name| name.split_whitespace().collect::<Vec<_>>().join(" ") == **name);
@@ -32,7 +32,7 @@ pub fn write_cameras(folder: &Path, cameras: &Cameras, overwrite: bool) -> Resul
     }
     let mut lenses: Vec<String> = Vec::new();
     let mut poses = String::new();
-    for (number, one) in (1_usize..).zip(&cameras.taken) {
+    for (number, one) in (1_usize..).zip(&cameras.images) {
         let lens = lens(&one.lens);
         let known = lenses.iter().position(|other| *other == lens);
         let id = known.unwrap_or_else(|| {
@@ -64,7 +64,7 @@ fn lens(lens: &Lens) -> String {
 }
 
 /// Quaternion and t.
-fn pose(one: &Taken) -> String {
+fn pose(one: &PosedImage) -> String {
     let [w, x, y, z] = one.lens.camera.quaternion();
     let [a, b, c] = one.lens.camera.translation;
     format!("{w} {x} {y} {z} {a} {b} {c}")
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again() {
-        let taken = |name: &str, quaternion, distortion| Taken {
+        let posed = |name: &str, quaternion, distortion| PosedImage {
             name: name.into(),
             lens: Lens {
                 camera: Camera {
@@ -93,11 +93,11 @@ mod tests {
             },
         };
         let cameras = Cameras {
-            taken: vec![
-                taken("a reef.png", [0.8, 0.36, -0.48, 0.0], [0.0; 4]),
-                taken("b.png", [0.0, 0.0, 0.6, 0.8], [0.1, -0.02, 0.003, 0.0]),
-                taken("c.png", [0.0, 1.0, 0.0, 0.0], [0.0; 4]),
-                taken("d.png", [0.0, 0.6, 0.8, 0.0], [0.0; 4]),
+            images: vec![
+                posed("a reef.png", [0.8, 0.36, -0.48, 0.0], [0.0; 4]),
+                posed("b.png", [0.0, 0.0, 0.6, 0.8], [0.1, -0.02, 0.003, 0.0]),
+                posed("c.png", [0.0, 1.0, 0.0, 0.0], [0.0; 4]),
+                posed("d.png", [0.0, 0.6, 0.8, 0.0], [0.0; 4]),
             ],
             points: vec![Point { position: [1.5, -2.0, 3.25], colour: [0.0, 0.2, 1.0] }],
             model: "".into(),
@@ -106,7 +106,7 @@ mod tests {
         write_cameras(folder.path(), &cameras, false).unwrap();
         let read = read_cameras(folder.path()).unwrap();
         assert_eq!(read.points, cameras.points);
-        for (read, written) in read.taken.iter().zip(&cameras.taken) {
+        for (read, written) in read.images.iter().zip(&cameras.images) {
             assert_eq!((&read.name, read.lens.distortion), (&written.name, written.lens.distortion));
             let [a, b] = [read, written].map(|one| one.lens.camera.clone());
             assert_eq!((a.focal, a.centre, a.translation), (b.focal, b.centre, b.translation));
@@ -123,8 +123,8 @@ mod tests {
         let mut cameras = Cameras::default();
         let camera =
             crate::truth::views(1, aquafuse::truth::Size { width: 8, height: 6 }, 1, 1).remove(0).camera;
-        cameras.taken =
-            vec![Taken { name: "two  blanks.png".into(), lens: Lens { camera, distortion: [0.0; 4] } }];
+        cameras.images =
+            vec![PosedImage { name: "two  blanks.png".into(), lens: Lens { camera, distortion: [0.0; 4] } }];
         let folder = tempfile::tempdir().unwrap();
         let said = write_cameras(folder.path(), &cameras, false).unwrap_err().to_string();
         assert!(said.contains("two  blanks.png") && said.contains("rename"), "{said}");

@@ -1,4 +1,4 @@
-//! Training by Brush, an engine for graphics cards: an installed program is run on the same images and points.
+//! Training by Brush, an engine for graphics cards: an installed program runs on the same images and points.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -6,24 +6,24 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, anyhow};
 use aquafuse_data::files::{FileError, make_folder};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
-use aquafuse_scene::files::{Cameras, Taken, read_ply, write_cameras};
+use aquafuse_scene::files::{Cameras, PosedImage, read_ply, write_cameras};
 use aquafuse_scene::lens::Lens;
 use aquafuse_scene::medium::Medium;
+use aquafuse_scene::model::Model;
+use aquafuse_scene::training::{Request, Training};
 
-use super::engine::{Engine, Task};
-use crate::commands::scene::splats_file::Trained;
 use crate::failure::Failure;
 use crate::tool;
 
-/// Its program, as it is called in releases and where it is built from source.
+/// The names of its program, in releases and when built from source.
 const PROGRAMS: [&str; 3] = ["brush", "brush_app", "brush-cli"];
-/// Behind the output's name: the folder in which it works.
+/// Added to the output's name: the folder in which it works.
 const WORK: &str = ".brush";
 const SPLATS: &str = "splats.ply";
 
 pub(super) struct Brush {
     program: PathBuf,
-    /// What it calls the number of steps, which was renamed once.
+    /// Its option for the number of steps, which was renamed once.
     steps: &'static str,
 }
 
@@ -50,51 +50,54 @@ impl Brush {
         Some(Self { program: program.to_owned(), steps })
     }
 
-    fn command(&self, task: &Task<'_>, scene: &Path, into: &Path) -> Command {
+    fn command(&self, training: &Training, scene: &Path, into: &Path) -> Command {
+        let Request { options, sh_degree, .. } = training.request();
         let mut command = Command::new(&self.program);
-        let iterations = task.options.iterations.to_string();
+        let iterations = options.iterations.to_string();
         command.arg(scene).args([self.steps, &iterations, "--export-every", &iterations]);
         command.arg("--export-path").arg(into).args(["--export-name", SPLATS]);
-        command.args(["--sh-degree", &task.sh_degree.to_string(), "--seed", &task.options.seed.to_string()]);
-        command.args(["--max-splats", &task.options.most_splats.to_string()]);
+        command.args(["--sh-degree", &sh_degree.to_string(), "--seed", &options.seed.to_string()]);
+        command.args(["--max-splats", &options.max_splats.to_string()]);
         command
     }
-}
 
-impl Engine for Brush {
-    fn train(&self, task: &Task<'_>) -> Result<Trained, Failure> {
-        let work = task.beside(WORK);
-        // Left by a run that was ended.
+    /// Trains to the end, in a folder beside the output.
+    pub(super) fn train(&self, training: &Training) -> Result<Model, Failure> {
+        let work = training.beside(WORK);
+        // Left by a run that was stopped.
         let _ = std::fs::remove_dir_all(&work);
         make_folder(&work)?;
-        // It may take paths to begin elsewhere.
+        // The program may resolve paths from another folder.
         let work = std::path::absolute(&work).map_err(|error| FileError::Read { path: work, error })?;
         let (scene, into) = (work.join("scene"), work.join("out"));
-        write(task, &scene)?;
+        write(training, &scene)?;
         make_folder(&into)?;
-        tool::run(&mut self.command(task, &scene, &into), &work.join("log.txt"))
+        tool::run(&mut self.command(training, &scene, &into), &work.join("log.txt"))
             .context("Brush did not train")
             .map_err(Failure::work)?;
         let splats = read_ply(&into.join(SPLATS))?;
-        Ok(Trained { splats, medium: Medium::Air })
+        Ok(Model { splats, medium: Medium::Air })
     }
 
-    fn clear(&self, task: &Task<'_>) {
-        let _ = std::fs::remove_dir_all(task.beside(WORK));
+    /// Removes the folder it worked in, once the output is written.
+    pub(super) fn clear(training: &Training) {
+        let _ = std::fs::remove_dir_all(training.beside(WORK));
     }
 }
 
-/// Exactly the images that we would train on, straight and of their size, as a scene of its own.
-fn write(task: &Task<'_>, scene: &Path) -> Result<(), Failure> {
-    let [images, model] = ["images", "sparse/0"].map(|name| scene.join(name));
-    make_folder(&images)?;
+/// Writes the views that our own engine would train on, undistorted and of their size, as a scene of its own.
+fn write(training: &Training, scene: &Path) -> Result<(), Failure> {
+    let [folder, model] = ["images", "sparse/0"].map(|name| scene.join(name));
+    make_folder(&folder)?;
     make_folder(&model)?;
-    let mut taken = Vec::with_capacity(task.trained_on.len());
-    for (number, one) in task.trained_on.iter().enumerate() {
+    let views = &training.views().training;
+    let mut images = Vec::with_capacity(views.len());
+    for (number, view) in views.iter().enumerate() {
         let name = PathBuf::from(format!("{number:05}.png"));
-        ImageFile::new(one.image.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
-        taken.push(Taken { name, lens: Lens { camera: one.camera.clone(), distortion: [0.0; 4] } });
+        ImageFile::new(view.image.to_samples::<u8>()).write(&folder.join(&name), &WriteOptions::default())?;
+        let lens = Lens { camera: view.camera.clone(), distortion: [0.0; 4] };
+        images.push(PosedImage { name, lens });
     }
-    let cameras = Cameras { taken, points: task.taken.points.clone(), model: PathBuf::new() };
+    let cameras = Cameras { images, points: training.points().to_vec(), model: PathBuf::new() };
     Ok(write_cameras(&model, &cameras, false)?)
 }

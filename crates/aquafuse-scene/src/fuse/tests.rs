@@ -1,0 +1,94 @@
+use super::*;
+use crate::truth;
+use aquafuse::fusion::{Model, Options};
+use aquafuse::truth::{Size, waters};
+use aquafuse::waterbody::Estimate;
+use aquafuse_data::pipeline::Operation;
+use aquafuse_data::run::Stop;
+use std::num::NonZeroUsize;
+use tempfile::TempDir;
+
+const IMAGES: usize = 4;
+
+fn scene() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let views = truth::views(1, Size { width: 64, height: 48 }, IMAGES, 1);
+    let images: Vec<_> = views.iter().map(|view| view.seen_through(&waters()[0].water)).collect();
+    let points = truth::points(&views, &images, 16);
+    truth::write(&folder.path().join("reef"), &views, &images, points).unwrap();
+    folder
+}
+
+fn recipe() -> Recipe {
+    let reference = Estimate::given(waters()[1].water);
+    Recipe::new(Operation::Fuse { reference: reference.into(), options: Options::for_model(Model::Physical) })
+}
+
+fn plan(folder: &TempDir, output: &str) -> Plan {
+    let (scene, output) = (folder.path().join("reef"), folder.path().join(output));
+    let depth_model = DepthModel::default();
+    Plan::new(&Request { scene: &scene, output: &output, depth_model, overwrite: false }).unwrap()
+}
+
+fn bytes(folder: &TempDir, output: &str) -> Vec<Vec<u8>> {
+    let path = |i: usize| folder.path().join(output).join(format!("images/view_{i:03}.png"));
+    (0..IMAGES).map(|i| std::fs::read(path(i)).unwrap()).collect()
+}
+
+#[test]
+fn neither_threads_nor_memory_change_a_byte() {
+    let folder = scene();
+    plan(&folder, "a").run(&recipe(), &RunOptions::default(), &|_| {}).unwrap();
+    for (output, threads, beyond) in [("b", 1, 70_000), ("c", 3, 1 << 20)] {
+        let mut options = RunOptions { threads: NonZeroUsize::new(threads), ..RunOptions::default() };
+        options.reading.max_memory = (16 << 20) + beyond;
+        let plan = plan(&folder, output);
+        let kept = plan.needs(&options).unwrap().iter().filter(|need| need.is_kept).count();
+        assert_eq!(kept, if output == "b" { 0 } else { IMAGES });
+        let fused = plan.run(&recipe(), &options, &|_| {}).unwrap();
+        assert_eq!((fused.summary.done, fused.summary.skipped), (IMAGES, 0));
+        assert_eq!(bytes(&folder, output), bytes(&folder, "a"));
+    }
+    let model = |output: &str| std::fs::read(folder.path().join(output).join("sparse/0/images.txt")).unwrap();
+    assert_eq!(model("b"), model("reef"));
+}
+
+#[test]
+fn a_run_that_is_stopped_goes_on_where_it_stopped() {
+    let folder = scene();
+    let whole = plan(&folder, "whole").run(&recipe(), &RunOptions::default(), &|_| {}).unwrap();
+    assert!(whole.shared.unit.is_some());
+    let stop = Stop::default();
+    let options = RunOptions { threads: NonZeroUsize::new(1), stop: stop.clone(), ..RunOptions::default() };
+    let halfway = |event: Event<'_, Path>| {
+        if let Event::Done { item, .. } = event
+            && item.ends_with("stopped/images/view_001.png")
+        {
+            stop.stop();
+        }
+    };
+    let ended = plan(&folder, "stopped").run(&recipe(), &options, &halfway);
+    assert!(matches!(ended, Err(FuseError::Stopped(_))), "{ended:?}");
+    let there = |i: usize| folder.path().join(format!("stopped/images/view_{i:03}.png")).exists();
+    assert!(there(1) && !there(IMAGES - 1));
+    let fused = plan(&folder, "stopped").run(&recipe(), &RunOptions::default(), &|_| {}).unwrap();
+    assert!(fused.summary.skipped >= 2 && fused.summary.done >= 1, "{:?}", fused.summary);
+    assert_eq!(bytes(&folder, "stopped"), bytes(&folder, "whole"));
+}
+
+#[test]
+fn a_folder_with_other_files_is_refused_before_anything_is_written() {
+    let folder = scene();
+    let output = folder.path().join("mine");
+    std::fs::create_dir_all(output.join("images")).unwrap();
+    assert!(!plan(&folder, "mine").items().is_empty());
+    std::fs::write(output.join("images/notes.txt"), "mine").unwrap();
+    let request = Request {
+        scene: &folder.path().join("reef"),
+        output: &output,
+        depth_model: DepthModel::default(),
+        overwrite: false,
+    };
+    assert!(matches!(Plan::new(&request), Err(FuseError::Filled { .. })));
+    assert!(Plan::new(&Request { overwrite: true, ..request }).is_ok());
+}

@@ -12,7 +12,7 @@ pub struct ReadOptions {
     pub most_pixels: u64,
     /// The most memory that work on one image may take, in bytes, as far as its header tells. Default: 2 GiB.
     pub most_memory: u64,
-    /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::Image::damage) then
+    /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::ImageFile::damage) then
     /// says so. By default that is an error.
     pub lenient: bool,
 }

@@ -26,12 +26,17 @@ fn main() -> ExitCode {
     }
 }
 
+/// A trait of the compiler's own, which follows from `PartialEq`.
+const OF_THE_COMPILER: &str = "impl core::marker::StructuralPartialEq";
+
 /// All items, but of a derived implementation the first line alone: its functions are those of the trait.
 fn text(list: &Builder) -> Result<String, Error> {
     let lines = |list: Builder| -> Result<Vec<String>, Error> {
         Ok(list.build()?.items().map(|item| format!("{item}\n")).collect())
     };
     let written: HashSet<String> = lines(list.clone().omit_auto_derived_impls(true))?.into_iter().collect();
-    let is_shown = |line: &String| line.starts_with("impl") || written.contains(line);
+    let is_shown = |line: &String| {
+        (line.starts_with("impl") || written.contains(line)) && !line.starts_with(OF_THE_COMPILER)
+    };
     Ok(lines(list.clone())?.into_iter().filter(is_shown).collect())
 }

@@ -3,6 +3,7 @@
 //! The objects stay where they are, so that boxes, outlines, key points, masks and captions of an image are those of
 //! its variants too.
 
+mod annotations;
 mod containers;
 mod depth;
 mod draw;
@@ -25,6 +26,8 @@ use aquafuse::fusion::Options;
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::Verdict;
 
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use annotations::try_coco;
 pub use draw::{Draw, Draws};
 use journal::Journal;
 pub use replay::{Again, Replayed, replay};
@@ -189,17 +192,16 @@ impl Augmentation {
     ///
     /// [`AugmentError`] when the work cannot begin, or the files about all images cannot be written. An image that
     /// fails is no error: it is counted, and listed in the manifest.
-    pub fn run(&self, plan: &Plan, listener: Listener<'_>) -> Result<Summary, AugmentError> {
+    pub fn run(&self, plan: &Plan<'_>, listener: Listener<'_>) -> Result<Summary, AugmentError> {
         let samples = &self.dataset.samples;
-        let depths =
-            depth::Maps::of(&self.recipe.depth, plan.samples(samples).map(|sample| sample.key.as_str()))?;
+        let depths = depth::Maps::of(&self.recipe.depth, plan.samples().map(|sample| sample.key.as_str()))?;
         let header = self.header();
         let place = |key: &str| {
             let place = samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok();
             place.filter(|_| self.shard.holds(key))
         };
         let journal = Journal::open(&self.output, self.shard, &header, self.overwrite, &place)?;
-        for folder in plan.folders(&self.dataset) {
+        for folder in plan.folders() {
             let folder = self.output.join(folder);
             std::fs::create_dir_all(&folder)
                 .map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
@@ -207,8 +209,8 @@ impl Augmentation {
         }
         listener(Event::Started { total: plan.files() });
         let maker = make::Maker::new(self, depths);
-        let work = |&place: &usize, _: &mut Permit<'_>| {
-            let Some(sample) = plan.planned(&self.dataset, place) else { return Ending::Skipped };
+        let work = |&index: &usize, _: &mut Permit<'_>| {
+            let Some(sample) = plan.planned(index) else { return Ending::Skipped };
             let make::Made { multiplied, failures } = maker.make(&sample, &journal);
             let outcome = match (&multiplied, &failures[..]) {
                 (_, [.., FileError::Stopped { .. }]) => return Ending::Left,
@@ -226,7 +228,7 @@ impl Augmentation {
             }
             outcome
         };
-        let summary = self.run_options.each(plan.places(), &work);
+        let summary = self.run_options.each(plan.indices(), &work);
         if summary.left == 0 {
             let indices = self.write_indices(plan, &journal)?;
             journal.seal(&header, indices)?;

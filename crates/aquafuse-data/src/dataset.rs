@@ -3,7 +3,7 @@
 //! A dataset is read into [`Sample`]s, each an image with the files that are about it alone, and [`Index`] files,
 //! which are about all of them. Both are known by paths within the dataset, with `/` between their parts.
 
-mod coco;
+pub(crate) mod coco;
 mod fault;
 mod folder;
 mod index;
@@ -17,12 +17,12 @@ mod yolo;
 use std::path::{Path, PathBuf};
 
 pub use fault::{Fault, Faults};
-pub use index::{Index, Made};
+pub use index::Index;
 pub(crate) use tree::{Tree, inside};
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use {
-    coco::try_parse as try_coco, shards::try_parse as try_shards, tables::try_parse as try_tables,
-    voc::try_parse as try_voc, yolo::try_parse as try_yolo,
+    shards::try_parse as try_shards, tables::try_parse as try_tables, voc::try_parse as try_voc,
+    yolo::try_parse as try_yolo,
 };
 
 use crate::files::{FileError, display};
@@ -125,7 +125,7 @@ pub struct Companion {
 }
 
 impl Sample {
-    fn new(key: impl Into<String>, companions: Vec<Companion>) -> Self {
+    pub(crate) fn new(key: impl Into<String>, companions: Vec<Companion>) -> Self {
         Self { key: key.into(), rank: 0, companions }
     }
 }

@@ -9,17 +9,17 @@ use std::path::Path;
 
 use aquafuse::depth::SuppliedKind;
 use aquafuse::fusion::Options;
-use aquafuse::image::{Encoded, Sample as _};
+use aquafuse::image::Sample as _;
 
+use crate::augment::try_coco;
 use crate::augment::try_manifest;
 use crate::batch;
-use crate::dataset::{try_coco, try_shards, try_tables, try_voc, try_yolo};
+use crate::dataset::{try_shards, try_tables, try_voc, try_yolo};
 use crate::depth_file;
 use crate::files::FileError;
 use crate::image_file::{Format, ImageFile, Pixels, ReadOptions, try_exif};
 use crate::model_file::ModelFile;
-use crate::pipeline::Operation;
-use crate::pipeline::{DepthSource, PixelEncoding, analyse};
+use crate::pipeline::{DepthSource, Operation, PixelEncoding, analyse_in};
 use crate::water_file::WaterFile;
 
 pub use replay::replay;
@@ -142,10 +142,11 @@ fn check(image: &ImageFile, lenient: bool) {
     assert!(lenient || image.damage.is_none(), "damage passed for whole");
     let (width, height) = image.pixels.size();
     assert!(width.saturating_mul(height) as u64 <= LIMITS.max_pixels);
-    let found = analyse(image, &DepthSource::default()).expect("depth from colour never fails");
-    let treatment = Operation::Fuse { reference: found.estimate, options: Options::default() };
+    let found = analyse_in(PixelEncoding::Encoded, image, &DepthSource::default())
+        .expect("depth from colour never fails");
+    let operation = Operation::Fuse { reference: found.estimate, options: Options::default() };
     let mut fused = image.clone();
-    treatment.apply(&mut fused.pixels, &found).expect("of one size");
+    operation.apply(&mut fused.pixels, &found).expect("of one size");
     if let Pixels::Floats(layers) = &fused.pixels {
         assert!(layers.image.as_raw().iter().all(|value| (0.0..=1.0).contains(&value.to_unit())));
     }
@@ -189,8 +190,8 @@ fn water(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     match WaterFile::from_text(Path::new(NAME), text, PixelEncoding::Encoded) {
         Ok(file) => {
-            let again =
-                WaterFile::from_text(Path::new(NAME), &file.to_text()).expect("what is written is read");
+            let again = WaterFile::from_text(Path::new(NAME), &file.to_text(), PixelEncoding::Encoded)
+                .expect("what is written is read");
             assert_eq!(file, again);
         }
         Err(error) => check_error(&error),

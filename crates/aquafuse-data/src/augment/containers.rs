@@ -42,10 +42,10 @@ impl Maker<'_> {
         let is_current = |old: &Container| {
             old.failed.is_empty() && old.source.bytes == about.len() && self.stands(old.listed(), &about)
         };
-        if journal.entry(sample.place)?.container.is_some_and(|old| is_current(&old)) {
+        if journal.entry(sample.index)?.container.is_some_and(|old| is_current(&old)) {
             return Ok(Made::default());
         }
-        journal.forget(sample.place, Slot::Container);
+        journal.forget(sample.index, Slot::Container);
         let mut container = Container {
             key: sample.key.to_owned(),
             source: Source { bytes: about.len(), sha256: String::new(), depth_sha256: None },
@@ -59,7 +59,7 @@ impl Maker<'_> {
         let failures = self.write_container(&input, &mut container)?;
         let (variants, vanished) = (container.variants.len(), vanished(container.variants.iter()));
         let line = Line::Container(Box::new(container));
-        journal.add(sample.place, std::slice::from_ref(&line))?;
+        journal.add(sample.index, std::slice::from_ref(&line))?;
         let lines = line.text();
         Ok(Made { multiplied: Some(Multiplied { variants, vanished, verdict: None, lines }), failures })
     }

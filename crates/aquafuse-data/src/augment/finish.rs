@@ -2,11 +2,12 @@
 
 use std::io::{self, ErrorKind};
 
+use super::annotations::{self, Made};
 use super::header::{Header, Settings, StoredDepth};
 use super::journal::{Journal, Slot};
 use super::line::Written;
 use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Water};
-use crate::dataset::{Made, join, split};
+use crate::dataset::{join, split};
 use crate::files::Hashed;
 use crate::files::{FileError, write_atomically};
 
@@ -45,11 +46,15 @@ impl Augmentation {
     }
 
     /// Writes the files about all images, for what was made of them.
-    pub(super) fn write_indices(&self, plan: &Plan, journal: &Journal) -> Result<Vec<Written>, FileError> {
+    pub(super) fn write_indices(
+        &self,
+        plan: &Plan<'_>,
+        journal: &Journal,
+    ) -> Result<Vec<Written>, FileError> {
         let variants = |place: usize| {
             let slots = journal.slots(place);
             let is_made = slots.iter().any(|slot| matches!(slot, Slot::Original | Slot::Variant(_)));
-            let planned = plan.planned(&self.dataset, place).filter(|_| is_made)?;
+            let planned = plan.planned(place).filter(|_| is_made)?;
             let made = planned.variants.into_iter().map(|variant| (variant.number, variant.output));
             Some(made.filter(|(number, _)| slots.contains(&Slot::Variant(*number))).collect())
         };
@@ -77,7 +82,7 @@ impl Augmentation {
             let (mut told, mut changed) = ((0, String::new()), None);
             let result = write_atomically(&path, true, |out| -> io::Result<()> {
                 let mut hashed = Hashed::new(out);
-                let written = index.write_made(&bytes, &made, &mut hashed);
+                let written = annotations::write(index, &bytes, &made, &mut hashed);
                 told = hashed.told();
                 changed = written
                     .as_ref()
@@ -99,7 +104,7 @@ impl Augmentation {
         #[cfg(feature = "parquet")]
         if self.manifest_table {
             let (name, header) = (self.shard.manifest_table(), self.header());
-            let entries = plan.places().iter().map(|&place| journal.entry(place));
+            let entries = plan.indices().iter().map(|&place| journal.entry(place));
             written.push(super::manifest_table::write(&self.output, name, &header, entries)?);
         }
         written.sort_by(|a, b| a.output.cmp(&b.output));

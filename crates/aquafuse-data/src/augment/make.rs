@@ -168,7 +168,7 @@ impl<'a> Maker<'a> {
                 return Made { multiplied: None, failures: vec![error] };
             }
             let (key, said) = (sample.key.to_owned(), one_line(&error.to_string()));
-            journal.add_or_owe(sample.place, Line::Failed { key, error: said });
+            journal.add_or_owe(sample.index, Line::Failed { key, error: said });
             Made { multiplied: None, failures: vec![error] }
         })
     }
@@ -181,13 +181,13 @@ impl<'a> Maker<'a> {
         let recipe = &self.job.recipe;
         let input = self.job.dataset.root.join(sample.key);
         let input_about = input.metadata().map_err(|error| FileError::Read { path: input.clone(), error })?;
-        let known = journal.entry(sample.place)?;
+        let known = journal.entry(sample.index)?;
         let (mut lines, mut skipped) = (Vec::new(), None);
         let mut missing: Vec<&PlannedVariant> = Vec::new();
         for planned in &sample.variants {
             let old = known.variants.get(&planned.number);
             if !old.is_some_and(|old| self.is_current(old, planned, sample, &input_about)) {
-                journal.forget(sample.place, Slot::Variant(planned.number));
+                journal.forget(sample.index, Slot::Variant(planned.number));
                 missing.push(planned);
             }
         }
@@ -205,7 +205,7 @@ impl<'a> Maker<'a> {
                 self.job.run_options.stop.check(&self.job.output.join(&planned.output))?;
                 let line = Line::Variant(self.write_variant(&read, sample, planned)?);
                 // Each by itself: what is on the disk is known, whenever the process ends.
-                journal.add(sample.place, std::slice::from_ref(&line))?;
+                journal.add(sample.index, std::slice::from_ref(&line))?;
                 lines.push(line);
             }
             Some(quality.verdict)
@@ -213,14 +213,14 @@ impl<'a> Maker<'a> {
         if recipe.keep_originals {
             let old = known.original.as_ref();
             if !old.is_some_and(|old| self.is_original(old, sample, &input_about)) {
-                journal.forget(sample.place, Slot::Original);
+                journal.forget(sample.index, Slot::Original);
                 let line = Line::Original(self.write_original(sample)?);
-                journal.add(sample.place, std::slice::from_ref(&line))?;
+                journal.add(sample.index, std::slice::from_ref(&line))?;
                 lines.push(line);
             }
         }
         if let Some(line) = skipped {
-            journal.add(sample.place, std::slice::from_ref(&line))?;
+            journal.add(sample.index, std::slice::from_ref(&line))?;
             lines.push(line);
         }
         let made = lines.iter().filter_map(|line| match line {

@@ -9,13 +9,12 @@ use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
 use crate::files::display;
 use crate::image_file::Format;
 
-/// What is to be made of a dataset.
-///
-/// It knows by which rule, and works out what that is image by image.
+/// What is to be made of a dataset: the rule, applied image by image.
 #[derive(Clone, Debug)]
-pub struct Plan {
-    /// The places of the images that take part.
-    places: Vec<usize>,
+pub struct Plan<'d> {
+    dataset: &'d Dataset,
+    /// The indices of the images that take part.
+    indices: Vec<usize>,
     rule: Rule,
 }
 
@@ -30,10 +29,10 @@ struct Rule {
     keep_originals: bool,
 }
 
-impl Plan {
+impl<'d> Plan<'d> {
     /// The files of the dataset that take part.
     pub fn files(&self) -> usize {
-        self.places.len()
+        self.indices.len()
     }
 
     /// Variants of them; 0 where [files hold many](crate::dataset::Layout::holds_many), which are not opened yet.
@@ -41,25 +40,25 @@ impl Plan {
         self.files().saturating_mul(usize::try_from(self.rule.per_image).unwrap_or(usize::MAX))
     }
 
-    /// The places of those files in the dataset.
-    pub(super) fn places(&self) -> &[usize] {
-        &self.places
+    /// The indices of those files in the dataset.
+    pub(super) fn indices(&self) -> &[usize] {
+        &self.indices
     }
 
     /// Those files.
-    pub(super) fn samples<'a>(&self, all: &'a [Sample]) -> impl Iterator<Item = &'a Sample> {
-        self.places.iter().filter_map(|&place| all.get(place))
+    pub(super) fn samples(&self) -> impl Iterator<Item = &'d Sample> {
+        self.indices.iter().filter_map(|&index| self.dataset.samples.get(index))
     }
 
-    /// What is to be made of the image of a place.
-    pub(super) fn planned<'a>(&self, dataset: &'a Dataset, place: usize) -> Option<Planned<'a>> {
-        Some(self.rule.planned(dataset.samples.get(place)?, place))
+    /// What is to be made of the image of an index.
+    pub(super) fn planned(&self, index: usize) -> Option<Planned<'d>> {
+        Some(self.rule.planned(self.dataset.samples.get(index)?, index))
     }
 
     /// The folders that outputs go to.
-    pub(super) fn folders(&self, dataset: &Dataset) -> BTreeSet<String> {
+    pub(super) fn folders(&self) -> BTreeSet<String> {
         let mut folders = BTreeSet::new();
-        for planned in self.places.iter().filter_map(|&place| self.planned(dataset, place)) {
+        for planned in self.indices.iter().filter_map(|&index| self.planned(index)) {
             for folder in planned.folders().filter(|&folder| !folders.contains(folder)).collect::<Vec<_>>() {
                 folders.insert(folder.to_owned());
             }
@@ -71,8 +70,8 @@ impl Plan {
 /// An image, and what is to be made of it.
 #[derive(Clone, Debug)]
 pub(super) struct Planned<'a> {
-    /// Its place in the dataset.
-    pub(super) place: usize,
+    /// Its index in the dataset.
+    pub(super) index: usize,
     pub(super) key: &'a str,
     pub(super) companions: &'a [Companion],
     pub(super) variants: Vec<PlannedVariant>,
@@ -99,9 +98,9 @@ impl Planned<'_> {
 }
 
 impl Rule {
-    fn planned<'a>(&self, sample: &'a Sample, place: usize) -> Planned<'a> {
+    fn planned<'a>(&self, sample: &'a Sample, index: usize) -> Planned<'a> {
         let variants = (0..self.per_image).map(|number| self.variant(sample, number)).collect();
-        Planned { place, key: &sample.key, companions: &sample.companions, variants }
+        Planned { index, key: &sample.key, companions: &sample.companions, variants }
     }
 
     fn variant(&self, sample: &Sample, number: u32) -> PlannedVariant {
@@ -215,7 +214,7 @@ impl Augmentation {
     /// # Errors
     ///
     /// [`PlanError`] when it cannot be made.
-    pub fn plan(&self) -> Result<Plan, PlanError> {
+    pub fn plan(&self) -> Result<Plan<'_>, PlanError> {
         if cfg!(not(feature = "parquet")) && self.manifest_table {
             return Err(PlanError::NotBuilt);
         }
@@ -243,8 +242,8 @@ impl Augmentation {
         let holds = |sample: &Sample| self.shard.holds(&sample.key);
         let all = self.dataset.samples.iter();
         rule.check_names(all.clone().filter(|sample| holds(sample)))?;
-        let places = all.enumerate().filter(|(_, sample)| holds(sample)).map(|(place, _)| place).collect();
-        Ok(Plan { places, rule })
+        let indices = all.enumerate().filter(|(_, sample)| holds(sample)).map(|(index, _)| index).collect();
+        Ok(Plan { dataset: &self.dataset, indices, rule })
     }
 
     /// Refuses an output that is not ours to fill.

@@ -3,12 +3,10 @@
 //! A file is taken apart into the texts of its entries, and those are written as they stand: numbers keep their digits,
 //! unknown fields their place. Ids and file names alone are ours.
 
-mod entries;
+pub(crate) mod entries;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::io::{self, Write};
-use std::iter::Peekable;
-use std::slice::Iter;
+use std::io;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -16,7 +14,6 @@ use serde_json::value::RawValue;
 
 use entries::Sides;
 
-use super::index::Made;
 use super::tree::Tree;
 use super::{Dataset, Fault, Faults, Index, Sample, inside, join, split, stem};
 use crate::files::{FileError, one_line};
@@ -32,13 +29,13 @@ pub struct File {
     /// Its path.
     pub(super) path: String,
     /// The images in the dataset that it has entries for.
-    keys: Vec<String>,
+    pub(crate) keys: Vec<String>,
     /// Those entries of `images`: their places there, and which of the images each is of.
-    entries: Vec<(usize, u32)>,
+    pub(crate) entries: Vec<(usize, u32)>,
     /// The first id for a variant's entry in `images`, the same in all files of a dataset.
-    first_image: i64,
+    pub(crate) first_image: i64,
     /// The first id for a variant's annotation.
-    first_annotation: i64,
+    pub(crate) first_annotation: i64,
 }
 
 /// What decides whether it is such a file.
@@ -50,20 +47,20 @@ struct Probe {
 }
 
 #[derive(Deserialize)]
-struct Image<'a> {
+pub(crate) struct Image<'a> {
     #[serde(borrow)]
-    id: &'a RawValue,
-    file_name: String,
+    pub(crate) id: &'a RawValue,
+    pub(crate) file_name: String,
     width: Option<f64>,
     height: Option<f64>,
 }
 
 #[derive(Deserialize)]
-struct Annotation<'a> {
+pub(crate) struct Annotation<'a> {
     #[serde(borrow)]
     id: Option<&'a RawValue>,
     #[serde(borrow)]
-    image_id: &'a RawValue,
+    pub(crate) image_id: &'a RawValue,
     bbox: Option<Sides>,
 }
 
@@ -230,7 +227,7 @@ fn locate(tree: &Tree, file: &str, name: &str) -> Option<String> {
 }
 
 /// An object with the fields of `T`: a list of their values, which would do as well for the reader of JSON, is none.
-fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
+pub(crate) fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
     if !text.trim_start().starts_with('{') {
         return Err("it is no object".into());
     }
@@ -255,111 +252,8 @@ fn outside(sides: &Sides, [width, height]: [f64; 2]) -> Option<String> {
         .then(|| format!("the box {x}, {y}, {w}, {h} is not inside the image"))
 }
 
-impl File {
-    /// Writes the file for the images that were made, entry by entry.
-    pub(super) fn write_made(&self, text: &str, made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
-        let by_id = self.made_of(text, made)?;
-        entries::write_with(text, out, &mut |name, value, out| {
-            match name {
-                "images" => self.write_images(value.get(), made, out)?,
-                "annotations" => self.write_annotations(value.get(), made, &by_id, out)?,
-                _ => return Ok(false),
-            }
-            Ok(true)
-        })?;
-        out.write_all(b"\n")
-    }
-
-    /// The images of which something was made, by their ids.
-    fn made_of<'a>(&self, text: &'a str, made: &Made<'_>) -> io::Result<BTreeMap<&'a str, Numbered>> {
-        let ([images, _], mut by_id) = (lists(text)?, BTreeMap::new());
-        let mut entries = self.entries.iter().peekable();
-        each(images, &mut |place, raw| {
-            if let Some(key) = self.key_at(place, &mut entries)
-                && let Some((sample, variants)) = made.of(key)
-            {
-                let numbers = variants.iter().map(|(number, _)| *number).collect();
-                by_id.insert(image_at(place, raw)?.id.get(), Numbered { rank: sample.rank, numbers });
-            }
-            Ok(())
-        })?;
-        Ok(by_id)
-    }
-
-    fn write_images(&self, list: &str, made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
-        let (mut entries, mut written) = (self.entries.iter().peekable(), Lines::begin(out)?);
-        entries::items(list, &mut |place, raw| {
-            let Some(key) = self.key_at(place, &mut entries) else { return Ok(()) };
-            let Some((sample, variants)) = made.of(key) else { return Ok(()) };
-            let image = image_at(place, raw)?;
-            if made.originals {
-                written.add()?.write_all(raw.get().as_bytes())?;
-            }
-            for (number, path) in &variants {
-                let name = join(split(&image.file_name).0, split(path).1);
-                let id = self.image_id(made, sample.rank, *number);
-                entries::write_with(raw.get(), written.add()?, &mut |field, _, out| {
-                    match field {
-                        "id" => write!(out, "{id}")?,
-                        "file_name" => out.write_all(serde_json::to_string(&name)?.as_bytes())?,
-                        _ => return Ok(false),
-                    }
-                    Ok(true)
-                })?;
-            }
-            Ok(())
-        })?;
-        written.end()
-    }
-
-    fn write_annotations(
-        &self,
-        list: &str,
-        made: &Made<'_>,
-        by_id: &BTreeMap<&str, Numbered>,
-        out: &mut dyn Write,
-    ) -> io::Result<()> {
-        let mut written = Lines::begin(out)?;
-        entries::items(list, &mut |place, raw| {
-            let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { return Ok(()) };
-            let Some(Numbered { rank, numbers }) = by_id.get(annotation.image_id.get()) else {
-                return Ok(());
-            };
-            if made.originals {
-                written.add()?.write_all(raw.get().as_bytes())?;
-            }
-            for &number in numbers {
-                let place = i64::try_from(place).unwrap_or(i64::MAX);
-                let id = nth(self.first_annotation, place, made.per_image, number);
-                let image_id = self.image_id(made, *rank, number);
-                entries::write_with(raw.get(), written.add()?, &mut |field, _, out| {
-                    match field {
-                        "id" => write!(out, "{id}")?,
-                        "image_id" => write!(out, "{image_id}")?,
-                        _ => return Ok(false),
-                    }
-                    Ok(true)
-                })?;
-            }
-            Ok(())
-        })?;
-        written.end()
-    }
-
-    /// The image of an entry of `images`, by those that are left of the entries known.
-    fn key_at(&self, place: usize, left: &mut Peekable<Iter<'_, (usize, u32)>>) -> Option<&String> {
-        let (_, key) = left.next_if(|(own, _)| *own == place)?;
-        self.keys.get(*key as usize)
-    }
-
-    /// The id of a variant: the same for any subset of the dataset.
-    fn image_id(&self, made: &Made<'_>, rank: u64, number: u32) -> i64 {
-        nth(self.first_image, i64::try_from(rank).unwrap_or(i64::MAX), made.per_image, number)
-    }
-}
-
 /// The entry of an image, which was read before.
-fn image_at(place: usize, raw: &RawValue) -> io::Result<Image<'_>> {
+pub(crate) fn image_at(place: usize, raw: &RawValue) -> io::Result<Image<'_>> {
     object(raw.get()).map_err(|cause| invalid(format!("images[{place}]: {cause}")))
 }
 
@@ -367,38 +261,8 @@ fn invalid(cause: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, cause)
 }
 
-/// An image of which something was made: its place in the dataset, and the numbers of its variants.
-struct Numbered {
-    rank: u64,
-    numbers: Vec<u32>,
-}
-
-/// A list that is written, a line each entry.
-struct Lines<'o> {
-    out: &'o mut dyn Write,
-    between: &'static str,
-}
-
-impl<'o> Lines<'o> {
-    fn begin(out: &'o mut dyn Write) -> io::Result<Self> {
-        out.write_all(b"[\n")?;
-        Ok(Self { out, between: "" })
-    }
-
-    /// Where the next entry is written to.
-    fn add(&mut self) -> io::Result<&mut dyn Write> {
-        self.out.write_all(self.between.as_bytes())?;
-        self.between = ",\n";
-        Ok(&mut *self.out)
-    }
-
-    fn end(self) -> io::Result<()> {
-        self.out.write_all(b"\n]")
-    }
-}
-
 /// The lists of a file that are taken apart, `images` and `annotations`, as they stand.
-fn lists(text: &str) -> io::Result<[Option<&RawValue>; 2]> {
+pub(crate) fn lists(text: &str) -> io::Result<[Option<&RawValue>; 2]> {
     let [mut images, mut annotations] = [None; 2];
     entries::fields(text, &mut |name, value| {
         let list = match name {
@@ -415,34 +279,21 @@ fn lists(text: &str) -> io::Result<[Option<&RawValue>; 2]> {
 }
 
 /// Shows the items of a list that may be missing.
-fn each<'a>(
+pub(crate) fn each<'a>(
     list: Option<&'a RawValue>,
     see: &mut dyn FnMut(usize, &'a RawValue) -> io::Result<()>,
 ) -> io::Result<()> {
     list.map_or(Ok(()), |list| entries::items(list.get(), see))
 }
 
-/// `first` + `place` * `each` + `number`.
-fn nth(first: i64, place: i64, each: u32, number: u32) -> i64 {
-    first.saturating_add(place.saturating_mul(each.into())).saturating_add(number.into())
-}
-
-/// Reads a file for nothing but that: a target of fuzzing.
+/// Reads a file for nothing but that, as one about two images: for a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
-pub(crate) fn try_parse(text: &str) {
+pub(crate) fn try_examine(text: &str) -> Option<(File, Vec<Sample>)> {
     let files = ["a.jpg", "images/b.jpg"].map(str::to_owned).into_iter().collect();
     let (root, reading) = (std::path::PathBuf::new(), ReadOptions::default());
     let tree = Tree { root, files, faults: Faults::default(), reading };
-    let Ok((file, _)) = examine(&tree, "instances.json", text, &mut Faults::default()) else { return };
+    let (file, _) = examine(&tree, "instances.json", text, &mut Faults::default()).ok()?;
     let keys: BTreeSet<&String> = file.keys.iter().collect();
-    let samples: Vec<Sample> = keys.into_iter().map(|key| Sample::new(key, Vec::new())).collect();
-    let variants = |_| Some(vec![(0, "v.jpg".to_owned())]);
-    let made = Made { samples: &samples, variants: &variants, per_image: 1, originals: true };
-    let mut written = Vec::new();
-    file.write_made(text, &made, &mut written).expect("what was read is written");
-    let written = String::from_utf8(written).expect("text stays text");
-    let [images, annotations] = lists(&written).expect("what is written is read");
-    for list in [images, annotations] {
-        each(list, &mut |_, _| Ok(())).expect("its lists are lists");
-    }
+    let samples = keys.into_iter().map(|key| Sample::new(key, Vec::new())).collect();
+    Some((file, samples))
 }

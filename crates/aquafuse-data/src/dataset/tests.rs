@@ -183,54 +183,6 @@ fn links_that_lead_out_of_the_data_set_are_not_followed() {
 }
 
 #[test]
-fn of_coco_nothing_changes_but_ids_and_names() {
-    let source = coco(COCO);
-    let dataset = opened(&source);
-    let variants = |place: usize| {
-        let key = &dataset.samples[place].key;
-        Some(vec![(0, key.replace(".jpg", "__w__0.jpg")), (1, key.replace(".jpg", "__w__1.jpg"))])
-    };
-    let made = Made { samples: &dataset.samples, variants: &variants, per_image: 2, originals: true };
-    let written = |made: &Made<'_>| {
-        let bytes = dataset.indices[0].read(&dataset.root, &ReadOptions::default()).unwrap();
-        let mut out = Vec::new();
-        dataset.indices[0].write_made(&bytes, made, &mut out).unwrap();
-        String::from_utf8(out).unwrap()
-    };
-    let whole = written(&made);
-    // Digits stay digits, fields their order.
-    assert!(
-        whole.contains(
-            r#"{"id": 10, "file_name": "a__w__0.jpg", "width": 64, "height": 48, "licence": 1.50}"#
-        ),
-        "{whole}"
-    );
-    assert!(
-        whole.contains(
-            r#"{"id": 7, "image_id": 11, "bbox": [1.0, 2, 30.25, 40], "score": 1e-3, "category_id": 1}"#
-        ),
-        "{whole}"
-    );
-    let json: serde_json::Value = serde_json::from_str(&whole).unwrap();
-    let before: serde_json::Value = serde_json::from_str(COCO).unwrap();
-    assert_eq!((&json["info"], &json["categories"]), (&before["info"], &before["categories"]));
-    for list in ["images", "annotations"] {
-        let ids: std::collections::BTreeSet<i64> =
-            json[list].as_array().unwrap().iter().map(|entry| entry["id"].as_i64().unwrap()).collect();
-        assert_eq!(ids.len(), 6, "{list}");
-    }
-    // The same ids for the part that holds one image only.
-    let second = |place: usize| if place == 1 { variants(place) } else { None };
-    let part = Made { variants: &second, originals: false, ..made };
-    let part: serde_json::Value = serde_json::from_str(&written(&part)).unwrap();
-    for (list, count) in [("images", 2), ("annotations", 2)] {
-        let entries = part[list].as_array().unwrap();
-        assert_eq!(entries.len(), count);
-        assert!(entries.iter().all(|entry| json[list].as_array().unwrap().contains(entry)), "{list}");
-    }
-}
-
-#[test]
 fn lists_are_no_objects_of_coco() {
     let lists = folder(&[("a.jpg", ""), ("a.json", "[[1], [2]]")]);
     assert_eq!(opened(&lists).layout, Layout::Folder);

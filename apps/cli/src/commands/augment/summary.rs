@@ -32,7 +32,7 @@ impl Tally {
 }
 
 /// What a run would make.
-pub(super) fn planned(job: &Augmentation, plan: &Plan, bad: usize) -> String {
+pub(super) fn planned(job: &Augmentation, plan: &Plan<'_>, bad: usize) -> String {
     let mut text = heading(job);
     let (images, variants) = (plan.files(), plan.variants());
     let kept = if job.recipe.keep_originals { ", and carry them over" } else { "" };

@@ -136,7 +136,7 @@ impl Maker<'_> {
         number: u64,
         input: &Path,
         container: &mut Container,
-    ) -> Result<impl Iterator<Item = (String, Vec<u8>)> + use<E>, FileError> {
+    ) -> Result<impl Iterator<Item = (String, Vec<u8>)> + use<>, FileError> {
         let name = input.join(number.to_string());
         let none = || FileError::Damaged {
             path: name.clone(),

@@ -22,14 +22,14 @@ pub(super) fn fields<'de>(text: &'de str, see: SeeField<'_, 'de>) -> io::Result<
 }
 
 /// Shows each item of the list in `text`.
-pub(super) fn items<'de>(text: &'de str, see: SeeItem<'_, 'de>) -> io::Result<()> {
+pub(crate) fn items<'de>(text: &'de str, see: SeeItem<'_, 'de>) -> io::Result<()> {
     let mut failed = None;
     let seen = shown(text, Items(&mut |number, item| keep(see(number, item), &mut failed)));
     failed.map_or(seen, Err)
 }
 
 /// Writes the object in `text` with some of its values exchanged; a name that it does not have is not added.
-pub(super) fn write_with(
+pub(crate) fn write_with(
     text: &str,
     out: &mut dyn Write,
     exchanged: &mut dyn FnMut(&str, &RawValue, &mut dyn Write) -> io::Result<bool>,

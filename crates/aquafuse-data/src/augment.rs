@@ -34,7 +34,7 @@ pub use water::{OnDoubtful, Water};
 use crate::dataset::Dataset;
 use crate::files::{FileError, display, remove_stale_parts};
 
-use crate::pipeline::Space;
+use crate::pipeline::PixelEncoding;
 use crate::run::{self, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::WaterFileError;
 pub use depth::DepthPlan;
@@ -42,13 +42,13 @@ pub use plan::{Plan, PlanError};
 
 /// A dataset to multiply.
 #[derive(Debug)]
-pub struct Augmentation<E: Space> {
+pub struct Augmentation {
     /// What is multiplied.
     pub dataset: Dataset,
     /// The folder for what is made: new, empty, or one of a run that was stopped.
     pub output: PathBuf,
     /// What to make.
-    pub recipe: Recipe<E>,
+    pub recipe: Recipe,
     /// Which part of the dataset to make.
     pub shard: Shard,
     /// Begin again where the folder holds what other settings made.
@@ -61,9 +61,11 @@ pub struct Augmentation<E: Space> {
 
 /// Everything but the images that decides what is made.
 #[derive(Clone, Debug)]
-pub struct Recipe<E: Space> {
+pub struct Recipe {
     /// The waters to draw from.
-    pub waters: Vec<Water<E>>,
+    pub waters: Vec<Water>,
+    /// Which values to work on; the waters are of this encoding.
+    pub encoding: PixelEncoding,
     /// Variants of each image.
     pub per_image: u32,
     /// How water, θ and α are drawn.
@@ -75,7 +77,7 @@ pub struct Recipe<E: Space> {
     /// How to come by depth.
     pub depth: DepthPlan,
     /// What to do about doubtful estimates.
-    pub on_doubtful: OnDoubtful<E>,
+    pub on_doubtful: OnDoubtful,
     /// What was done about bad annotations, by its name; for the manifest.
     pub on_bad_annotation: &'static str,
     /// Carry the images themselves over too.
@@ -178,7 +180,7 @@ pub enum AugmentError {
     Water(#[from] WaterFileError),
 }
 
-impl<E: Space> Augmentation<E> {
+impl Augmentation {
     /// Makes what a [plan](Self::plan) of it says and is not made yet, telling `listener` as it goes, and writes the manifest.
     ///
     /// The files do not depend on threads, nor on how often the run was stopped.

@@ -19,7 +19,7 @@
 //!
 //! let reference = ImageFile::read(&path("reference.png"))?;
 //! let reference = analyse(&reference, &DepthSource::default())?.estimate;
-//! let recipe: Recipe = Recipe::new(Operation::Fuse { reference, options: Options::default() });
+//! let recipe = Recipe::new(Operation::Fuse { reference: reference.into(), options: Options::default() });
 //! let depth = DepthSupply::Estimated(Default::default());
 //! let plan = Plan::new(&Request::new(&path("content.png"), &path("fused.png"), &depth))?;
 //! let summary = plan.run(&recipe, &RunOptions::default(), &|event| {
@@ -37,14 +37,13 @@ mod record;
 use std::path::PathBuf;
 
 use aquafuse::depth::SuppliedReport;
-use aquafuse::image::{Encoded, Encoding};
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::Quality;
 use serde_json::{Value, json};
 
 use crate::files::{FileError, make_folder, make_folder_of, remove_stale_parts};
 use crate::image_file::{Format, ImageFile, Opened, WriteOptions};
-use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, Space, analyse, maps};
+use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, analyse_in, maps};
 use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::Numbers;
 
@@ -66,9 +65,9 @@ pub struct Item {
 
 /// Everything but the images that decides what is written.
 #[derive(Clone, Debug)]
-pub struct Recipe<E: Encoding = Encoded> {
+pub struct Recipe {
     /// What is done to each image.
-    pub operation: Operation<E>,
+    pub operation: Operation,
     /// How outputs are smoothed. Default: not at all.
     pub smoothing: Smoothing,
     /// Turn each output as its EXIF orientation asks for. Default: no.
@@ -99,9 +98,9 @@ pub struct Report {
 /// Whoever listens to a batch.
 pub type Listener<'a> = run::Listener<'a, Item, Box<Report>>;
 
-impl<E: Space> Recipe<E> {
+impl Recipe {
     /// An operation, with the defaults for everything else.
-    pub fn new(operation: Operation<E>) -> Self {
+    pub fn new(operation: Operation) -> Self {
         let quality = WriteOptions::default().quality;
         Self { operation, smoothing: Smoothing::default(), upright: false, quality }
     }
@@ -109,20 +108,21 @@ impl<E: Space> Recipe<E> {
     /// Everything that decides what is written: two recipes of one fingerprint write the same bytes.
     pub fn fingerprint(&self, lenient: bool) -> Value {
         let Self { operation, smoothing, upright, quality } = self;
+        let encoding = operation.encoding().name();
         let operation = match operation {
             Operation::Fuse { reference, options } => json!({
                 "model": options.model.name(),
                 "theta": options.incidence.degrees(),
                 "alpha": options.gain.get(),
                 "most_gain": options.max_gain,
-                "water": Numbers::from(&reference.water),
-                "quality": reference.quality,
+                "water": Numbers::from(reference),
+                "quality": reference.quality(),
             }),
-            Operation::Restore(options) => json!({ "restore": { "most_gain": options.max_gain } }),
+            Operation::Restore { options, .. } => json!({ "restore": { "most_gain": options.max_gain } }),
         };
         json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "encoding": E::NAME,
+            "encoding": encoding,
             "treatment": operation,
             "smooth": smoothing.name(),
             "upright": upright,
@@ -141,9 +141,9 @@ impl Plan {
     /// # Errors
     ///
     /// [`PlanError`] when the run cannot begin: nothing was written then. An image that fails is an event.
-    pub fn run<E: Space>(
+    pub fn run(
         &self,
-        recipe: &Recipe<E>,
+        recipe: &Recipe,
         options: &RunOptions,
         listener: Listener<'_>,
     ) -> Result<Summary, PlanError> {
@@ -168,11 +168,7 @@ impl Plan {
     }
 
     /// Makes the folders of the outputs ready, and opens the record of a folder's run.
-    fn prepare<E: Space>(
-        &self,
-        recipe: &Recipe<E>,
-        options: &RunOptions,
-    ) -> Result<Option<Record>, PlanError> {
+    fn prepare(&self, recipe: &Recipe, options: &RunOptions) -> Result<Option<Record>, PlanError> {
         // All outputs of a run stand in one folder.
         let Some(first) = self.items().first() else { return Ok(None) };
         let folder = make_folder_of(&first.output)?;
@@ -195,15 +191,15 @@ impl Plan {
 }
 
 /// A plan at work.
-struct Work<'a, E: Encoding> {
+struct Work<'a> {
     plan: &'a Plan,
-    recipe: &'a Recipe<E>,
+    recipe: &'a Recipe,
     options: &'a RunOptions,
     record: Option<Record>,
     budget: Budget,
 }
 
-impl<E: Space> Work<'_, E> {
+impl Work<'_> {
     /// Makes one image; `None` if a run before this one has made it.
     fn make(&self, item: &Item, permit: &mut Permit<'_>) -> Result<Option<Report>, FileError> {
         let mut writing = WriteOptions { overwrite: self.plan.overwrite(), quality: self.recipe.quality };
@@ -237,7 +233,7 @@ impl<E: Space> Work<'_, E> {
         options.stop.check(&item.output)?;
         let mut image = opened.decode()?;
         options.stop.check(&item.output)?;
-        let found = analyse::<E>(&image, &item.depth)?;
+        let found = analyse_in(recipe.operation.encoding(), &image, &item.depth)?;
         options.stop.check(&item.output)?;
         let scored = |image: &ImageFile| self.plan.scores().then(|| Scores::of(&image.bytes()));
         let before = scored(&image);
@@ -267,9 +263,9 @@ impl<E: Space> Work<'_, E> {
         }
         Ok(Report {
             outcome,
-            water: Numbers::from(&estimate.water),
+            water: Numbers::from(&estimate),
             scores,
-            quality: estimate.quality,
+            quality: estimate.quality(),
             supplied,
             damage,
             left_out: metadata.left_out,

@@ -1,14 +1,19 @@
 //! What happens to one image: depth and water are estimated, an operation changes it, maps and scores say what
 //! was done.
 
+mod encoding;
 mod estimate;
 pub(crate) mod maps;
 mod operation;
 mod scores;
+mod simulate;
 mod supply;
 
-pub use estimate::{Analysis, DepthSource, analyse, analyse_with_evidence};
-pub use operation::{Limited, Operation, Outcome, Space};
+pub use encoding::{PixelEncoding, UnknownEncoding, WaterEstimate};
+pub(crate) use encoding::{Space, with_estimate};
+pub use estimate::{Analysis, DepthSource, analyse, analyse_in, analyse_with_evidence};
+pub use operation::{Limited, Operation, OperationError, Outcome};
 pub use scores::Scores;
+pub use simulate::{SIMULATED, simulate};
 pub use supply::DepthSupply;
 pub(crate) use supply::SUPPLIED;

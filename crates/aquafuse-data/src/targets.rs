@@ -19,7 +19,7 @@ use crate::files::FileError;
 use crate::image_file::{Format, ImageFile, Pixels, ReadOptions, try_exif};
 use crate::model_file::ModelFile;
 use crate::pipeline::Operation;
-use crate::pipeline::{DepthSource, analyse};
+use crate::pipeline::{DepthSource, PixelEncoding, analyse};
 use crate::water_file::WaterFile;
 
 pub use replay::replay;
@@ -142,7 +142,7 @@ fn check(image: &ImageFile, lenient: bool) {
     assert!(lenient || image.damage.is_none(), "damage passed for whole");
     let (width, height) = image.pixels.size();
     assert!(width.saturating_mul(height) as u64 <= LIMITS.max_pixels);
-    let found = analyse::<Encoded>(image, &DepthSource::default()).expect("depth from colour never fails");
+    let found = analyse(image, &DepthSource::default()).expect("depth from colour never fails");
     let treatment = Operation::Fuse { reference: found.estimate, options: Options::default() };
     let mut fused = image.clone();
     treatment.apply(&mut fused.pixels, &found).expect("of one size");
@@ -187,7 +187,7 @@ fn model(bytes: &[u8]) {
 
 fn water(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    match WaterFile::<Encoded>::from_text(Path::new(NAME), text) {
+    match WaterFile::from_text(Path::new(NAME), text, PixelEncoding::Encoded) {
         Ok(file) => {
             let again =
                 WaterFile::from_text(Path::new(NAME), &file.to_text()).expect("what is written is read");

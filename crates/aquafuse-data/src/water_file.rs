@@ -3,8 +3,8 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use aquafuse::depth::{DepthKind, DepthModel};
-use aquafuse::image::Encoding;
+use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
+use aquafuse::image::{Encoded, Encoding, Linear};
 use aquafuse::waterbody::{
     Attenuation, AttenuationError, Estimate, Intervals, Quality, Reason, VeilingLight, VeilingLightSource,
     Waterbody,
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::{FileError, display, one_line, write_atomically};
 use crate::image_file::open_file;
-use crate::pipeline::Space;
+use crate::pipeline::{PixelEncoding, Space, WaterEstimate, with_estimate};
 
 /// The end of the name of every such file.
 pub const SUFFIX: &str = ".water.json";
@@ -46,6 +46,12 @@ impl<E: Encoding> From<&Waterbody<E>> for Numbers {
     }
 }
 
+impl From<&WaterEstimate> for Numbers {
+    fn from(estimate: &WaterEstimate) -> Self {
+        with_estimate!(estimate, estimate => Self::from(&estimate.water))
+    }
+}
+
 impl Numbers {
     /// The waterbody of these numbers; a sentence about what is wrong with them otherwise.
     fn water<E: Encoding>(&self) -> Result<Waterbody<E>, String> {
@@ -70,13 +76,13 @@ impl Numbers {
 
 /// A water with what it was told from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WaterFile<E: Encoding> {
+pub struct WaterFile {
     /// What it was told from: images by their names, or a preset.
     pub from: Vec<String>,
     /// What one unit of z is.
     pub depth_kind: DepthKind,
     /// The water, and what it is worth.
-    pub estimate: Estimate<E>,
+    pub estimate: WaterEstimate,
 }
 
 /// A water file could not be read. Its message names the file, the cause and what to do.
@@ -112,15 +118,15 @@ pub enum WaterFileError {
     /// Its numbers are of another encoding.
     #[error(
         "{} holds a water of {found} values, and {wanted} ones are worked on here: {}, or extract it again for these",
-        display(path), if *found == "linear" { "add --linear" } else { "leave --linear out" }
+        display(path), if *found == PixelEncoding::Linear { "add --linear" } else { "leave --linear out" }
     )]
     Encoding {
         /// The file.
         path: PathBuf,
         /// Its encoding.
-        found: &'static str,
+        found: PixelEncoding,
         /// The encoding asked for.
-        wanted: &'static str,
+        wanted: PixelEncoding,
     },
 }
 
@@ -145,11 +151,11 @@ enum StoredEncoding {
     Linear,
 }
 
-impl StoredEncoding {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Encoded => "encoded",
-            Self::Linear => "linear",
+impl From<PixelEncoding> for StoredEncoding {
+    fn from(encoding: PixelEncoding) -> Self {
+        match encoding {
+            PixelEncoding::Encoded => Self::Encoded,
+            PixelEncoding::Linear => Self::Linear,
         }
     }
 }
@@ -180,19 +186,19 @@ struct Version {
     schema: u32,
 }
 
-impl<E: Space> WaterFile<E> {
+impl WaterFile {
     /// Reads a water.
     ///
     /// # Errors
     ///
     /// [`WaterFileError`] when the file cannot be read, is of another format, schema or encoding, or holds numbers
     /// that no water has.
-    pub fn read(path: &Path) -> Result<Self, WaterFileError> {
+    pub fn read(path: &Path, encoding: PixelEncoding) -> Result<Self, WaterFileError> {
         let failed = |error| FileError::Read { path: path.to_owned(), error };
         let (file, _) = open_file(path)?;
         let mut text = String::new();
         file.take(MOST_BYTES).read_to_string(&mut text).map_err(failed)?;
-        Self::from_text(path, &text)
+        Self::from_text(path, &text, encoding)
     }
 
     /// Reads a water that is in memory already; errors call it `path`.
@@ -200,7 +206,14 @@ impl<E: Space> WaterFile<E> {
     /// # Errors
     ///
     /// [`WaterFileError`] when it is of another format, schema or encoding, or holds numbers that no water has.
-    pub fn from_text(path: &Path, text: &str) -> Result<Self, WaterFileError> {
+    pub fn from_text(path: &Path, text: &str, encoding: PixelEncoding) -> Result<Self, WaterFileError> {
+        match encoding {
+            PixelEncoding::Encoded => Self::parse::<Encoded>(path, text, encoding),
+            PixelEncoding::Linear => Self::parse::<Linear>(path, text, encoding),
+        }
+    }
+
+    fn parse<E: Space>(path: &Path, text: &str, wanted: PixelEncoding) -> Result<Self, WaterFileError> {
         let wrong = |cause: String| WaterFileError::Format { path: path.to_owned(), cause };
         let json = |error: serde_json::Error| wrong(one_line(&error.to_string()));
         let Version { schema } = serde_json::from_str(text).map_err(json)?;
@@ -208,9 +221,12 @@ impl<E: Space> WaterFile<E> {
             return Err(WaterFileError::Schema { path: path.to_owned(), found: schema });
         }
         let stored: Stored = serde_json::from_str(text).map_err(json)?;
-        let found = stored.encoding.name();
-        if found != E::NAME {
-            return Err(WaterFileError::Encoding { path: path.to_owned(), found, wanted: E::NAME });
+        let found = match stored.encoding {
+            StoredEncoding::Encoded => PixelEncoding::Encoded,
+            StoredEncoding::Linear => PixelEncoding::Linear,
+        };
+        if found != wanted {
+            return Err(WaterFileError::Encoding { path: path.to_owned(), found, wanted });
         }
         let water = stored.waterbody.water().map_err(wrong)?;
         if !(0.0..=1.0).contains(&stored.veiling_light_share) {
@@ -221,7 +237,7 @@ impl<E: Space> WaterFile<E> {
                 .ok_or_else(|| wrong(format!("there is no depth model {}", one_line(&name))))
         };
         let reasons = stored.quality.reasons.into_iter();
-        let estimate = Estimate {
+        let estimate: Estimate<E> = Estimate {
             water,
             veiling_light_source: stored.veiling_light_source,
             veiling_light_share: stored.veiling_light_share,
@@ -235,36 +251,29 @@ impl<E: Space> WaterFile<E> {
             StoredKind::Relative => DepthKind::Relative,
             StoredKind::Metres => DepthKind::Metres,
         };
-        Ok(Self { from: stored.from, depth_kind, estimate })
+        Ok(Self { from: stored.from, depth_kind, estimate: E::wrap(estimate) })
     }
 
     /// The file as text.
     pub fn to_text(&self) -> String {
-        let Estimate {
-            water,
-            intervals,
-            quality,
-            veiling_light_source,
-            veiling_light_share,
-            depth_model,
-            // They belong to the depth of one image; of a reference nothing asks for them.
-            depth_factors: _,
-        } = &self.estimate;
+        // Depth factors belong to the depth of one image; of a reference nothing asks for them.
+        let (veiling_light_source, veiling_light_share) = self.estimate.veiling_light_source();
+        let quality = self.estimate.quality();
         let stored = Stored {
             schema: SCHEMA,
             from: self.from.clone(),
-            encoding: if E::NAME == "linear" { StoredEncoding::Linear } else { StoredEncoding::Encoded },
+            encoding: self.estimate.encoding().into(),
             depth: StoredDepth {
                 kind: match self.depth_kind {
                     DepthKind::Metres => StoredKind::Metres,
                     _ => StoredKind::Relative,
                 },
-                model: depth_model.map(|model| model.name().to_owned()),
+                model: self.estimate.depth_model().map(|model| model.name().to_owned()),
             },
-            waterbody: Numbers::from(water),
-            intervals: *intervals,
-            veiling_light_source: *veiling_light_source,
-            veiling_light_share: *veiling_light_share,
+            waterbody: Numbers::from(&self.estimate),
+            intervals: self.estimate.intervals(),
+            veiling_light_source,
+            veiling_light_share,
             quality: StoredQuality {
                 verdict: quality.verdict.name().to_owned(),
                 reasons: quality.reasons.iter().collect(),
@@ -272,6 +281,15 @@ impl<E: Space> WaterFile<E> {
         };
         let text = serde_json::to_string_pretty(&stored).expect("numbers and names are JSON");
         text + "\n"
+    }
+
+    /// The water per unit of another kind of depth.
+    ///
+    /// # Errors
+    ///
+    /// [`AttenuationError`] when a coefficient does not fit into a number.
+    pub fn per(&self, kind: DepthKind, scale: RelativeScale) -> Result<WaterEstimate, AttenuationError> {
+        self.estimate.per(self.depth_kind, kind, scale)
     }
 
     /// Writes the water, whole or not at all.
@@ -297,14 +315,17 @@ pub fn has_suffix(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use aquafuse::image::{Encoded, Linear};
     use aquafuse::truth::waters;
 
-    fn good() -> WaterFile<Encoded> {
-        let mut estimate = Estimate::given(waters()[0].water);
+    fn good() -> WaterFile {
+        let mut estimate: Estimate = Estimate::given(waters()[0].water);
         estimate.quality = Quality::default().with(Reason::FewDarkPixels);
         estimate.depth_model = Some(DepthModel::Ratio);
-        WaterFile { from: vec!["reef.jpg".into()], depth_kind: DepthKind::Relative, estimate }
+        WaterFile {
+            from: vec!["reef.jpg".into()],
+            depth_kind: DepthKind::Relative,
+            estimate: estimate.into(),
+        }
     }
 
     #[test]
@@ -312,7 +333,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("reef.water.json");
         good().write(&path, false).unwrap();
-        assert_eq!(WaterFile::read(&path).unwrap(), good());
+        assert_eq!(WaterFile::read(&path, PixelEncoding::Encoded).unwrap(), good());
         assert!(matches!(good().write(&path, false), Err(FileError::Exists { .. })));
         let named_otherwise = folder.path().join("reef.json");
         assert!(matches!(good().write(&named_otherwise, false), Err(FileError::UnknownExtension { .. })));
@@ -337,11 +358,14 @@ mod tests {
             ),
         ];
         for (text, expected) in cases {
-            let said =
-                WaterFile::<Encoded>::from_text("w.water.json".as_ref(), &text).unwrap_err().to_string();
+            let said = WaterFile::from_text("w.water.json".as_ref(), &text, PixelEncoding::Encoded)
+                .unwrap_err()
+                .to_string();
             assert!(said.contains(expected) && said.contains("w.water.json"), "{said}");
         }
-        let said = WaterFile::<Linear>::from_text("w.water.json".as_ref(), &text).unwrap_err().to_string();
+        let said = WaterFile::from_text("w.water.json".as_ref(), &text, PixelEncoding::Linear)
+            .unwrap_err()
+            .to_string();
         assert!(said.contains("leave --linear out"), "{said}");
     }
 }

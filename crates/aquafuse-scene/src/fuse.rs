@@ -16,11 +16,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::image::SizeError;
 use aquafuse_data::batch::{Item, RECORD, Recipe, Record, State};
 use aquafuse_data::files::{FileError, display, holds_files, make_folder, remove_stale_parts, write_bytes};
 use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
-use aquafuse_data::pipeline::{Analysis, DepthSource};
+use aquafuse_data::pipeline::{Analysis, DepthSource, OperationError};
 use aquafuse_data::run::{self, Budget, Event, RunOptions, Stopped, Summary};
 use aquafuse_data::water_file::Numbers;
 use serde_json::json;
@@ -100,9 +99,9 @@ pub enum FuseError {
     /// The images give no shared water.
     #[error(transparent)]
     Water(#[from] SharedWaterError),
-    /// An image and its depth map differ in size.
+    /// The water is of another encoding than the images are analysed in.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Operation(#[from] OperationError),
     /// The output folder holds files that no run of this kind has made.
     #[error("{} is not empty; name another folder with -o, or add --overwrite", display(folder))]
     Filled {
@@ -332,7 +331,7 @@ impl Work<'_> {
             depth: in_scene(&relative, shared.units[index]),
             depth_source: item.depth.clone(),
             supplied: None,
-            estimate: shared.water,
+            estimate: shared.water.into(),
         };
         drop(relative);
         recipe.operation.apply(&mut image.pixels, &found)?;

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use aquafuse::depth::DepthKind;
 use aquafuse::image::Encoded;
-use aquafuse::waterbody::{AttenuationError, Estimate};
+use aquafuse::waterbody::{AttenuationError, Estimate, VeilingLight, Waterbody};
 use aquafuse_data::files::{FileError, display};
+use aquafuse_data::pipeline::{PixelEncoding, WaterEstimate};
 use aquafuse_data::water_file::{WaterFile, WaterFileError};
 
 use crate::files::{SceneFileError, read_ply, write_ply};
@@ -85,7 +86,7 @@ impl Model {
         }
         let beside = water_beside(path);
         let medium = match beside.is_file() {
-            true => Medium::of_file(&WaterFile::read(&beside)?),
+            true => Medium::of_file(&WaterFile::read(&beside, PixelEncoding::Encoded)?),
             false => Medium::Air,
         };
         Ok(Self { splats, medium })
@@ -101,10 +102,10 @@ impl Model {
     pub fn write(&self, path: &Path, from: &Path, overwrite: bool) -> Result<(), ModelError> {
         let beside = water_beside(path);
         if let Medium::Learned(water) = &self.medium {
-            let file = WaterFile::<Encoded> {
+            let file = WaterFile {
                 from: vec![display(from).to_string()],
                 depth_kind: DepthKind::Metres,
-                estimate: Estimate::given(water.body()?),
+                estimate: Estimate::<Encoded>::given(water.body()?).into(),
             };
             file.write(&beside, overwrite)?;
         } else if overwrite && beside.is_file() {
@@ -116,9 +117,18 @@ impl Model {
 }
 
 impl Medium<f32> {
-    /// The water of a file; a unit of the scene counts as a metre.
-    pub fn of_file(file: &WaterFile<Encoded>) -> Self {
-        Self::Known { water: file.estimate.water, per_unit: 1.0 }
+    /// The water of a file; a unit of the scene counts as a metre. Splats have encoded colours: a water of linear light
+    /// keeps its coefficients, and its veiling light is encoded.
+    pub fn of_file(file: &WaterFile) -> Self {
+        let water = match file.estimate {
+            WaterEstimate::Encoded(estimate) => estimate.water,
+            WaterEstimate::Linear(Estimate { water, .. }) => Waterbody {
+                veiling_light: VeilingLight::new(file.estimate.veiling_light_as_seen()),
+                backscatter_coefficient: water.backscatter_coefficient,
+                attenuation: water.attenuation,
+            },
+        };
+        Self::Known { water, per_unit: 1.0 }
     }
 }
 

@@ -64,6 +64,17 @@ pub enum SizeError {
         /// Samples from the start of a row to that of the next.
         stride: usize,
     },
+    /// Pixels have another number of samples than red, green and blue.
+    #[error("a pixel has three samples, not {found}: an array's shape is (height, width, 3)")]
+    Channels {
+        /// Samples a pixel.
+        found: usize,
+    },
+    /// The samples of an array do not lie row by row, pixel by pixel, without gaps.
+    #[error(
+        "the array is not contiguous in standard layout; copy it first, by `as_standard_layout()` for example"
+    )]
+    Layout,
     /// An image has no pixels at all.
     #[error("an image of {width}x{height} has no pixels")]
     Empty {

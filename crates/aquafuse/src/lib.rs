@@ -66,6 +66,8 @@
 //! - `simd` (default): AVX2 where the processor has it, NEON on 64-bit Arm. Off, the crate has no unsafe code; no bit changes.
 //! - `threads` (default): several cores for large images, by bands of rows. Off, no thread is started; no bit changes.
 //! - `serde`: `Serialize` for the types that describe water and depth.
+//! - `image`: views of the crate `image`'s buffers (`RgbImage`, 16 bits, floats), and images for it.
+//! - `ndarray`: views of arrays of shape (height, width, 3).
 //!
 //! # Simplifications
 //!
@@ -91,6 +93,7 @@ pub mod formation;
 pub mod fuser;
 pub mod fusion;
 pub mod image;
+mod integration;
 pub mod metrics;
 pub mod simd;
 pub mod smooth;

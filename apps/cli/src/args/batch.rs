@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use aquafuse::depth::DepthModel;
 use aquafuse_data::batch::{Plan, Request};
 use aquafuse_data::files::FileError;
+use aquafuse_data::pipeline::PixelEncoding;
 use clap::Args;
 
+use crate::args::common::encoding;
 use crate::args::depth::DepthArguments;
 use crate::args::failures::FailureArguments;
 use crate::failure::Failure;
@@ -45,10 +47,15 @@ pub(crate) struct BatchArguments {
     /// Work in linear light instead of the encoded values that cameras write, which the paper works on. Depth from
     /// colour is always estimated from encoded values.
     #[arg(long)]
-    pub(crate) linear: bool,
+    linear: bool,
 }
 
 impl BatchArguments {
+    /// The encoding to work in.
+    pub(crate) fn encoding(&self) -> PixelEncoding {
+        encoding(self.linear)
+    }
+
     /// Plans the run, and refuses what can be refused before an image is read.
     pub(crate) fn plan(
         &self,

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 
+use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::run::RunOptions;
 use clap::Args;
 
@@ -34,4 +35,9 @@ impl Common {
             ..RunOptions::default()
         }
     }
+}
+
+/// The encoding that `--linear` asks for.
+pub(crate) fn encoding(linear: bool) -> PixelEncoding {
+    if linear { PixelEncoding::Linear } else { PixelEncoding::Encoded }
 }

@@ -69,6 +69,7 @@ impl SettingsArgs {
                 depth_model: DepthModel::default(),
                 options: Options::as_published(),
                 smoothing: Smoothing::Bilateral,
+                ..Settings::default()
             };
         }
         let defaults = Options::for_model(self.model);
@@ -80,6 +81,7 @@ impl SettingsArgs {
                 ..defaults
             },
             smoothing: self.smooth,
+            ..Settings::default()
         }
     }
 }

@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
-use aquafuse::waterbody::Estimate;
 use aquafuse::waterbody::presets::{Conditions, Preset, White};
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::Space;
-use aquafuse_data::pipeline::{DepthSource, analyse};
+use aquafuse_data::pipeline::{DepthSource, PixelEncoding, WaterEstimate, analyse_in};
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 use clap::{Args, ValueEnum};
 
@@ -113,21 +111,22 @@ impl WaterArguments {
     }
 
     /// The water as it is, and what one unit of its z is.
-    pub(crate) fn read<E: Space>(
+    pub(crate) fn read(
         &self,
         source: &WaterSource,
         model: DepthModel,
+        encoding: PixelEncoding,
         reading: &Reading,
-    ) -> Result<WaterFile<E>, Failure> {
+    ) -> Result<WaterFile, Failure> {
         match source {
-            WaterSource::File(path) => Ok(WaterFile::read(path)?),
+            WaterSource::File(path) => Ok(WaterFile::read(path, encoding)?),
             WaterSource::Preset(preset) => Ok(WaterFile {
                 from: vec![source.name()],
                 depth_kind: DepthKind::Metres,
-                estimate: Estimate::given(preset.water(&self.conditions()?)),
+                estimate: WaterEstimate::preset(*preset, &self.conditions()?, encoding),
             }),
             WaterSource::Image(path) => {
-                let found = analyse(&reading.read(path)?, &DepthSource::Estimated(model))?;
+                let found = analyse_in(encoding, &reading.read(path)?, &DepthSource::Estimated(model))?;
                 Ok(WaterFile {
                     from: vec![display(path).to_string()],
                     depth_kind: found.depth.kind(),
@@ -138,22 +137,8 @@ impl WaterArguments {
     }
 
     /// The water per unit of depth of `kind`.
-    pub(crate) fn per<E: Space>(&self, kind: DepthKind, file: &WaterFile<E>) -> Result<Estimate<E>, Failure> {
+    pub(crate) fn per(&self, kind: DepthKind, file: &WaterFile) -> Result<WaterEstimate, Failure> {
         let scale = RelativeScale::new(self.metres_at_one).map_err(Failure::usage)?;
-        let mut estimate = file.estimate;
-        let (water, times) = match (file.depth_kind, kind) {
-            (DepthKind::Metres, DepthKind::Relative) => {
-                (estimate.water.per_relative(scale), scale.metres_at_one())
-            }
-            (DepthKind::Relative, DepthKind::Metres) => {
-                (estimate.water.per_metre(scale), 1.0 / scale.metres_at_one())
-            }
-            _ => return Ok(estimate),
-        };
-        estimate.water = water.map_err(Failure::work)?;
-        for end in estimate.intervals.backscatter_coefficient.as_flattened_mut() {
-            *end *= times;
-        }
-        Ok(estimate)
+        file.per(kind, scale).map_err(Failure::work)
     }
 }

@@ -9,17 +9,16 @@ use std::sync::Mutex;
 
 use anyhow::anyhow;
 use aquafuse::fusion::Options;
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Shard};
 use aquafuse_data::dataset::{Dataset, Layout};
 use aquafuse_data::files::{display, make_folder};
-use aquafuse_data::pipeline::Space;
+use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::run::{Event, RunOptions, Summary};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use range::Range;
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::args::depth::DepthArguments;
 use crate::args::failures::FailureArguments;
 use crate::args::fusion::{Settings, SettingsArgs};
@@ -197,18 +196,12 @@ fn shard(text: &str) -> anyhow::Result<Shard> {
 
 impl Augment {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let encoding = encoding(self.linear);
         let mut dataset =
             Dataset::open(&self.dataset, self.format, &common.reading.options()).map_err(Failure::usage)?;
         let bad = self.without_bad(&mut dataset)?;
         let job = Augmentation {
-            recipe: self.recipe::<E>(common)?,
+            recipe: self.recipe(encoding, common)?,
             dataset,
             output: self.output.clone(),
             shard: self.shard.unwrap_or_default(),
@@ -286,10 +279,11 @@ impl Augment {
         Ok(before - dataset.samples.len())
     }
 
-    fn recipe<E: Space>(&self, common: &Common) -> Result<Recipe<E>, Failure> {
-        let Settings { depth_model, options, smoothing } = self.settings.get();
+    fn recipe(&self, encoding: PixelEncoding, common: &Common) -> Result<Recipe, Failure> {
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         let kind = self.depth.kind_of_map();
-        let read = |source: &WaterSource| waters::read::<E>(source, &self.presets, depth_model, kind, common);
+        let read =
+            |source: &WaterSource| waters::read(source, &self.presets, depth_model, kind, encoding, common);
         let on_doubtful = match &self.on_doubtful {
             Doubtful::Flag => OnDoubtful::Flag,
             Doubtful::Skip => OnDoubtful::Skip,
@@ -310,6 +304,7 @@ impl Augment {
         };
         Ok(Recipe {
             waters,
+            encoding,
             per_image: self.per_image,
             draws,
             options: Options { ..options },

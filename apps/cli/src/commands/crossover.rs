@@ -4,14 +4,13 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::files::{FileError, display, make_folder, remove_stale_parts};
 use aquafuse_data::image_file::WriteOptions;
-use aquafuse_data::pipeline::{DepthSource, analyse};
-use aquafuse_data::pipeline::{Operation, Space};
+use aquafuse_data::pipeline::Operation;
+use aquafuse_data::pipeline::{DepthSource, analyse_in};
 use clap::Args;
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::args::fusion::{Settings, SettingsArgs};
 use crate::failure::Failure;
 use crate::report::output;
@@ -42,18 +41,12 @@ pub(crate) struct Crossover {
 
 impl Crossover {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let encoding = encoding(self.linear);
         let outputs = self.outputs()?;
-        let Settings { depth_model, options, smoothing } = self.settings.get();
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         let source = DepthSource::Estimated(depth_model);
         let (a, b) = (common.reading.read(&self.a)?, common.reading.read(&self.b)?);
-        let waters = [analyse::<E>(&a, &source)?, analyse::<E>(&b, &source)?];
+        let waters = [analyse_in(encoding, &a, &source)?, analyse_in(encoding, &b, &source)?];
         remove_stale_parts(&self.output);
         let says: Vec<String> = [(&self.a, &waters[0]), (&self.b, &waters[1])]
             .map(|(path, found)| format!("{}: {}\n", display(path), veiling_light(&found.estimate)))

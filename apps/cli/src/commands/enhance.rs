@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::batch::Recipe;
-use aquafuse_data::pipeline::{Operation, Space};
+use aquafuse_data::pipeline::Operation;
 use aquafuse_data::water_file::Numbers;
 use clap::Args;
 use serde_json::json;
@@ -43,31 +42,25 @@ pub(crate) struct Enhance {
 
 impl Enhance {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.batch.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let encoding = self.batch.encoding();
         let depth_model = self.settings.depth_model();
         let water = WaterSource::parse(&self.clear)?;
         let inputs: Vec<_> = water.path().into_iter().collect();
         let plan = self.batch.plan(&self.content, &inputs, depth_model, true)?;
-        let file = self.settings.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let file = self.settings.waters.read(&water, depth_model, encoding, &common.reading)?;
         let reference = self.settings.waters.per(self.batch.depth.kind_of_map(), &file)?;
         let options = self.settings.options()?;
         let words = Words {
             heading: format!("{}: {}\n", water.name(), veiling_light(&reference)),
             settings: json!({
                 "command": "enhance",
-                "encoding": E::NAME,
+                "encoding": encoding.name(),
                 "model": options.model.name(),
                 "theta": options.incidence.degrees(),
                 "alpha": options.gain.get(),
                 "depth_model": depth_model.name(),
                 "water": water.name(),
-                "waterbody": Numbers::from(&reference.water),
+                "waterbody": Numbers::from(&reference),
             }),
         };
         let operation = Operation::Fuse { reference, options };

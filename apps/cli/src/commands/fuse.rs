@@ -5,9 +5,8 @@ mod sweep;
 use std::path::PathBuf;
 
 use crate::args::fusion::{self, Settings, SettingsArgs};
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::batch::Recipe;
-use aquafuse_data::pipeline::{Operation, Space};
+use aquafuse_data::pipeline::Operation;
 use aquafuse_data::water_file::Numbers;
 use clap::Args;
 use serde_json::json;
@@ -46,37 +45,31 @@ pub(crate) struct Fuse {
 
 impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.batch.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
-        let Settings { depth_model, options, smoothing } = self.settings.get();
+        let encoding = self.batch.encoding();
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         let water = WaterSource::parse(&self.water)?;
         let inputs: Vec<_> = water.path().into_iter().collect();
         let plan = self.batch.plan(&self.content, &inputs, depth_model, false)?;
-        let file = self.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let file = self.waters.read(&water, depth_model, encoding, &common.reading)?;
         let reference = self.waters.per(self.batch.depth.kind_of_map(), &file)?;
         if let Some(sweep) = &self.sweep {
             self.settings.refuse_beside(sweep.name()).map_err(Failure::usage)?;
-            let settings = Settings { depth_model, options, smoothing };
+            let settings = self.settings.get();
             return sweep.run(plan.items(), &reference, &settings, &self.batch, common);
         }
         let words = Words {
             heading: format!("{}: {}\n", water.name(), veiling_light(&reference)),
             settings: json!({
                 "command": "fuse",
-                "encoding": E::NAME,
+                "encoding": encoding.name(),
                 "model": options.model.name(),
                 "theta": options.incidence.degrees(),
                 "alpha": options.gain.get(),
                 "smooth": smoothing.name(),
                 "depth_model": depth_model.name(),
                 "water": water.name(),
-                "waterbody": Numbers::from(&reference.water),
-                "quality": reference.quality,
+                "waterbody": Numbers::from(&reference),
+                "quality": reference.quality(),
             }),
         };
         let recipe = Recipe {

@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::augment::{Again, Replayed, replay};
 use aquafuse_data::files::display;
 use clap::Args;
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::failure::Failure;
 use crate::report::output;
 
@@ -45,11 +44,15 @@ impl Replay {
             true => self.manifest.join("manifest.jsonl"),
             false => self.manifest.clone(),
         };
-        let again = Again { only, dataset, output: &self.output, overwrite: self.overwrite, reading };
-        let made = match self.linear {
-            true => replay::<Linear>(&manifest, &again),
-            false => replay::<Encoded>(&manifest, &again),
+        let again = Again {
+            only,
+            dataset,
+            output: &self.output,
+            overwrite: self.overwrite,
+            reading,
+            encoding: encoding(self.linear),
         };
+        let made = replay(&manifest, &again);
         let Replayed { equal, different, failed } = made?;
         for (_, error) in &failed {
             output::complain(error);

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use aquafuse::formation::RestoreOptions;
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::batch::Recipe;
-use aquafuse_data::pipeline::{Operation, Space};
+use aquafuse_data::pipeline::Operation;
 use clap::Args;
 use serde_json::json;
 
@@ -43,21 +42,16 @@ pub(crate) struct Restore {
 
 impl Restore {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.batch.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let encoding = self.batch.encoding();
         let depth_model = self.depth_model.get();
         let plan = self.batch.plan(&self.content, &[], depth_model, false)?;
-        let operation = Operation::Restore(RestoreOptions { max_gain: [self.max_gain; 3] });
-        let recipe: Recipe<E> =
+        let options = RestoreOptions { max_gain: [self.max_gain; 3] };
+        let operation = Operation::Restore { options, encoding };
+        let recipe =
             Recipe { upright: self.batch.upright, quality: self.batch.quality, ..Recipe::new(operation) };
         let settings = json!({
             "command": "restore",
-            "encoding": E::NAME,
+            "encoding": encoding.name(),
             "max_gain": self.max_gain,
             "depth_model": depth_model.name(),
         });

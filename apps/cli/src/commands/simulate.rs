@@ -3,22 +3,17 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
-use aquafuse::formation::form;
-use aquafuse::image::{Encoded, Image, Linear};
+use aquafuse::image::Linear;
 use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
-use aquafuse_data::image_file::{Format, ImageFile, Pixels, WRITTEN, WriteOptions};
-use aquafuse_data::pipeline::Space;
-use aquafuse_data::pipeline::{DepthSource, analyse};
+use aquafuse_data::image_file::{Format, ImageFile, WRITTEN, WriteOptions};
+use aquafuse_data::pipeline::{DepthSource, SIMULATED, analyse_in, simulate};
 use clap::Args;
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::args::depth::{inverted, kind};
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
 use crate::report::output;
-
-/// Bytes of a pixel that is lit, formed and encoded in floats, beside what is read and written.
-const BYTES_OF_FLOATS: u64 = 56;
 
 const HELP: &str = "\
 Eq. 1 of the paper, U = I e^(-beta_D z) + B_inf (1 - e^(-beta_B z)), at every pixel. With a
@@ -63,13 +58,7 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let encoding = encoding(self.linear);
         let written = Format::written(&self.output);
         let unknown = || FileError::UnknownExtension { path: self.output.clone(), expected: WRITTEN };
         let format = written.ok_or_else(unknown)?;
@@ -78,29 +67,19 @@ impl Simulate {
         }
         let water = WaterSource::parse(&self.water)?;
         let opened = ImageFile::open(&self.image, &common.reading.options())?;
-        opened.memory_until_written(format, opened.pixels().saturating_mul(BYTES_OF_FLOATS))?;
+        opened.memory_until_written(format, opened.pixels().saturating_mul(SIMULATED))?;
         let mut image_file = opened.decode()?;
         let supplied = DepthSource::Supplied { path: self.depth.clone(), kind: self.depth_kind };
-        let found = analyse::<E>(&image_file, &supplied)?;
-        let file = self.waters.read::<E>(&water, DepthModel::default(), &common.reading)?;
-        let seen_through = self.waters.per(found.depth.kind(), &file)?.water;
-
+        let found = analyse_in(encoding, &image_file, &supplied)?;
+        let file = self.waters.read(&water, DepthModel::default(), encoding, &common.reading)?;
+        let seen_through = self.waters.per(found.depth.kind(), &file)?;
         let light = match &water {
             WaterSource::Preset(preset) if !self.keep_light => {
                 preset.derive::<Linear>(&self.waters.conditions()?).white
             }
             _ => [1.0; 3],
         };
-        let lit = lit(&image_file.pixels, light);
-        let (width, height) = lit.size();
-        let clear = lit.pixels().iter().flatten().map(|&value| E::from_encoded(value)).collect();
-        let clear = Image::<f32, E>::from_raw(width, height, clear).map_err(Failure::work)?;
-        let formed = form(&clear, &found.depth, &seen_through).map_err(Failure::work)?.to_encoded();
-        match &mut image_file.pixels {
-            Pixels::Bytes(layers) => layers.image = formed.to_samples(),
-            Pixels::Words(layers) => layers.image = formed.to_samples(),
-            Pixels::Floats(layers) => layers.image = formed.to_samples(),
-        }
+        simulate(&mut image_file.pixels, &found.depth, &seen_through, light).map_err(Failure::work)?;
         remove_stale_parts(make_folder_of(&self.output)?);
         image_file.write(&self.output, &WriteOptions { overwrite: self.overwrite, quality: self.quality })?;
         if common.quiet {
@@ -121,23 +100,4 @@ impl Simulate {
         }
         output::print(&text)
     }
-}
-
-/// The image as lit by this light, relative to the light it was taken in.
-fn lit(pixels: &Pixels, light: [f32; 3]) -> Image<f32> {
-    let image = match pixels {
-        Pixels::Bytes(layers) => layers.image.to_unit(),
-        Pixels::Words(layers) => layers.image.to_unit(),
-        Pixels::Floats(layers) => layers.image.to_unit(),
-    };
-    if light == [1.0; 3] {
-        return image;
-    }
-    let mut linear = image.to_linear();
-    for pixel in linear.pixels_mut() {
-        for c in 0..3 {
-            pixel[c] *= light[c];
-        }
-    }
-    linear.to_encoded()
 }

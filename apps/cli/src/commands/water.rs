@@ -6,17 +6,15 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use aquafuse::image::{Encoded, Linear};
-use aquafuse::waterbody::pool;
+use aquafuse::image::Encoded;
 use aquafuse::waterbody::presets::Preset;
 use aquafuse_data::files::{display, make_folder_of, remove_stale_parts};
-use aquafuse_data::pipeline::analyse;
-use aquafuse_data::pipeline::{DepthSupply, Space};
+use aquafuse_data::pipeline::{DepthSupply, WaterEstimate, analyse_in};
 use aquafuse_data::water_file::WaterFile;
 use clap::{Args, Subcommand};
 use show::Show;
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::args::depth::DepthArguments;
 use crate::args::depth_model::DepthModelArg;
 use crate::args::water::WaterArguments;
@@ -78,8 +76,7 @@ struct List {
 impl Water {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         match &self.command {
-            Command::Extract(extract) if extract.linear => extract.run::<Linear>(common),
-            Command::Extract(extract) => extract.run::<Encoded>(common),
+            Command::Extract(extract) => extract.run(common),
             Command::List(list) => list.run(),
             Command::Show(show) => show.run(common),
         }
@@ -87,13 +84,13 @@ impl Water {
 }
 
 impl Extract {
-    fn run<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+    fn run(&self, common: &Common) -> Result<(), Failure> {
         let mut estimates = Vec::new();
         let mut kind = None;
         let supply = self.supply()?;
         for path in &self.images {
             let source = supply.of(path).map_err(Failure::usage)?;
-            let found = analyse::<E>(&common.reading.read(path)?, &source)?;
+            let found = analyse_in(encoding(self.linear), &common.reading.read(path)?, &source)?;
             kind = Some(found.depth.kind());
             if !common.quiet {
                 output::print(&format!("{}: {}\n", display(path), veiling_light(&found.estimate)))?;
@@ -104,7 +101,7 @@ impl Extract {
         let file = WaterFile {
             from: self.images.iter().map(|path| display(path).to_string()).collect(),
             depth_kind: kind.ok_or_else(nothing)?,
-            estimate: pool(&estimates).ok_or_else(nothing)?,
+            estimate: WaterEstimate::pool(&estimates).ok_or_else(nothing)?,
         };
         remove_stale_parts(make_folder_of(&self.output)?);
         file.write(&self.output, self.overwrite)?;

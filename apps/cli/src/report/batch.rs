@@ -6,7 +6,6 @@ use std::sync::Mutex;
 use anyhow::anyhow;
 use aquafuse_data::batch::{Plan, RECORD, Recipe};
 use aquafuse_data::files::{display, make_folder_of, write_text};
-use aquafuse_data::pipeline::Space;
 use aquafuse_data::run::{Event, RunOptions, Summary};
 use serde::Serialize;
 use serde_json::Value;
@@ -37,9 +36,9 @@ struct Report {
 }
 
 /// Runs a plan, shows how far it is, and prints what came of it.
-pub(crate) fn run<E: Space>(
+pub(crate) fn run(
     plan: &Plan,
-    recipe: &Recipe<E>,
+    recipe: &Recipe,
     words: Words,
     arguments: &BatchArguments,
     common: &Common,

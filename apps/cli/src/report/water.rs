@@ -1,7 +1,7 @@
 //! Words for an estimate: the veiling light, where it was read, and what speaks against it.
 
-use aquafuse::image::Encoding;
 use aquafuse::waterbody::{Estimate, Quality, Reason, VeilingLightSource, Verdict};
+use aquafuse_data::pipeline::WaterEstimate;
 
 /// What speaks against an estimate, in words.
 pub(crate) fn reasons(quality: Quality) -> String {
@@ -14,9 +14,9 @@ pub(crate) fn hex(rgb: [f32; 3]) -> String {
 }
 
 /// Where the veiling light was read, and from how much of the image.
-pub(crate) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
-    let share = 100.0 * estimate.veiling_light_share;
-    match estimate.veiling_light_source {
+pub(crate) fn source((source, share): (VeilingLightSource, f32)) -> String {
+    let share = 100.0 * share;
+    match source {
         VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the image"),
         VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
         VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
@@ -32,18 +32,23 @@ pub(crate) fn source<E: Encoding>(estimate: &Estimate<E>) -> String {
 
 /// The veiling light, and where it was read.
 pub(crate) fn veiling_light_in_short(estimate: &Estimate) -> String {
-    format!("B∞ {}, from {}", hex(estimate.water.veiling_light.rgb()), source(estimate))
+    format!(
+        "B∞ {}, from {}",
+        hex(estimate.water.veiling_light.rgb()),
+        source((estimate.veiling_light_source, estimate.veiling_light_share))
+    )
 }
 
 /// One line on a water: its colour, where that was read, and what speaks against it.
-pub(crate) fn veiling_light<E: Encoding>(estimate: &Estimate<E>) -> String {
+pub(crate) fn veiling_light(estimate: &WaterEstimate) -> String {
     let light = format!(
         "veiling light {}, from {}",
-        hex(estimate.water.veiling_light.rgb().map(E::to_encoded)),
-        source(estimate)
+        hex(estimate.veiling_light_as_seen()),
+        source(estimate.veiling_light_source())
     );
-    match estimate.quality.verdict {
+    let quality = estimate.quality();
+    match quality.verdict {
         Verdict::Good => light,
-        verdict => format!("{light}; {}: {}", verdict.name(), reasons(estimate.quality)),
+        verdict => format!("{light}; {}: {}", verdict.name(), reasons(quality)),
     }
 }

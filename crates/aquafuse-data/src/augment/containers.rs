@@ -15,7 +15,6 @@ use crate::dataset::Layout;
 use crate::files::FileError;
 use crate::files::sha256;
 use crate::image_file::{Format, ImageFile, Opened, ReadOptions};
-use crate::pipeline::Space;
 
 /// An image in a container.
 struct Held {
@@ -35,7 +34,7 @@ struct Varied {
     bytes: Vec<u8>,
 }
 
-impl<E: Space> Maker<'_, E> {
+impl Maker<'_> {
     /// Makes a container, unless it is there as it would be made now. An image that fails leaves the others as they are.
     pub(super) fn make_container(&self, sample: &Planned<'_>, journal: &Journal) -> Result<Made, FileError> {
         let input = self.job.dataset.root.join(sample.key);
@@ -86,7 +85,7 @@ impl<E: Space> Maker<'_, E> {
         self.job.run_options.stop.check(&self.job.output.join(&container.output))?;
         let opened = ImageFile::open_bytes(&held.name, held.bytes, &self.job.run_options.reading)?;
         let read = recipe.read(opened, &self.maps.source(&held.draws)?, &self.budget)?;
-        if let Some(why) = recipe.skipped(read.found.estimate.quality) {
+        if let Some(why) = recipe.skipped(read.found.estimate.quality()) {
             container.skipped.push((held.draws, why));
             return Ok(Vec::new());
         }

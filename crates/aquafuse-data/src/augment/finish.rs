@@ -9,9 +9,8 @@ use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Water};
 use crate::dataset::{Made, join, split};
 use crate::files::Hashed;
 use crate::files::{FileError, write_atomically};
-use crate::pipeline::Space;
 
-impl<E: Space> Augmentation<E> {
+impl Augmentation {
     /// The first line of the manifest.
     pub(super) fn header(&self) -> Header {
         let Self { dataset, recipe, .. } = self;
@@ -42,7 +41,7 @@ impl<E: Space> Augmentation<E> {
         };
         let waters = recipe.waters.iter().map(Water::stored).collect();
         let root = dataset.root.to_string_lossy().into_owned();
-        Header::new(root, dataset.layout.name(), E::NAME, settings, waters, instead)
+        Header::new(root, dataset.layout.name(), recipe.encoding.name(), settings, waters, instead)
     }
 
     /// Writes the files about all images, for what was made of them.

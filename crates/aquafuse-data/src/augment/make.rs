@@ -15,8 +15,8 @@ use crate::dataset::Companion;
 use crate::files::sha256;
 use crate::files::{FileError, one_line, write_bytes};
 use crate::image_file::{Format, ImageFile, Opened, read_beside};
-use crate::pipeline::{Analysis, DepthSource, analyse};
-use crate::pipeline::{Operation, Outcome, Space};
+use crate::pipeline::{Analysis, DepthSource, analyse_in};
+use crate::pipeline::{Operation, Outcome, WaterEstimate};
 use crate::run::{Budget, Reservation};
 
 /// What became of one image.
@@ -34,16 +34,16 @@ pub(super) fn vanished<'a>(variants: impl Iterator<Item = &'a Variant>) -> usize
 }
 
 /// What multiplies images.
-pub(super) struct Maker<'a, E: Space> {
-    pub(super) job: &'a Augmentation<E>,
+pub(super) struct Maker<'a> {
+    pub(super) job: &'a Augmentation,
     pub(super) maps: Maps,
     pub(super) budget: Budget,
 }
 
 /// An image that was read, with all that its variants need.
-pub(super) struct Read<'a, E: Space> {
+pub(super) struct Read<'a> {
     pub(super) image: ImageFile,
-    pub(super) found: Analysis<E>,
+    pub(super) found: Analysis<WaterEstimate>,
     pub(super) source: Source,
     /// Whether its own water was exchanged.
     pub(super) instead: bool,
@@ -51,21 +51,21 @@ pub(super) struct Read<'a, E: Space> {
     _room: Reservation<'a>,
 }
 
-impl<E: Space> Recipe<E> {
+impl Recipe {
     /// Reads an image, and tells its depth and water.
     pub(super) fn read<'a>(
         &self,
         opened: Opened,
         depth: &DepthSource,
         budget: &'a Budget,
-    ) -> Result<Read<'a, E>, FileError> {
+    ) -> Result<Read<'a>, FileError> {
         // A variant beside its image, and as it is encoded.
         let beside = opened.memory_of_pixels().saturating_mul(2);
         let supplied = match depth {
             DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::pipeline::SUPPLIED),
             DepthSource::Estimated(_) => 0,
         };
-        let light = opened.pixels().saturating_mul(E::BYTES_A_PIXEL);
+        let light = opened.pixels().saturating_mul(self.encoding.bytes_a_pixel());
         let beside = beside.saturating_add(supplied).saturating_add(light);
         let room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
         let mut source = Source { bytes: 0, sha256: String::new(), depth_sha256: None };
@@ -77,13 +77,12 @@ impl<E: Space> Recipe<E> {
             let failed = |error| FileError::Read { path: path.clone(), error };
             source.depth_sha256 = Some(sha256(&std::fs::read(path).map_err(failed)?));
         }
-        let mut found = analyse::<E>(&image, depth)?;
-        let doubtful = found.estimate.quality.verdict != Verdict::Good;
+        let mut found = analyse_in(self.encoding, &image, depth)?;
+        let quality = found.estimate.quality();
+        let doubtful = quality.verdict != Verdict::Good;
         let instead = match &self.on_doubtful {
             OnDoubtful::Instead(water) if doubtful => {
-                let quality = found.estimate.quality;
-                found.estimate = water.file.estimate;
-                found.estimate.quality = quality;
+                found.estimate = water.file.estimate.with_quality(quality);
                 true
             }
             _ => false,
@@ -101,8 +100,8 @@ impl<E: Space> Recipe<E> {
     /// One variant as a file holds it, and what was done.
     pub(super) fn variant(
         &self,
-        read: &Read<'_, E>,
-        water: &Water<E>,
+        read: &Read<'_>,
+        water: &Water,
         draw: Draw,
         output: &Path,
     ) -> Result<(Vec<u8>, Outcome), FileError> {
@@ -119,7 +118,7 @@ impl<E: Space> Recipe<E> {
     }
 }
 
-impl<E: Space> Read<'_, E> {
+impl Read<'_> {
     /// A variant of the image as the manifest has it.
     pub(super) fn described(
         &self,
@@ -130,7 +129,7 @@ impl<E: Space> Read<'_, E> {
         written: Written,
         companions: Vec<Written>,
     ) -> Variant {
-        let quality = self.found.estimate.quality;
+        let quality = self.found.estimate.quality();
         Variant {
             key: key.to_owned(),
             number,
@@ -151,8 +150,8 @@ impl<E: Space> Read<'_, E> {
     }
 }
 
-impl<'a, E: Space> Maker<'a, E> {
-    pub(super) fn new(job: &'a Augmentation<E>, maps: Maps) -> Self {
+impl<'a> Maker<'a> {
+    pub(super) fn new(job: &'a Augmentation, maps: Maps) -> Self {
         Self { job, maps, budget: job.run_options.budget() }
     }
 
@@ -197,7 +196,7 @@ impl<'a, E: Space> Maker<'a, E> {
         } else {
             let opened = ImageFile::open(&input, &self.job.run_options.reading)?;
             let read = recipe.read(opened, &self.maps.source(sample.key)?, &self.budget)?;
-            let quality = read.found.estimate.quality;
+            let quality = read.found.estimate.quality();
             if let Some(why) = recipe.skipped(quality) {
                 skipped = Some(Line::Skipped { key: sample.key.to_owned(), why });
                 missing.clear();
@@ -239,7 +238,7 @@ impl<'a, E: Space> Maker<'a, E> {
 
     fn write_variant(
         &self,
-        read: &Read<'_, E>,
+        read: &Read<'_>,
         sample: &Planned<'_>,
         planned: &PlannedVariant,
     ) -> Result<Variant, FileError> {

@@ -8,7 +8,6 @@ use super::{Augmentation, DepthPlan, Draw, Draws};
 use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
 use crate::files::display;
 use crate::image_file::Format;
-use crate::pipeline::Space;
 
 /// What is to be made of a dataset.
 ///
@@ -210,7 +209,7 @@ pub enum PlanError {
     },
 }
 
-impl<E: Space> Augmentation<E> {
+impl Augmentation {
     /// What is to be made of each image of the shard. Nothing is written.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use crate::dataset::{Layout, inside};
 use crate::files::sha256;
 use crate::files::{FileError, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
-use crate::pipeline::Space;
+use crate::pipeline::PixelEncoding;
 use crate::run::Budget;
 use crate::water_file::WaterFileError;
 
@@ -42,18 +42,20 @@ pub struct Again<'a> {
     pub overwrite: bool,
     /// How to read.
     pub reading: ReadOptions,
+    /// The encoding that the manifest must be of.
+    pub encoding: PixelEncoding,
 }
 
 /// Makes variants again. The waters come from the manifest.
 ///
 /// # Errors
 ///
-/// [`AugmentError`] when the manifest cannot be read, was written in another encoding than `E`, or no variant is of
+/// [`AugmentError`] when the manifest cannot be read, was written in another encoding, or no variant is of
 /// that name.
-pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentError> {
-    let Again { only, dataset, output, overwrite, reading } = *again;
+pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentError> {
+    let Again { only, dataset, output, overwrite, reading, encoding } = *again;
     let found = Manifest::read(manifest)?;
-    let recipe: Recipe<E> = found.header.recipe(manifest)?;
+    let recipe: Recipe = found.header.recipe(manifest, encoding)?;
     let reading = ReadOptions { lenient: found.header.settings.lenient, ..reading };
     let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
     let wanted = |variant: &Variant| only.is_none_or(|only| only == variant.key || only == variant.output);
@@ -105,19 +107,22 @@ pub fn replay<E: Space>(manifest: &Path, again: &Again<'_>) -> Result<Replayed, 
 
 impl Header {
     /// The recipe that it tells of.
-    fn recipe<E: Space>(&self, manifest: &Path) -> Result<Recipe<E>, AugmentError> {
-        if self.encoding != E::NAME {
-            let found = if self.encoding == "linear" { "linear" } else { "encoded" };
-            return Err(WaterFileError::Encoding { path: manifest.to_owned(), found, wanted: E::NAME }.into());
-        }
+    fn recipe(&self, manifest: &Path, wanted: PixelEncoding) -> Result<Recipe, AugmentError> {
         let settings = &self.settings;
         let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
+        let encoding: PixelEncoding = self.encoding.parse().map_err(|_| unknown())?;
+        if encoding != wanted {
+            return Err(
+                WaterFileError::Encoding { path: manifest.to_owned(), found: encoding, wanted }.into()
+            );
+        }
         let model = Model::from_name(&settings.model).ok_or_else(unknown)?;
-        let waters: Vec<Water<E>> =
-            self.waters.iter().map(|water| water.restored(manifest)).collect::<Result<_, _>>()?;
-        let instead = self.instead.as_ref().map(|water| water.restored(manifest)).transpose()?;
+        let waters: Vec<Water> =
+            self.waters.iter().map(|water| water.restored(manifest, encoding)).collect::<Result<_, _>>()?;
+        let instead = self.instead.as_ref().map(|water| water.restored(manifest, encoding)).transpose()?;
         Ok(Recipe {
             waters,
+            encoding,
             per_image: settings.per_image,
             draws: Draws {
                 seed: settings.seed,

@@ -6,7 +6,6 @@ use std::fs;
 use std::path::Path;
 
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
-use aquafuse::image::Encoded;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::Estimate;
 
@@ -36,18 +35,19 @@ fn dataset(root: &Path) {
     }
 }
 
-fn water(name: &str, which: usize) -> Water<Encoded> {
-    let estimate = Estimate::given(waters()[which].water);
+fn water(name: &str, which: usize) -> Water {
+    let estimate = Estimate::given(waters()[which].water).into();
     let file = WaterFile { from: vec![name.into()], depth_kind: DepthKind::Relative, estimate };
     Water { name: name.into(), sha256: None, file }
 }
 
-fn job(root: &Path, output: &Path) -> Augmentation<Encoded> {
+fn job(root: &Path, output: &Path) -> Augmentation {
     Augmentation {
         dataset: Dataset::open(root, None, &ReadOptions::default()).unwrap(),
         output: output.to_owned(),
         recipe: Recipe {
             waters: vec![water("w/green.jpg", 1), water("preset:jerlov-3C", 2)],
+            encoding: PixelEncoding::Encoded,
             per_image: 3,
             draws: Draws { seed: 1, with_replacement: false, theta: (0.0, 60.0), alpha: (0.5, 1.5) },
             options: Options::default(),
@@ -65,7 +65,7 @@ fn job(root: &Path, output: &Path) -> Augmentation<Encoded> {
     }
 }
 
-fn run(job: &Augmentation<Encoded>) -> Summary {
+fn run(job: &Augmentation) -> Summary {
     fs::create_dir_all(&job.output).unwrap();
     job.run(&job.plan().unwrap(), &|_| {}).unwrap()
 }
@@ -237,7 +237,14 @@ fn every_flipped_bit_is_found() {
 }
 
 fn making<'a>(only: Option<&'a str>, dataset: Option<&'a Path>, output: &'a Path) -> Again<'a> {
-    Again { only, dataset, output, overwrite: false, reading: ReadOptions::default() }
+    Again {
+        only,
+        dataset,
+        output,
+        overwrite: false,
+        reading: ReadOptions::default(),
+        encoding: PixelEncoding::Encoded,
+    }
 }
 
 #[test]
@@ -251,12 +258,12 @@ fn a_variant_is_made_again_from_its_manifest() {
     let again = place.path().join("again");
     let manifest = out.join("manifest.jsonl");
     let only = Some("images/train/b.jpg");
-    let made = replay::<Encoded>(&manifest, &making(only, Some(&moved), &again)).unwrap();
+    let made = replay(&manifest, &making(only, Some(&moved), &again)).unwrap();
     assert_eq!((made.equal.len(), made.different.len(), made.failed.len()), (3, 0, 0));
     for (name, bytes) in files(&again) {
         assert_eq!(files(&out)[&name], bytes, "{name}");
     }
-    let none = replay::<Encoded>(&manifest, &making(Some("x"), Some(&moved), &again));
+    let none = replay(&manifest, &making(Some("x"), Some(&moved), &again));
     assert!(none.unwrap_err().to_string().contains("no variant \"x\""));
 }
 
@@ -369,7 +376,7 @@ fn shards_are_multiplied_as_a_whole() {
     let again = place.path().join("again");
     let manifest = out.join("manifest.jsonl");
     let only = Some("train-000.tar/reef/1.jpg");
-    let made = replay::<Encoded>(&manifest, &making(only, None, &again)).unwrap();
+    let made = replay(&manifest, &making(only, None, &again)).unwrap();
     assert_eq!((made.equal.len(), made.failed.len()), (3, 0));
     for (name, bytes) in files(&again) {
         assert!(after.contains(&(name.clone(), bytes)), "{name}");

@@ -6,32 +6,32 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::{RawValue, to_raw_value};
 
-use crate::pipeline::Space;
+use crate::pipeline::PixelEncoding;
 use crate::water_file::{SUFFIX, WaterFile, WaterFileError};
 
 /// A water to draw.
 #[derive(Clone, Debug)]
-pub struct Water<E: Space> {
+pub struct Water {
     /// What it is called: the path of an image or of a water file as it was given, or `preset:NAME`.
     pub name: String,
     /// The digest of its file; none for presets.
     pub sha256: Option<String>,
     /// The water, per unit of the images' depth.
-    pub file: WaterFile<E>,
+    pub file: WaterFile,
 }
 
 /// What is done where an estimate is doubtful or failed, be it an image's own water or one to draw.
 #[derive(Clone, Debug)]
-pub enum OnDoubtful<E: Space> {
+pub enum OnDoubtful {
     /// It is used; the manifest says so.
     Flag,
     /// The image has no variants, the water is not drawn.
     Skip,
     /// This water is taken instead of the doubtful one.
-    Instead(Box<Water<E>>),
+    Instead(Box<Water>),
 }
 
-impl<E: Space> Water<E> {
+impl Water {
     /// The name as part of a file's name: the last part without extension, letters that file systems dislike exchanged.
     pub fn slug(&self) -> String {
         let name = self.name.strip_prefix("preset:").unwrap_or(&self.name);
@@ -89,8 +89,8 @@ impl StoredWater {
     }
 
     /// The water; errors call it by the manifest.
-    pub(super) fn restored<E: Space>(&self, manifest: &Path) -> Result<Water<E>, WaterFileError> {
-        let file = WaterFile::from_text(manifest, self.water.get())?;
+    pub(super) fn restored(&self, manifest: &Path, encoding: PixelEncoding) -> Result<Water, WaterFileError> {
+        let file = WaterFile::from_text(manifest, self.water.get(), encoding)?;
         Ok(Water { name: self.name.clone(), sha256: self.sha256.clone(), file })
     }
 }
@@ -99,13 +99,12 @@ impl StoredWater {
 mod tests {
     use super::*;
     use aquafuse::depth::DepthKind;
-    use aquafuse::image::Encoded;
     use aquafuse::truth::waters;
     use aquafuse::waterbody::Estimate;
 
     #[test]
     fn names_become_parts_of_names_of_files() {
-        let estimate = Estimate::given(waters()[0].water);
+        let estimate = Estimate::given(waters()[0].water).into();
         let file = WaterFile { from: Vec::new(), depth_kind: DepthKind::Relative, estimate };
         let water = |name: &str| Water { name: name.into(), sha256: None, file: file.clone() };
         for (name, slug) in [
@@ -121,15 +120,15 @@ mod tests {
     #[test]
     fn a_manifest_gives_back_the_water_to_the_bit() {
         for known in waters() {
-            let file: WaterFile<Encoded> = WaterFile {
+            let file = WaterFile {
                 from: vec!["a".into()],
                 depth_kind: DepthKind::Relative,
-                estimate: Estimate::given(known.water),
+                estimate: Estimate::given(known.water).into(),
             };
             let water = Water { name: "a.png".into(), sha256: None, file };
             let text = serde_json::to_string(&water.stored()).unwrap();
             let stored: StoredWater = serde_json::from_str(&text).unwrap();
-            let again = stored.restored::<Encoded>("m.jsonl".as_ref()).unwrap();
+            let again = stored.restored("m.jsonl".as_ref(), PixelEncoding::Encoded).unwrap();
             assert_eq!(again.file, water.file);
         }
     }

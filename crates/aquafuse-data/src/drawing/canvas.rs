@@ -51,7 +51,7 @@ pub(super) fn bitmap(
     Ok(Image::from_raw(width as usize, height as usize, samples)?)
 }
 
-/// An SVG of this size, drawn by `draw` on whatever the page's colour is. Its text stays text.
+/// An SVG of this size within a page of HTML, drawn by `draw` on whatever the page's colour is. Its text stays text.
 pub(super) fn svg(
     size: (u32, u32),
     draw: impl FnOnce(&Area<SVGBackend<'_>>) -> Result<(), DrawError>,
@@ -63,7 +63,8 @@ pub(super) fn svg(
         draw(&area)?;
         area.present()?;
     }
-    Ok(text)
+    // HTML knows the element by its name; without the address it is plain that a page asks for nothing.
+    Ok(text.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1))
 }
 
 /// Puts an image onto the area, pixel for pixel.

@@ -138,5 +138,6 @@ mod tests {
         for text in ["SSIM, β", "a &lt; b", "plain", "0.92"] {
             assert!(drawn.contains(&format!(">\n{text}\n</text>")), "{text} in {drawn}");
         }
+        assert!(drawn.starts_with("<svg width") && !drawn.contains("http"), "{drawn}");
     }
 }

@@ -1,8 +1,7 @@
 //! How good images look before and after, by scores that need no other image.
 
 use aquafuse::fusion::Options;
-use aquafuse::image::{Encoded, Encoding, Image};
-use aquafuse::waterbody::Estimate;
+use aquafuse::image::Image;
 use serde_json::{Value, json};
 
 use super::chance::Chance;
@@ -12,17 +11,17 @@ use super::statistics::summarise;
 use super::{EvaluateError, Failed, Listener, Member, Report};
 use crate::image_file::{Format, ImageFile};
 use crate::pipeline::Scores;
-use crate::pipeline::{DepthSource, analyse};
-use crate::pipeline::{Operation, Space};
+use crate::pipeline::{DepthSource, analyse_in};
+use crate::pipeline::{Operation, WaterEstimate};
 use crate::run::{Budget, Event, RunOptions};
 
 /// Images fused with clear water, and what other tools make of them, scored before and after.
 #[derive(Clone, Debug)]
-pub struct Enhancement<E: Encoding = Encoded> {
+pub struct Enhancement {
     /// The images.
-    pub image_files: Vec<Member>,
+    pub images: Vec<Member>,
     /// Clear water, per unit of the depth of `source`.
-    pub clear: Estimate<E>,
+    pub clear: WaterEstimate,
     /// How to fuse.
     pub options: Options,
     /// How to come by depth.
@@ -60,7 +59,7 @@ const ABOUT: &str = "UCIQE and UIQM, the colour (deviation of chroma) and contra
 /// The scores of an image: as it is, and by each method that made something of it.
 type Found = Vec<Option<[Option<f64>; 5]>>;
 
-impl<E: Space> Enhancement<E> {
+impl Enhancement {
     /// Runs the evaluation; what failed is listed in the report.
     ///
     /// # Errors
@@ -68,11 +67,11 @@ impl<E: Space> Enhancement<E> {
     /// [`EvaluateError`] when outputs of other tools cannot be told apart.
     pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         if !self.outputs.is_empty() {
-            refuse_ambiguous(&self.image_files)?;
+            refuse_ambiguous(&self.images)?;
         }
-        listener(Event::Started { total: self.image_files.len() });
+        listener(Event::Started { total: self.images.len() });
         let budget = self.run_options.budget();
-        let scored = self.run_options.map(&self.image_files, |member| {
+        let scored = self.run_options.map(&self.images, |member| {
             let (found, failed) = match self.score(member, &budget) {
                 Ok(scored) => scored,
                 Err(error) => (Vec::new(), vec![Failed::new(&member.name, &error)]),
@@ -100,14 +99,14 @@ impl<E: Space> Enhancement<E> {
 
     fn described(&self) -> Value {
         json!({
-            "encoding": E::NAME,
+            "encoding": self.clear.encoding().name(),
             "model": self.options.model.name(),
             "theta": self.options.incidence.degrees(),
             "alpha": self.options.gain.get(),
             "depth_model": self.source.name(),
             "water": self.water,
             "seed": self.seed,
-            "pictures": self.image_files.len(),
+            "pictures": self.images.len(),
         })
     }
 
@@ -119,12 +118,13 @@ impl<E: Space> Enhancement<E> {
     fn score(&self, member: &Member, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
         let opened = ImageFile::open(&member.path, &self.run_options.reading)?;
         let of_others = if self.outputs.is_empty() { 0 } else { outputs::BYTES_A_PIXEL };
-        let a_pixel = E::BYTES_A_PIXEL.max(of_others).saturating_add(SCORED).saturating_add(16);
+        let a_pixel =
+            self.clear.encoding().bytes_a_pixel().max(of_others).saturating_add(SCORED).saturating_add(16);
         let beside = opened.pixels().saturating_mul(a_pixel);
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
         let image_file = opened.decode()?;
         let (mut found, mut failed) = (vec![Some(values(&image_file.bytes()))], Vec::new());
-        let analysis = analyse::<E>(&image_file, &self.source)?;
+        let analysis = analyse_in(self.clear.encoding(), &image_file, &self.source)?;
         let operation = Operation::Fuse { reference: self.clear, options: self.options };
         let mut pixels = image_file.pixels.clone();
         operation.apply(&mut pixels, &analysis).expect("the depth map is this image's");
@@ -197,7 +197,7 @@ impl<E: Space> Enhancement<E> {
         Items {
             labels: vec!["picture", "method"],
             scores: SCORES.to_vec(),
-            rows: self.image_files.iter().zip(found).flat_map(of_image).collect(),
+            rows: self.images.iter().zip(found).flat_map(of_image).collect(),
         }
     }
 }

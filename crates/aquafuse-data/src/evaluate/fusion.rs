@@ -5,17 +5,16 @@ mod tables;
 
 use aquafuse::depth::DepthModel;
 use aquafuse::fusion::Options;
-use aquafuse::image::{Encoding, Image};
+use aquafuse::image::Image;
 use aquafuse::smooth::Smoothing;
-use aquafuse::waterbody::Estimate;
 
 use super::outputs::refuse_ambiguous;
 use super::{
     EvaluateError, Failed, Listener, Lpips, Member, Outputs, Pairing, Palette, Report, Rival, lpips, outputs,
 };
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::pipeline::{Analysis, DepthSource, analyse};
-use crate::pipeline::{Operation, Space};
+use crate::pipeline::{Analysis, DepthSource, analyse_in};
+use crate::pipeline::{Operation, PixelEncoding, WaterEstimate};
 use crate::run::{Budget, Event, RunOptions};
 use tables::Likeness;
 
@@ -47,6 +46,8 @@ pub struct Settings {
     pub options: Options,
     /// How to smooth what comes out.
     pub smoothing: Smoothing,
+    /// Which values to work on.
+    pub encoding: PixelEncoding,
 }
 
 /// A way to make an image of a content and a reference.
@@ -72,15 +73,15 @@ impl Method {
 }
 
 /// What is kept of a reference once it is read.
-struct Reference<E: Encoding> {
-    estimate: Estimate<E>,
+struct Reference {
+    estimate: WaterEstimate,
     palette: Option<Palette>,
 }
 
 /// A content in work.
-struct Content<E: Encoding> {
+struct Content {
     image: ImageFile,
-    found: Analysis<E>,
+    found: Analysis<WaterEstimate>,
     palette: Option<Palette>,
 }
 
@@ -98,19 +99,19 @@ const SCORED: u64 = 12;
 const RIVALS: u64 = 15;
 
 impl Fusion {
-    /// Runs the evaluation with waters of encoding `E`; what failed is listed in the report.
+    /// Runs the evaluation ; what failed is listed in the report.
     ///
     /// # Errors
     ///
     /// [`EvaluateError`] when no content has a reference, or outputs of other tools cannot be told apart.
-    pub fn run<E: Space>(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
+    pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         let pairs = self.pairs()?;
         let used = self.used(&pairs);
         let steps = pairs.iter().map(Vec::len).fold(used.len(), usize::saturating_add);
         listener(Event::Started { total: steps });
         let budget = self.run_options.budget();
         let mut failed = Vec::new();
-        let mut references: Vec<Option<Reference<E>>> = self.references.iter().map(|_| None).collect();
+        let mut references: Vec<Option<Reference>> = self.references.iter().map(|_| None).collect();
         let read = self.run_options.map(&used, |&place| {
             let member = self.references.get(place)?;
             Some(reported(listener, &member.name, self.read_reference(member, &budget)))
@@ -132,7 +133,7 @@ impl Fusion {
             failed.extend(errors);
         }
         let gallery = self.gallery(&results, &references, &budget);
-        Ok(self.report::<E>(&results, failed, gallery))
+        Ok(self.report(&results, failed, gallery))
     }
 
     fn pairs(&self) -> Result<Vec<Vec<usize>>, EvaluateError> {
@@ -161,11 +162,7 @@ impl Fusion {
         self.methods.iter().any(|method| matches!(method, Method::Rival(_)))
     }
 
-    fn read_reference<E: Space>(
-        &self,
-        member: &Member,
-        budget: &Budget,
-    ) -> Result<Reference<E>, EvaluateError> {
+    fn read_reference(&self, member: &Member, budget: &Budget) -> Result<Reference, EvaluateError> {
         let opened = ImageFile::open(&member.path, &self.run_options.reading)?;
         let _room = budget.reserve(opened.memory_until_written(Format::Png, 0)?);
         let image = opened.decode()?;
@@ -177,16 +174,16 @@ impl Fusion {
         self.has_rivals().then(|| Palette::of(&image.bytes()))
     }
 
-    fn analysed<E: Space>(&self, image: &ImageFile) -> Result<Analysis<E>, EvaluateError> {
-        Ok(analyse(image, &DepthSource::Estimated(self.settings.depth_model))?)
+    fn analysed(&self, image: &ImageFile) -> Result<Analysis<WaterEstimate>, EvaluateError> {
+        Ok(analyse_in(self.settings.encoding, image, &DepthSource::Estimated(self.settings.depth_model))?)
     }
 
     /// Makes and scores everything of one content, which is read once.
-    fn score_all<E: Space>(
+    fn score_all(
         &self,
         content: usize,
         pairs: &[Vec<usize>],
-        references: &[Option<Reference<E>>],
+        references: &[Option<Reference>],
         budget: &Budget,
         listener: Listener<'_>,
     ) -> (Vec<Scored>, Vec<Failed>) {
@@ -199,10 +196,10 @@ impl Fusion {
         }
         let opened = ImageFile::open(&member.path, &self.run_options.reading).map_err(EvaluateError::from);
         let room = opened.and_then(|opened| {
-            let beside = opened.pixels().saturating_mul(self.bytes_a_pixel::<E>());
+            let beside = opened.pixels().saturating_mul(self.bytes_a_pixel());
             Ok((budget.reserve(opened.memory_until_written(Format::Png, beside)?), opened))
         });
-        let read = room.and_then(|(room, opened)| Ok((room, self.read_content::<E>(opened.decode()?)?)));
+        let read = room.and_then(|(room, opened)| Ok((room, self.read_content(opened.decode()?)?)));
         let (_room, read) = match read {
             Ok((room, read)) => (room, read),
             Err(error) => {
@@ -237,7 +234,7 @@ impl Fusion {
         (results, failed)
     }
 
-    fn read_content<E: Space>(&self, image: ImageFile) -> Result<Content<E>, EvaluateError> {
+    fn read_content(&self, image: ImageFile) -> Result<Content, EvaluateError> {
         let found = self.analysed(&image)?;
         let palette = self.palette(&image);
         Ok(Content { image, found, palette })
@@ -256,13 +253,13 @@ impl Fusion {
     }
 
     /// The image that a method makes of a pair.
-    fn make<E: Space>(
+    fn make(
         &self,
         way: &Method,
         member: &Member,
         other: &Member,
-        content: &Content<E>,
-        reference: &Reference<E>,
+        content: &Content,
+        reference: &Reference,
     ) -> Result<Image<u8>, EvaluateError> {
         Ok(match way {
             Method::Aquafuse(_) => {
@@ -285,10 +282,10 @@ impl Fusion {
     }
 
     /// Bytes a pixel that work on a content takes beside its image.
-    fn bytes_a_pixel<E: Space>(&self) -> u64 {
+    fn bytes_a_pixel(&self) -> u64 {
         let of_method = |method: &Method| match method {
             // The fused image, and what linear light takes.
-            Method::Aquafuse(_) => E::BYTES_A_PIXEL.saturating_add(16),
+            Method::Aquafuse(_) => self.settings.encoding.bytes_a_pixel().saturating_add(16),
             Method::Rival(_) => RIVALS,
             Method::Outputs(_) => outputs::BYTES_A_PIXEL,
         };

@@ -1,16 +1,17 @@
-//! What an image tells about its depth and its water.
+//! Depth and water of one image, estimated.
 
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
-use aquafuse::image::{Encoded, Encoding};
+use aquafuse::image::{Encoded, Encoding, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
+use super::encoding::{PixelEncoding, Space, WaterEstimate};
 use crate::depth_file;
 use crate::files::{FileError, Step, count};
 use crate::image_file::ImageFile;
 
-/// How to come by an image's depth.
+/// How an image's depth is obtained.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DepthSource {
     /// From colour.
@@ -41,22 +42,29 @@ impl DepthSource {
     }
 }
 
-/// An image's depth and water, estimated.
+/// An image's depth and water, estimated. The estimate is of a type that says its encoding, or a [`WaterEstimate`],
+/// whose encoding is a value.
 #[derive(Clone, Debug)]
-pub struct Analysis<E: Encoding = Encoded> {
+pub struct Analysis<W = Estimate<Encoded>> {
     /// Depth from colour, or as supplied.
     pub depth: DepthMap,
-    /// The way it was come by.
+    /// How it was obtained.
     pub depth_source: DepthSource,
-    /// What is worth knowing about supplied depth, warnings among it; none for depth from colour.
+    /// What is known of supplied depth, with warnings; `None` for depth from colour.
     pub supplied: Option<SuppliedReport>,
     /// Its water, and how that was found.
-    pub estimate: Estimate<E>,
+    pub estimate: W,
 }
 
-/// Estimates depth and water of an image. Every command that needs either calls this.
-///
-/// The water is that of encoding `E`: of the values as the file holds them, or of the light behind them.
+impl From<Analysis> for Analysis<WaterEstimate> {
+    fn from(found: Analysis) -> Self {
+        let Analysis { depth, depth_source, supplied, estimate } = found;
+        Self { depth, depth_source, supplied, estimate: estimate.into() }
+    }
+}
+
+/// Estimates depth and water of an image, in the encoded values that its file holds. Every command that needs either
+/// calls this or [`analyse_in`].
 ///
 /// # Errors
 ///
@@ -66,9 +74,9 @@ pub struct Analysis<E: Encoding = Encoded> {
 ///
 /// ```
 /// use aquafuse::depth::SuppliedKind;
-/// use aquafuse::image::{Encoded, Image};
-/// use aquafuse_data::analysis::{DepthSource, analyse};
+/// use aquafuse::image::Image;
 /// use aquafuse_data::image_file::ImageFile;
+/// use aquafuse_data::pipeline::{DepthSource, analyse};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("z.pfm");
@@ -76,11 +84,38 @@ pub struct Analysis<E: Encoding = Encoded> {
 /// std::fs::write(&path, [&b"Pf 2 1 -1\n"[..], &distances.map(f32::to_le_bytes).concat()].concat())?;
 ///
 /// let image = ImageFile::new(Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
-/// let found = analyse::<Encoded>(&image, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
+/// let found = analyse(&image, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
 /// assert_eq!(found.depth.distances(), distances);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn analyse<E: Encoding>(image: &ImageFile, source: &DepthSource) -> Result<Analysis<E>, FileError> {
+pub fn analyse(image: &ImageFile, source: &DepthSource) -> Result<Analysis, FileError> {
+    analyse_typed(image, source)
+}
+
+/// As [`analyse`], with the encoding as a value: the water of encoded values, or of the light behind them.
+///
+/// # Errors
+///
+/// As [`analyse`].
+pub fn analyse_in(
+    encoding: PixelEncoding,
+    image: &ImageFile,
+    source: &DepthSource,
+) -> Result<Analysis<WaterEstimate>, FileError> {
+    fn wrapped<E: Space>(found: Analysis<Estimate<E>>) -> Analysis<WaterEstimate> {
+        let Analysis { depth, depth_source, supplied, estimate } = found;
+        Analysis { depth, depth_source, supplied, estimate: E::wrap(estimate) }
+    }
+    Ok(match encoding {
+        PixelEncoding::Encoded => wrapped::<Encoded>(analyse_typed(image, source)?),
+        PixelEncoding::Linear => wrapped::<Linear>(analyse_typed(image, source)?),
+    })
+}
+
+fn analyse_typed<E: Encoding>(
+    image: &ImageFile,
+    source: &DepthSource,
+) -> Result<Analysis<Estimate<E>>, FileError> {
     let top = image.top_edge();
     // Estimators count in 256 steps: what lies between is of no use to them.
     let bytes = image.bytes();

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use aquafuse::depth::DepthMap;
 use aquafuse::formation::form;
 use aquafuse::image::{Encoding, Image};
 use aquafuse::waterbody::{VeilingLight, Waterbody};
@@ -10,7 +11,7 @@ use crate::depth_file;
 use crate::files::FileError;
 use crate::image_file::{ImageFile, Pixels, WriteOptions};
 use crate::pipeline::Analysis;
-use crate::pipeline::{Operation, Space};
+use crate::pipeline::{Operation, WaterEstimate, with_estimate};
 
 /// What making them takes in bytes a pixel: a map in floats, and the image treated and not.
 pub(crate) const BYTES_A_PIXEL: u64 = 40;
@@ -29,34 +30,37 @@ pub(crate) fn paths(folder: &Path, input: &Path) -> [PathBuf; 4] {
 }
 
 /// Writes the maps of an image, replacing those of an earlier run.
-pub(crate) fn write<E: Space>(
+pub(crate) fn write(
     folder: &Path,
     input: &Path,
     image_file: &ImageFile,
-    found: &Analysis<E>,
-    operation: &Operation<E>,
+    found: &Analysis<WaterEstimate>,
+    operation: &Operation,
 ) -> Result<(), FileError> {
     let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
     let [depth, backscatter, illumination, change] = paths(folder, input);
     depth_file::write(&depth, &found.depth, &options)?;
     let write = |image: Image<u8>, path: &Path| ImageFile::new(image).write(path, &options);
-    let water = &found.estimate.water;
-    write(seen(0.0, found, water), &backscatter)?;
-    let without_veil = Waterbody { veiling_light: VeilingLight::new([0.0; 3]), ..*water };
-    write(seen(1.0, found, &without_veil), &illumination)?;
+    let [veil, light] = with_estimate!(&found.estimate, estimate => {
+        let water = &estimate.water;
+        let without_veil = Waterbody { veiling_light: VeilingLight::new([0.0; 3]), ..*water };
+        [seen(0.0, &found.depth, water), seen(1.0, &found.depth, &without_veil)]
+    });
+    write(veil, &backscatter)?;
+    write(light, &illumination)?;
     write(changed(image_file, found, operation), &change)
 }
 
 /// A clear image of one value everywhere, put into a water.
-fn seen<E: Encoding>(value: f32, found: &Analysis<E>, water: &Waterbody<E>) -> Image<u8> {
-    let (width, height) = found.depth.size();
+fn seen<E: Encoding>(value: f32, depth: &DepthMap, water: &Waterbody<E>) -> Image<u8> {
+    let (width, height) = depth.size();
     let flat = Image::<f32, E>::from_raw(width, height, [value; 3].repeat(width.saturating_mul(height)));
     let flat = flat.expect("a depth map has places");
-    form(&flat, &found.depth, water).expect("it was made for this depth map").to_encoded().to_samples()
+    form(&flat, depth, water).expect("it was made for this depth map").to_encoded().to_samples()
 }
 
 /// The difference that an operation makes, about mid grey.
-fn changed<E: Space>(image_file: &ImageFile, found: &Analysis<E>, operation: &Operation<E>) -> Image<u8> {
+fn changed(image_file: &ImageFile, found: &Analysis<WaterEstimate>, operation: &Operation) -> Image<u8> {
     let before = image_file.bytes().into_owned();
     let mut after = Pixels::from(before.clone());
     operation.apply(&mut after, found).expect("the depth map is this image's");

@@ -1,26 +1,50 @@
 //! What is done to an image: its water exchanged, or taken out.
 
+use aquafuse::depth::DepthMap;
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
 use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
-use aquafuse::image::{Encoded, Encoding, Image, Linear, Sample, SizeError};
+use aquafuse::image::{Encoding, Image, Sample, SizeError};
 use aquafuse::waterbody::Estimate;
 
+use super::encoding::{PixelEncoding, Space, WaterEstimate};
+use super::estimate::Analysis;
 use crate::image_file::Pixels;
-use crate::pipeline::Analysis;
 
-/// What is done to each image, in encoding `E`.
-#[derive(Clone, Debug)]
+/// What is done to each image.
+#[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one a run, and it is seldom moved")]
-pub enum Operation<E: Encoding = Encoded> {
-    /// It is seen in another water.
+pub enum Operation {
+    /// The image is seen in another water, in the encoding of that water.
     Fuse {
-        /// The reference's water, and what it is worth.
-        reference: Estimate<E>,
+        /// The reference's water, with its verdict.
+        reference: WaterEstimate,
         /// How to fuse.
         options: Options,
     },
-    /// It is seen as if through air.
-    Restore(RestoreOptions),
+    /// The image is seen as if through air.
+    Restore {
+        /// How to restore.
+        options: RestoreOptions,
+        /// Which values to work on.
+        encoding: PixelEncoding,
+    },
+}
+
+/// An operation cannot be applied to an analysis.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OperationError {
+    /// Image and depth map differ in size.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// The water of the operation is of another encoding than the analysis.
+    #[error("a water of {operation} values cannot meet an image that was analysed in {analysis} ones")]
+    Encodings {
+        /// That of the operation.
+        operation: PixelEncoding,
+        /// That of the analysis.
+        analysis: PixelEncoding,
+    },
 }
 
 /// What was done.
@@ -61,36 +85,78 @@ impl Limited {
     }
 }
 
-impl<E: Space> Operation<E> {
+impl Operation {
+    /// The encoding that it works in, and that an image must be analysed in.
+    pub fn encoding(&self) -> PixelEncoding {
+        match self {
+            Self::Fuse { reference, .. } => reference.encoding(),
+            Self::Restore { encoding, .. } => *encoding,
+        }
+    }
+
     /// Changes the pixels that `found` was estimated from.
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when pixels and depth map differ in size; the pixels are then unchanged.
-    pub fn apply(&self, pixels: &mut Pixels, found: &Analysis<E>) -> Result<Outcome, SizeError> {
+    /// [`OperationError`] when pixels and depth map differ in size, or operation and analysis in encoding; the pixels
+    /// are then unchanged.
+    pub fn apply(
+        &self,
+        pixels: &mut Pixels,
+        found: &Analysis<WaterEstimate>,
+    ) -> Result<Outcome, OperationError> {
         match pixels {
-            Pixels::Bytes(layers) => E::apply(&mut layers.image, found, self),
-            Pixels::Words(layers) => E::apply(&mut layers.image, found, self),
-            Pixels::Floats(layers) => E::apply(&mut layers.image, found, self),
+            Pixels::Bytes(layers) => self.change(&mut layers.image, found),
+            Pixels::Words(layers) => self.change(&mut layers.image, found),
+            Pixels::Floats(layers) => self.change(&mut layers.image, found),
         }
     }
 
-    /// Changes an image in the encoding of the water.
-    fn on<T: Sample>(&self, image: &mut Image<T, E>, found: &Analysis<E>) -> Result<Outcome, SizeError> {
+    /// Changes an image as its file holds it: encoded values in place, light decoded to floats and encoded again.
+    fn change<T: Sample>(
+        &self,
+        image: &mut Image<T>,
+        found: &Analysis<WaterEstimate>,
+    ) -> Result<Outcome, OperationError> {
+        match &found.estimate {
+            WaterEstimate::Encoded(own) => self.on(image, &found.depth, own),
+            WaterEstimate::Linear(own) => {
+                let mut light = image.to_linear();
+                let outcome = self.on(&mut light, &found.depth, own)?;
+                *image = light.to_encoded().to_samples();
+                Ok(outcome)
+            }
+        }
+    }
+
+    /// Changes an image in the encoding of its water.
+    fn on<T: Sample, E: Space>(
+        &self,
+        image: &mut Image<T, E>,
+        depth: &DepthMap,
+        own: &Estimate<E>,
+    ) -> Result<Outcome, OperationError> {
+        let (operation, analysis) = (self.encoding(), E::wrap(*own).encoding());
+        if operation != analysis {
+            return Err(OperationError::Encodings { operation, analysis });
+        }
         match self {
             Self::Fuse { reference, options } => {
-                let bounded = Bounded::new(&found.estimate, reference, *options);
+                let Some(reference) = E::estimate(reference) else {
+                    return Err(OperationError::Encodings { operation, analysis });
+                };
+                let bounded = Bounded::new(own, &reference, *options);
                 let hides = options.model == Model::Exchange;
                 let before = hides.then(|| deviation(image));
-                let clipping = fuse_mut(&mut *image, &found.depth, bounded.waters(), &bounded.options)?;
+                let clipping = fuse_mut(&mut *image, depth, bounded.waters(), &bounded.options)?;
                 let limited = Limited { fusion: bounded.bounds, ..Limited::default() };
                 // An image that had no contrast has lost none.
                 let left = before.map(|before| if before > 0.0 { deviation(image) / before } else { 1.0 });
                 Ok(Outcome { clipping, limited, contrast_left: left })
             }
-            Self::Restore(options) => {
-                let bounded = BoundedRestoration::new(&*image, &found.depth, &found.estimate, options)?;
-                let clipping = restore_mut(image, &found.depth, &bounded.water, &bounded.options)?;
+            Self::Restore { options, .. } => {
+                let bounded = BoundedRestoration::new(&*image, depth, own, options)?;
+                let clipping = restore_mut(image, depth, &bounded.water, &bounded.options)?;
                 let limited = Limited { restoration: bounded.bounds, ..Limited::default() };
                 Ok(Outcome { clipping, limited, contrast_left: None })
             }
@@ -99,7 +165,7 @@ impl<E: Space> Operation<E> {
 
     /// Bytes a pixel that it takes beside the image.
     pub(crate) fn bytes_a_pixel(&self) -> u64 {
-        E::BYTES_A_PIXEL
+        self.encoding().bytes_a_pixel()
     }
 }
 
@@ -114,59 +180,11 @@ fn deviation<T: Sample, E: Encoding>(image: &Image<T, E>) -> f64 {
     (squares / count - mean * mean).max(0.0).sqrt()
 }
 
-/// An encoding that images of files can be worked on in.
-pub trait Space: Encoding {
-    /// Changes an image as its file holds it.
-    ///
-    /// # Errors
-    ///
-    /// [`SizeError`] when image and depth map differ in size; the image is then unchanged.
-    fn apply<T: Sample>(
-        image: &mut Image<T>,
-        found: &Analysis<Self>,
-        operation: &Operation<Self>,
-    ) -> Result<Outcome, SizeError>;
-    /// Bytes a pixel that this takes beside the image.
-    const BYTES_A_PIXEL: u64;
-    /// The name in reports.
-    const NAME: &'static str;
-}
-
-impl Space for Encoded {
-    /// In place.
-    fn apply<T: Sample>(
-        image: &mut Image<T>,
-        found: &Analysis<Self>,
-        operation: &Operation<Self>,
-    ) -> Result<Outcome, SizeError> {
-        operation.on(image, found)
-    }
-    const BYTES_A_PIXEL: u64 = 0;
-    const NAME: &'static str = "encoded";
-}
-
-impl Space for Linear {
-    /// Decoded to floats, and encoded again.
-    fn apply<T: Sample>(
-        image: &mut Image<T>,
-        found: &Analysis<Self>,
-        operation: &Operation<Self>,
-    ) -> Result<Outcome, SizeError> {
-        let mut light = image.to_linear();
-        let outcome = operation.on(&mut light, found)?;
-        *image = light.to_encoded().to_samples();
-        Ok(outcome)
-    }
-    /// The light, the same encoded, and the samples.
-    const BYTES_A_PIXEL: u64 = 3 * (4 + 4 + 4);
-    const NAME: &'static str = "linear";
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::image_file::ImageFile;
-    use crate::pipeline::{DepthSource, analyse};
+    use crate::pipeline::{DepthSource, analyse, analyse_in};
     use aquafuse::fusion::{Gain, Incidence};
     use aquafuse::truth::{Scene, Size, waters};
     use aquafuse::waterbody::Attenuation;
@@ -178,10 +196,10 @@ mod tests {
         })
     }
 
-    fn fused<E: Space>(theta: f32) -> [Image<u8>; 2] {
+    fn fused(encoding: PixelEncoding, theta: f32) -> [Image<u8>; 2] {
         let [content, reference] = image_files();
-        let found = analyse::<E>(&content, &DepthSource::default()).unwrap();
-        let reference = analyse::<E>(&reference, &DepthSource::default()).unwrap().estimate;
+        let found = analyse_in(encoding, &content, &DepthSource::default()).unwrap();
+        let reference = analyse_in(encoding, &reference, &DepthSource::default()).unwrap().estimate;
         let options = Options {
             incidence: Incidence::from_degrees(theta).unwrap(),
             gain: Gain::new(1.0).unwrap(),
@@ -194,20 +212,33 @@ mod tests {
 
     #[test]
     fn at_ninety_degrees_linear_light_returns_every_byte() {
-        let [before, after] = fused::<Linear>(90.0);
+        let [before, after] = fused(PixelEncoding::Linear, 90.0);
         assert_eq!(before, after);
     }
 
     #[test]
     fn in_linear_light_the_fusion_is_another_one() {
-        let [[_, encoded], [before, linear]] = [fused::<Encoded>(0.0), fused::<Linear>(0.0)];
+        let [[_, encoded], [before, linear]] =
+            [fused(PixelEncoding::Encoded, 0.0), fused(PixelEncoding::Linear, 0.0)];
         assert!(linear != before && linear != encoded);
+    }
+
+    #[test]
+    fn a_water_of_linear_light_never_meets_encoded_values() {
+        let [content, reference] = image_files();
+        let found = analyse_in(PixelEncoding::Encoded, &content, &DepthSource::default()).unwrap();
+        let reference =
+            analyse_in(PixelEncoding::Linear, &reference, &DepthSource::default()).unwrap().estimate;
+        let mut pixels = content.pixels.clone();
+        let refused = Operation::Fuse { reference, options: Options::default() }.apply(&mut pixels, &found);
+        assert!(matches!(refused, Err(OperationError::Encodings { .. })), "{refused:?}");
+        assert_eq!(pixels.into_bytes(), content.pixels.into_bytes());
     }
 
     #[test]
     fn thick_water_hides_the_scene_and_says_so() {
         let [content, reference] = image_files();
-        let found = analyse::<Encoded>(&content, &DepthSource::default()).unwrap();
+        let found = analyse(&content, &DepthSource::default()).unwrap().into();
         let thick = |times: f32| {
             let mut reference = analyse(&reference, &DepthSource::default()).unwrap().estimate;
             let beta = reference.water.backscatter_coefficient.map(|beta| beta * times);
@@ -220,7 +251,7 @@ mod tests {
             reference.water.attenuation = [0, 1, 2].map(curve);
             let options = Options::for_model(Model::Exchange);
             let mut pixels = content.pixels.clone();
-            Operation::Fuse { reference, options }.apply(&mut pixels, &found).unwrap()
+            Operation::Fuse { reference: reference.into(), options }.apply(&mut pixels, &found).unwrap()
         };
         assert!(!thick(1.0).has_vanished(), "{:?}", thick(1.0));
         assert!(thick(60.0).has_vanished(), "{:?}", thick(60.0));
@@ -234,10 +265,13 @@ mod tests {
             depth: scene.depth.clone(),
             depth_source: DepthSource::default(),
             supplied: None,
-            estimate: Estimate::given(water),
+            estimate: WaterEstimate::from(Estimate::given(water)),
         };
         let mut pixels = Pixels::from(scene.seen_through(&water));
-        let outcome = Operation::Restore(RestoreOptions::default()).apply(&mut pixels, &found).unwrap();
+        let outcome =
+            Operation::Restore { options: RestoreOptions::default(), encoding: PixelEncoding::Encoded }
+                .apply(&mut pixels, &found)
+                .unwrap();
         assert!(!outcome.limited.any(), "{:?}", outcome.limited);
         let Pixels::Floats(restored) = pixels else { panic!("floats stay floats") };
         let most = RestoreOptions::default().max_gain[0];

@@ -21,7 +21,7 @@ fn scene() -> TempDir {
 
 fn recipe() -> Recipe {
     let reference = Estimate::given(waters()[1].water);
-    Recipe::new(Operation::Fuse { reference, options: Options::for_model(Model::Physical) })
+    Recipe::new(Operation::Fuse { reference: reference.into(), options: Options::for_model(Model::Physical) })
 }
 
 fn plan(folder: &TempDir, output: &str) -> Plan {

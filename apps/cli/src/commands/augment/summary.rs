@@ -6,7 +6,6 @@ use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{Augmentation, Multiplied, Plan};
 use aquafuse_data::dataset::Layout;
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::Space;
 use aquafuse_data::run::Summary;
 
 use crate::report::water::reasons;
@@ -33,7 +32,7 @@ impl Tally {
 }
 
 /// What a run would make.
-pub(super) fn planned<E: Space>(job: &Augmentation<E>, plan: &Plan, bad: usize) -> String {
+pub(super) fn planned(job: &Augmentation, plan: &Plan, bad: usize) -> String {
     let mut text = heading(job);
     let (images, variants) = (plan.files(), plan.variants());
     let kept = if job.recipe.keep_originals { ", and carry them over" } else { "" };
@@ -51,7 +50,7 @@ pub(super) fn planned<E: Space>(job: &Augmentation<E>, plan: &Plan, bad: usize) 
 }
 
 /// What a run has made.
-pub(super) fn of<E: Space>(job: &Augmentation<E>, tally: &Tally, ended: &Summary, bad: usize) -> String {
+pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize) -> String {
     let mut text = heading(job);
     let things = things(job.dataset.layout);
     if ended.skipped > 0 {
@@ -98,11 +97,11 @@ fn things(layout: Layout) -> &'static str {
     }
 }
 
-fn heading<E: Space>(job: &Augmentation<E>) -> String {
+fn heading(job: &Augmentation) -> String {
     let (layout, waters) = (job.dataset.layout.name(), job.recipe.waters.len());
     let mut text = format!("{}: layout {layout}, {waters} waters\n", display(&job.dataset.root));
     for water in &job.recipe.waters {
-        let quality = water.file.estimate.quality;
+        let quality = water.file.estimate.quality();
         if quality.verdict != Verdict::Good {
             let _ = writeln!(text, "  {}: {} ({})", quality.verdict.name(), water.name, reasons(quality));
         }

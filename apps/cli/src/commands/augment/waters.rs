@@ -9,7 +9,7 @@ use aquafuse_data::augment::{OnDoubtful, Water};
 use aquafuse_data::files::sha256;
 use aquafuse_data::files::{FileError, display};
 use aquafuse_data::image_file;
-use aquafuse_data::pipeline::Space;
+use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 
 use crate::args::common::Common;
@@ -42,14 +42,15 @@ pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
 }
 
 /// Reads a water, per unit of the images' depth.
-pub(super) fn read<E: Space>(
+pub(super) fn read(
     source: &WaterSource,
     arguments: &WaterArguments,
     model: DepthModel,
     kind: DepthKind,
+    encoding: PixelEncoding,
     common: &Common,
-) -> Result<Water<E>, Failure> {
-    let file: WaterFile<E> = arguments.read(source, model, &common.reading)?;
+) -> Result<Water, Failure> {
+    let file: WaterFile = arguments.read(source, model, encoding, &common.reading)?;
     let estimate = arguments.per(kind, &file)?;
     let digest = |path: &std::path::Path| {
         let failed = |error| FileError::Read { path: path.to_owned(), error };
@@ -61,13 +62,13 @@ pub(super) fn read<E: Space>(
 }
 
 /// The waters to draw from, after what is to be done about doubtful ones.
-pub(super) fn without_doubtful<E: Space>(waters: Vec<Water<E>>, how: &OnDoubtful<E>) -> Vec<Water<E>> {
-    let is_good = |water: &Water<E>| water.file.estimate.quality.verdict == Verdict::Good;
+pub(super) fn without_doubtful(waters: Vec<Water>, how: &OnDoubtful) -> Vec<Water> {
+    let is_good = |water: &Water| water.file.estimate.quality().verdict == Verdict::Good;
     match how {
         OnDoubtful::Flag => waters,
         OnDoubtful::Skip => waters.into_iter().filter(is_good).collect(),
         OnDoubtful::Instead(water) => {
-            let mut good: Vec<Water<E>> = Vec::new();
+            let mut good: Vec<Water> = Vec::new();
             for kept in waters.into_iter().map(|own| if is_good(&own) { own } else { (**water).clone() }) {
                 // One that stands for several is drawn no oftener for it.
                 if !good.iter().any(|other| other.name == kept.name) {

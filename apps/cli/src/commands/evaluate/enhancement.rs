@@ -3,13 +3,11 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::DepthKind;
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::evaluate::{Enhancement, GroupBy, Listener};
 use aquafuse_data::pipeline::DepthSource;
-use aquafuse_data::pipeline::Space;
 use clap::Args;
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::args::enhance::EnhanceSettings;
 use crate::args::evaluation::{Named, ReportArguments, named, outputs};
 use crate::args::water::WaterSource;
@@ -50,21 +48,15 @@ pub(crate) struct EnhancementArguments {
 
 impl EnhancementArguments {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let encoding = encoding(self.linear);
         self.report.check()?;
-        let image_files = GroupBy::Nothing.list(&self.images)?;
+        let images = GroupBy::Nothing.list(&self.images)?;
         let outputs = outputs(&self.method, &[])?;
         let depth_model = self.settings.depth_model();
         let water = WaterSource::parse(&self.clear)?;
-        let file = self.settings.waters.read::<E>(&water, depth_model, &common.reading)?;
+        let file = self.settings.waters.read(&water, depth_model, encoding, &common.reading)?;
         let enhancement = Enhancement {
-            image_files,
+            images,
             clear: self.settings.waters.per(DepthKind::Relative, &file)?,
             options: self.settings.options()?,
             source: DepthSource::Estimated(depth_model),

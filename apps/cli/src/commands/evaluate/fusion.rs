@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use aquafuse::fusion::Model;
-use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::evaluate::{Fusion, GroupBy, Listener, Method, Pairing, Rival, Settings};
 use clap::{Args, ValueEnum};
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::args::evaluation::{LpipsArguments, Named, ReportArguments, named, outputs};
 use crate::args::fusion::SettingsArgs;
 use crate::failure::Failure;
@@ -83,8 +82,8 @@ impl FusionArguments {
             Some(By::Folder) => GroupBy::Folder,
             Some(By::Prefix) => GroupBy::Prefix,
         };
-        let Settings { depth_model, options, smoothing } = self.settings.get();
-        let own = match options.model {
+        let settings = Settings { encoding: encoding(self.linear), ..self.settings.get() };
+        let own = match settings.options.model {
             _ if self.settings.is_as_published() => "AquaFuse as published".to_owned(),
             Model::Aquafuse => "AquaFuse".to_owned(),
             model => format!("AquaFuse {}", model.name()),
@@ -93,17 +92,17 @@ impl FusionArguments {
             contents: by.list(&self.contents)?,
             references: by.list(&self.references)?,
             pairing: Pairing { references: self.pairs.map(|pairs| pairs as usize), seed: self.seed },
-            settings: Settings { depth_model, options, smoothing },
+            settings,
             methods: self.methods(own)?,
             lpips: self.lpips.network()?,
             run_options: common.run_options(),
         };
         let published = published::tables(self.rivals || !self.method.is_empty()).map_err(Failure::work)?;
-        let evaluation = |listener: Listener<'_>| match self.linear {
-            true => fusion.run::<Linear>(listener),
-            false => fusion.run::<Encoded>(listener),
-        };
-        self.report.run(common, evaluation, |report| report.tables.extend(published))
+        self.report.run(
+            common,
+            |listener: Listener<'_>| fusion.run(listener),
+            |report| report.tables.extend(published),
+        )
     }
 
     fn methods(&self, own: String) -> Result<Vec<Method>, Failure> {

@@ -5,13 +5,11 @@ use std::str::FromStr;
 use anyhow::{anyhow, bail};
 use aquafuse::fusion::{Gain, Incidence, Options};
 use aquafuse::image::Image;
-use aquafuse::waterbody::Estimate;
 use aquafuse_data::batch::Item;
 use aquafuse_data::drawing::{Cell, contact_sheet};
 use aquafuse_data::files::{display, make_folder_of, remove_stale_parts};
 use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
-use aquafuse_data::pipeline::analyse;
-use aquafuse_data::pipeline::{Operation, Space};
+use aquafuse_data::pipeline::{Operation, WaterEstimate, analyse_in};
 
 use crate::args::batch::BatchArguments;
 use crate::args::common::Common;
@@ -76,10 +74,10 @@ impl Sweep {
     }
 
     /// Makes the strip.
-    pub(super) fn run<E: Space>(
+    pub(super) fn run(
         &self,
         items: &[Item],
-        reference: &Estimate<E>,
+        reference: &WaterEstimate,
         settings: &Settings,
         batch: &BatchArguments,
         common: &Common,
@@ -95,7 +93,7 @@ impl Sweep {
         let cells = 3_u64.saturating_mul(opened.pixels()).saturating_mul(steps.len() as u64 + 3);
         opened.memory_until_written(Format::written(&item.output).unwrap_or(Format::Png), cells)?;
         let content = opened.decode()?;
-        let found = analyse::<E>(&content, &item.depth)?;
+        let found = analyse_in(reference.encoding(), &content, &item.depth)?;
         let seen = |image_file: ImageFile| image_file.upright().pixels.into_bytes();
         let mut cells = vec![Cell { caption: "content".into(), image: Some(seen(content.clone())) }];
         for (caption, options) in steps {

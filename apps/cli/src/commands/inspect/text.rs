@@ -52,7 +52,7 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
     line("  mean, 5 %, 95 %", format!("{:.2} {:.2} {:.2}", depth.mean, depth.p05, depth.p95));
     line("veiling light B∞", format!("{r:.3} {g:.3} {b:.3} (red, green, blue)   {}", hex([r, g, b])));
     line("  nine in ten within", ranges(found.estimate.intervals.veiling_light, 3));
-    line("  read from", source(&found.estimate));
+    line("  read from", source((found.estimate.veiling_light_source, found.estimate.veiling_light_share)));
     line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
     line("  nine in ten within", ranges(found.estimate.intervals.backscatter_coefficient, 2));
     line("  at the far end, β_B z95", format!("{tau_r:.2} {tau_g:.2} {tau_b:.2}"));

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::DepthKind;
-use aquafuse::image::Encoded;
 use aquafuse_data::batch::Recipe;
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::Operation;
+use aquafuse_data::pipeline::{Operation, PixelEncoding};
 use aquafuse_scene::fuse::{FuseError, Fused, Plan, Request};
 use clap::Args;
 
@@ -45,11 +44,11 @@ pub(crate) struct Fuse {
 
 impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
-        let Settings { depth_model, options, smoothing } = self.settings.get();
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         let water = WaterSource::parse(&self.water)?;
         let (scene, output) = (&self.scene, &self.output);
         let plan = Plan::new(&Request { scene, output, depth_model, overwrite: self.overwrite })?;
-        let file = self.waters.read::<Encoded>(&water, depth_model, &common.reading)?;
+        let file = self.waters.read(&water, depth_model, PixelEncoding::Encoded, &common.reading)?;
         let reference = self.waters.per(DepthKind::Metres, &file)?;
         let recipe = Recipe { smoothing, ..Recipe::new(Operation::Fuse { reference, options }) };
 
@@ -67,7 +66,7 @@ impl Fuse {
             display(output),
             plan.items().len(),
             water.name(),
-            veiling_light(&shared.water),
+            veiling_light(&shared.water.into()),
             match shared.unit {
                 Some(unit) => format!("relative depth 1 is {unit:.2} units of the scene"),
                 None => "the scene has no points, so that depth has no unit".into(),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::{DepthKind, DepthModel};
-use aquafuse::image::Encoded;
+use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_scene::medium::Medium;
 use clap::Args;
 
@@ -28,7 +28,8 @@ impl LookedThrough {
             return Ok(Medium::Air);
         }
         let source = WaterSource::parse(said)?;
-        let mut file = self.waters.read::<Encoded>(&source, DepthModel::default(), &common.reading)?;
+        let mut file =
+            self.waters.read(&source, DepthModel::default(), PixelEncoding::Encoded, &common.reading)?;
         file.estimate = self.waters.per(DepthKind::Metres, &file)?;
         Ok(Medium::of_file(&file))
     }

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use aquafuse::depth::{DepthKind, DepthModel};
 use aquafuse::image::{Encoded, Linear};
 use aquafuse::waterbody::presets::{Assumptions, Conditions, Preset, Residual};
-use aquafuse_data::pipeline::Space;
+use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::water_file::{Numbers, WaterFile};
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::args::common::Common;
+use crate::args::common::{Common, encoding};
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
 use crate::report::output;
@@ -37,15 +37,9 @@ pub(super) struct Show {
 
 impl Show {
     pub(super) fn run(&self, common: &Common) -> Result<(), Failure> {
-        match self.linear {
-            true => self.run_in::<Linear>(common),
-            false => self.run_in::<Encoded>(common),
-        }
-    }
-
-    fn run_in<E: Space>(&self, common: &Common) -> Result<(), Failure> {
+        let encoding = encoding(self.linear);
         let source = WaterSource::parse(&self.water)?;
-        let file = self.waters.read::<E>(&source, DepthModel::default(), &common.reading)?;
+        let file = self.waters.read(&source, DepthModel::default(), encoding, &common.reading)?;
         match (&source, self.json) {
             (WaterSource::Preset(preset), true) => {
                 output::print(&format!("{:#}\n", preset_json(*preset, &self.waters.conditions()?)))
@@ -53,7 +47,10 @@ impl Show {
             (_, true) => output::print(&file.to_text()),
             (WaterSource::Preset(preset), false) => {
                 let conditions = self.waters.conditions()?;
-                let residual = preset.derive::<E>(&conditions).residual;
+                let residual = match encoding {
+                    PixelEncoding::Encoded => preset.derive::<Encoded>(&conditions).residual,
+                    PixelEncoding::Linear => preset.derive::<Linear>(&conditions).residual,
+                };
                 output::print(&(numbers(&file) + &basis(&preset.assumptions(&conditions), &residual)))
             }
             (_, false) => output::print(&numbers(&file)),
@@ -75,25 +72,28 @@ pub(super) fn preset_json(preset: Preset, conditions: &Conditions) -> Value {
     })
 }
 
-fn numbers<E: Space>(file: &WaterFile<E>) -> String {
-    let water = &file.estimate.water;
-    let ([r, g, b], [x, y, z]) = (water.veiling_light.rgb(), water.backscatter_coefficient);
+fn numbers(file: &WaterFile) -> String {
+    let Numbers { veiling_light: [r, g, b], backscatter_coefficient: [x, y, z], .. } =
+        Numbers::from(&file.estimate);
     let unit = if file.depth_kind == DepthKind::Metres { "metre" } else { "unit of relative depth" };
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<26}{value}");
     };
     line("water of", file.from.join(", "));
-    line("values", format!("{}, coefficients per {unit}", E::NAME));
-    line("veiling light B_inf", format!("{r:.3} {g:.3} {b:.3}   {}", hex([r, g, b].map(E::to_encoded))));
+    line("values", format!("{}, coefficients per {unit}", file.estimate.encoding()));
+    line(
+        "veiling light B_inf",
+        format!("{r:.3} {g:.3} {b:.3}   {}", hex(file.estimate.veiling_light_as_seen())),
+    );
     line("backscatter beta_B", format!("{x:.3} {y:.3} {z:.3}"));
     let places: &[f32] =
         if file.depth_kind == DepthKind::Metres { &[1.0, 5.0, 15.0] } else { &[0.2, 0.5, 1.0] };
     for &z in places {
-        let [r, g, b] = water.illumination(z);
+        let [r, g, b] = file.estimate.illumination(z);
         line(&format!("  light left at z = {z}"), format!("{r:.3} {g:.3} {b:.3}"));
     }
-    let quality = file.estimate.quality;
+    let quality = file.estimate.quality();
     if !quality.reasons.is_empty() {
         line("verdict", format!("{}: {}", quality.verdict.name(), reasons(quality)));
     }

@@ -14,9 +14,8 @@ use crate::dataset::{join, split};
 use crate::files::{FileError, one_line, write_atomically};
 use crate::files::{Hashed, hexadecimal};
 use crate::image_file::{ReadOptions, open_file};
-use crate::pipeline::Space;
 
-impl<E: Space> Maker<'_, E> {
+impl Maker<'_> {
     /// Reads a shard sample by sample, and writes each with its variants.
     pub(super) fn write_shard(
         &self,

@@ -17,7 +17,6 @@ use crate::dataset::{join, split, stem};
 use crate::files::{FileError, one_line, write_atomically};
 use crate::files::{Hashed, sha256_of};
 use crate::image_file::{Format, ReadOptions, open_file};
-use crate::pipeline::Space;
 
 /// Bytes of rows that are written as a group, so that no reader needs more.
 const GROUP: usize = 32 << 20;
@@ -46,7 +45,7 @@ impl Row {
     }
 }
 
-impl<E: Space> Maker<'_, E> {
+impl Maker<'_> {
     /// Reads a table row by row, and writes each with its variants.
     pub(super) fn write_table(
         &self,

@@ -120,7 +120,7 @@ fn tables_are_multiplied_row_by_row_and_keep_every_other_column() {
 
         let again = place.path().join("again");
         let only = Some("train-0.parquet/2");
-        let made = replay::<Encoded>(&out.join("manifest.jsonl"), &making(only, None, &again)).unwrap();
+        let made = replay(&out.join("manifest.jsonl"), &making(only, None, &again)).unwrap();
         assert_eq!((made.equal.len(), made.failed.len()), (3, 0));
         for (name, bytes) in files(&again) {
             assert!(after.iter().any(|row| row.0.as_ref() == Some(&name) && row.1.as_ref() == Some(&bytes)));

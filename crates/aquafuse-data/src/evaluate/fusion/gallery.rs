@@ -3,7 +3,6 @@
 use super::{Fusion, Reference, Scored};
 use crate::evaluate::report::{Strip, thumbnail};
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::pipeline::Space;
 use crate::run::Budget;
 
 /// Results shown at either end.
@@ -11,10 +10,10 @@ const SHOWN: usize = 3;
 
 impl Fusion {
     /// Strips of the pairs whose results by the first method have the highest and the lowest SSIM, one of a content.
-    pub(super) fn gallery<E: Space>(
+    pub(super) fn gallery(
         &self,
         results: &[Scored],
-        references: &[Option<Reference<E>>],
+        references: &[Option<Reference>],
         budget: &Budget,
     ) -> Vec<Strip> {
         let mut sorted: Vec<&Scored> = results.iter().filter(|one| one.method == 0).collect();
@@ -30,11 +29,11 @@ impl Fusion {
     }
 
     /// Content, reference and what each method makes of them; none where a file has gone meanwhile.
-    fn strip<E: Space>(
+    fn strip(
         &self,
         heading: &'static str,
         one: &Scored,
-        references: &[Option<Reference<E>>],
+        references: &[Option<Reference>],
         budget: &Budget,
     ) -> Option<Strip> {
         let (member, other) = (self.contents.get(one.content)?, self.references.get(one.reference)?);
@@ -44,9 +43,9 @@ impl Fusion {
         let seen = thumbnail(&shown.decode().ok()?.upright().pixels.into_bytes());
         drop(room);
         let opened = ImageFile::open(&member.path, &self.run_options.reading).ok()?;
-        let beside = opened.pixels().saturating_mul(self.bytes_a_pixel::<E>());
+        let beside = opened.pixels().saturating_mul(self.bytes_a_pixel());
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside).ok()?);
-        let content = self.read_content::<E>(opened.decode().ok()?).ok()?;
+        let content = self.read_content(opened.decode().ok()?).ok()?;
         let turn = content.image.metadata.orientation();
         let upright = |pixels: Pixels| thumbnail(&pixels.turned(turn).into_bytes());
         let mut images = vec![

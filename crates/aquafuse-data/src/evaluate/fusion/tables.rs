@@ -10,7 +10,6 @@ use crate::evaluate::chance::Chance;
 use crate::evaluate::report::{Cell, Items, ItemsRow, Report, Row, Score, Shown, Strip, Table};
 use crate::evaluate::statistics::summarise;
 use crate::evaluate::{Failed, Lpips, Method};
-use crate::pipeline::Space;
 
 /// The scores, in the order of [`Likeness::values`].
 const SCORES: [Score; 6] = [
@@ -65,12 +64,7 @@ impl Likeness {
 }
 
 impl Fusion {
-    pub(super) fn report<E: Space>(
-        &self,
-        results: &[Scored],
-        mut failed: Vec<Failed>,
-        gallery: Vec<Strip>,
-    ) -> Report {
+    pub(super) fn report(&self, results: &[Scored], mut failed: Vec<Failed>, gallery: Vec<Strip>) -> Report {
         failed.sort();
         // An image that is both content and reference fails as both.
         failed.dedup();
@@ -78,7 +72,7 @@ impl Fusion {
             command: "evaluate fusion",
             title: "Fused images beside their contents".into(),
             about: vec![ABOUT.into()],
-            settings: self.described::<E>(),
+            settings: self.described(),
             tables: vec![self.table(results)],
             items: self.items(results),
             failed,
@@ -86,10 +80,10 @@ impl Fusion {
         }
     }
 
-    fn described<E: Space>(&self) -> serde_json::Value {
+    fn described(&self) -> serde_json::Value {
         let Self { settings, pairing, .. } = self;
         json!({
-            "encoding": E::NAME,
+            "encoding": self.settings.encoding.name(),
             "model": settings.options.model.name(),
             "theta": settings.options.incidence.degrees(),
             "alpha": settings.options.gain.get(),

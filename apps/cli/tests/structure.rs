@@ -1,5 +1,7 @@
 //! How the command's source is laid out.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
 use std::path::{Path, PathBuf};
 
 fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -17,6 +17,7 @@
 //! | [`train`], [`training`] | images → splats, and the water between: steps in memory, and runs with resume |
 //! | [`model`] | splats and their medium on disk |
 //! | [`fuse`] | a scene → the same scene in another water, on the threads and in the memory of one run |
+//! | [`page`] | a model and cameras → one HTML page that shows it |
 //! | [`around`] | cameras and splats → new views: an orbit, from above |
 //! | [`compare`] | two scenes → how alike their images and surfaces are |
 //! | [`shared_water`] | images and points → one water for all images, in the scene's unit |
@@ -40,6 +41,7 @@ pub mod fuse;
 pub mod lens;
 pub mod medium;
 pub mod model;
+pub mod page;
 pub mod points;
 mod random;
 pub mod render;

@@ -246,7 +246,7 @@ impl<T: Scalar> Rendered<T> {
             .map(|(row, sums)| {
                 widest(Undraw {
                     source: self.source(row),
-                    drawn: self.rendering.strip(row),
+                    rendered: self.rendering.strip(row),
                     gradient: gradient.strip(row),
                     sums,
                 })

@@ -111,9 +111,9 @@ impl Trainer {
         let TrainView { camera, target } = &self.views[view];
         let degree = self.options.degree(self.state.step, self.state.splats.sh_degree());
         let medium = self.state.medium();
-        let drawn = render(&self.state.splats, degree, camera, &medium);
-        let (loss, of_rendering) = loss(&drawn.rendering, target, self.options.lambda);
-        let gradient = drawn.back(&self.state.splats, &medium, &of_rendering);
+        let rendered = render(&self.state.splats, degree, camera, &medium);
+        let (loss, of_rendering) = loss(&rendered.rendering, target, self.options.lambda);
+        let gradient = rendered.back(&self.state.splats, &medium, &of_rendering);
 
         self.state.density.note(&gradient, camera.width, camera.height);
         let rates = self.rates();

@@ -78,12 +78,12 @@ const RATIOS: [Score; 3] = [
 ];
 
 const ABOUT: [&str; 2] = [
-    "Views that training was not shown: what was trained on the originals beside their images, and what was trained on \
-     fused ones beside theirs. PSNR of all channels, SSIM of luma. Cells: the mean over views and, in brackets, where it \
-     lies in 95 of 100 resamplings of them.",
-    "SND is the mean angle between the normals of two surfaces, of 180 degrees, drawn from the distances that splats have \
-     in each view, where both are opaque; 1 − cos the mean of that. The floor is what two runs on the originals with \
-     other seeds differ by: what is no more than that is no fault of fusion.",
+    "Views that were held out of training: renderings of the model trained on the original images beside those images, and \
+     renderings of the models trained on fused images beside those. PSNR of all channels, SSIM of luma. Cells: the mean over \
+     views and, in brackets, its interval from 95 of 100 resamplings of them.",
+    "SND is the mean angle between the surface normals of two models, as a share of 180 degrees, from the distances that the \
+     splats have in each view, where both are opaque; 1 − cos is the mean of that. The floor is the difference between two \
+     runs on the original images with different seeds: a deviation up to the floor is not caused by fusion.",
 ];
 
 /// Seed of resampling: intervals are the same in every run.
@@ -132,15 +132,16 @@ impl Comparison {
         let mut scores: Vec<Vec<Scores>> = vec![Vec::new(); sides.len()];
         let mut gallery = Vec::new();
         for (view, one) in self.original.held_out.iter().enumerate() {
-            let drawn: Vec<Rendering<f32>> = sides.iter().map(|side| draw(side.model, &one.camera)).collect();
+            let rendered: Vec<Rendering<f32>> =
+                sides.iter().map(|side| rendering_of(side.model, &one.camera)).collect();
             for (place, side) in sides.iter().enumerate() {
-                let taken = &side.held_out[view];
-                let against = (place > 0).then(|| &drawn[0]);
-                scores[place].push(self.scores(taken, &drawn[place], against)?);
-                listener(Event::Done { item: &display(&taken.name).to_string(), result: () });
+                let held = &side.held_out[view];
+                let against = (place > 0).then(|| &rendered[0]);
+                scores[place].push(self.scores(held, &rendered[place], against)?);
+                listener(Event::Done { item: &display(&held.name).to_string(), result: () });
             }
             if view.is_multiple_of(self.original.held_out.len().div_ceil(STRIPS)) {
-                gallery.extend(strips(&sides, view, &drawn));
+                gallery.extend(strips(&sides, view, &rendered));
             }
         }
         gallery.extend(self.above(&sides));
@@ -174,28 +175,28 @@ impl Comparison {
 
     fn scores(
         &self,
-        taken: &View,
-        drawn: &Rendering<f32>,
+        held: &View,
+        rendered: &Rendering<f32>,
         against: Option<&Rendering<f32>>,
     ) -> Result<Scores, EvaluateError> {
-        let seen = image(drawn);
+        let seen = image(rendered);
         let lpips = match &self.lpips {
-            Some(network) => Some(network.distance(&seen.to_samples(), &taken.image.to_samples())?),
+            Some(network) => Some(network.distance(&seen.to_samples(), &held.image.to_samples())?),
             None => None,
         };
-        let deviation = against.map(|original| normal_deviation(&taken.camera, original, drawn));
+        let deviation = against.map(|original| normal_deviation(&held.camera, original, rendered));
         let deviation = deviation.filter(|found| found.pixels > 0);
         Ok([
-            psnr(&seen, &taken.image).ok(),
-            ssim(&seen, &taken.image).ok().flatten(),
+            psnr(&seen, &held.image).ok(),
+            ssim(&seen, &held.image).ok().flatten(),
             lpips,
             deviation.map(|found| 100.0 * found.angle),
             deviation.map(|found| found.cosine),
         ])
     }
 
-    /// Places of the scores that are taken: LPIPS where there is a network for it.
-    fn taken(&self) -> impl Iterator<Item = usize> + '_ {
+    /// Indices of the scores in the tables: LPIPS only with a network.
+    fn columns(&self) -> impl Iterator<Item = usize> + '_ {
         (0..SCORES.len()).filter(|&place| place != LPIPS || self.lpips.is_some())
     }
 
@@ -203,7 +204,7 @@ impl Comparison {
         let row = |(side, scores): (&Named<'_>, &Vec<Scores>)| Row {
             labels: vec![self.original.name.clone(), side.label.clone()],
             cells: self
-                .taken()
+                .columns()
                 .map(|place| mean(scores, place).map_or(Cell::Nothing, Cell::Summary))
                 .collect(),
         };
@@ -211,7 +212,7 @@ impl Comparison {
             name: "reconstruction",
             title: "Views held out, and surfaces".into(),
             labels: vec!["scene", "pictures"],
-            scores: self.taken().map(|place| SCORES[place]).collect(),
+            scores: self.columns().map(|place| SCORES[place]).collect(),
             rows: sides.iter().zip(scores).map(row).collect(),
         }
     }
@@ -253,12 +254,12 @@ impl Comparison {
         let rows = sides.iter().zip(scores).flat_map(|(side, scores)| {
             side.held_out.iter().zip(scores).map(|(one, scores)| ItemsRow {
                 labels: vec![self.original.name.clone(), side.label.clone(), display(&one.name).to_string()],
-                values: self.taken().map(|place| scores[place]).collect(),
+                values: self.columns().map(|place| scores[place]).collect(),
             })
         });
         Items {
             labels: vec!["scene", "pictures", "view"],
-            scores: self.taken().map(|place| SCORES[place]).collect(),
+            scores: self.columns().map(|place| SCORES[place]).collect(),
             rows: rows.collect(),
         }
     }
@@ -270,7 +271,7 @@ impl Comparison {
         let images = sides
             .iter()
             .map(|side| {
-                let seen = image(&draw(side.model, &camera));
+                let seen = image(&rendering_of(side.model, &camera));
                 (side.label.clone(), thumbnail(&seen.to_samples()))
             })
             .collect();
@@ -285,7 +286,7 @@ struct Named<'a> {
     model: &'a Model,
 }
 
-fn draw(model: &Model, camera: &Camera) -> Rendering<f32> {
+fn rendering_of(model: &Model, camera: &Camera) -> Rendering<f32> {
     render(&model.splats, MAX_SH_DEGREE, camera, &model.medium).rendering
 }
 
@@ -296,7 +297,7 @@ fn mean(scores: &[Scores], place: usize) -> Option<Summary> {
 }
 
 /// One view of every scene: its image, its rendering, and its surfaces.
-fn strips(sides: &[Named<'_>], view: usize, drawn: &[Rendering<f32>]) -> [Strip; 3] {
+fn strips(sides: &[Named<'_>], view: usize, rendered: &[Rendering<f32>]) -> [Strip; 3] {
     let name = |one: &View| display(&one.name).to_string();
     let camera = &sides[0].held_out[view].camera;
     let strip = |what: &str, of: &dyn Fn(usize) -> aquafuse::image::Image<f32>| Strip {
@@ -309,8 +310,10 @@ fn strips(sides: &[Named<'_>], view: usize, drawn: &[Rendering<f32>]) -> [Strip;
     };
     [
         strip("what the camera took", &|place| sides[place].held_out[view].image.clone()),
-        strip("what the splats show", &|place| image(&drawn[place])),
-        strip("their surfaces, coloured by the way they face", &|place| normals_shown(camera, &drawn[place])),
+        strip("what the splats show", &|place| image(&rendered[place])),
+        strip("their surfaces, coloured by the way they face", &|place| {
+            normals_shown(camera, &rendered[place])
+        }),
     ]
 }
 

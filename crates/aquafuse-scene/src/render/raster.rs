@@ -88,7 +88,7 @@ impl<T: Scalar> Work for Draw<'_, T> {
     fn run(self) {
         let rows = self.strip.transmittance.len() / self.source.width;
         for column in 0..self.source.tiles.across {
-            let tile = Canvas::drawn(&self.source, column, rows);
+            let tile = Canvas::rendered(&self.source, column, rows);
             let left = column * SIDE;
             let across = (self.source.width - left).min(SIDE);
             for y in 0..rows {
@@ -115,7 +115,7 @@ struct Canvas<T> {
 
 impl<T: Scalar> Canvas<T> {
     #[inline(always)]
-    fn drawn(source: &Source<'_, T>, column: usize, rows: usize) -> Self {
+    fn rendered(source: &Source<'_, T>, column: usize, rows: usize) -> Self {
         let mut canvas = Self {
             colour: [[[T::ZERO; SIDE]; SIDE]; 3],
             distance: [[T::ZERO; SIDE]; SIDE],
@@ -189,7 +189,7 @@ pub(crate) struct Planes<'a, T> {
 /// rendering needs to be kept.
 pub(crate) struct Undraw<'a, T> {
     pub(crate) source: Source<'a, T>,
-    pub(crate) drawn: Planes<'a, T>,
+    pub(crate) rendered: Planes<'a, T>,
     pub(crate) gradient: Planes<'a, T>,
     pub(crate) sums: &'a mut [Sums<T>],
 }
@@ -199,7 +199,7 @@ impl<T: Scalar> Work for Undraw<'_, T> {
 
     #[inline(always)]
     fn run(self) -> [T; 3] {
-        let rows = self.drawn.transmittance.len() / self.source.width;
+        let rows = self.rendered.transmittance.len() / self.source.width;
         let mut background = [T::ZERO; 3];
         let begin = self.source.tiles.row_range(self.source.row).start;
         for column in 0..self.source.tiles.across {
@@ -245,13 +245,13 @@ impl<T: Scalar> Light<T> {
         for y in 0..rows {
             for k in 0..(width - left).min(SIDE) {
                 let at = y * width + left + k;
-                let transmittance = undraw.drawn.transmittance[at];
-                let mut rest = undraw.gradient.distance[at] * undraw.drawn.distance[at]
+                let transmittance = undraw.rendered.transmittance[at];
+                let mut rest = undraw.gradient.distance[at] * undraw.rendered.distance[at]
                     + undraw.gradient.transmittance[at] * transmittance;
                 for c in 0..3 {
                     let of_colour = undraw.gradient.colour[c][at];
                     light.colour[c][y][k] = of_colour;
-                    rest += of_colour * undraw.drawn.colour[c][at];
+                    rest += of_colour * undraw.rendered.colour[c][at];
                     background[c] += of_colour * transmittance;
                 }
                 light.distance[y][k] = undraw.gradient.distance[at];

@@ -280,7 +280,7 @@ mod tests {
         (0..width * height).map(|_| [next(), next(), next()]).collect()
     }
 
-    fn drawn(width: usize, height: usize, pixels: &[[f32; 3]]) -> Rendering<f64> {
+    fn rendered(width: usize, height: usize, pixels: &[[f32; 3]]) -> Rendering<f64> {
         let mut rendering = Rendering::zeros(width, height);
         for c in 0..3 {
             rendering.colour[c] = pixels.iter().map(|pixel| f64::from(pixel[c])).collect();
@@ -291,7 +291,7 @@ mod tests {
     #[test]
     fn a_drawing_that_is_the_image_has_no_loss() {
         let pixels = image(23, 17, 1);
-        let (found, _) = loss(&drawn(23, 17, &pixels), &Target::new(23, 17, &pixels), 0.2);
+        let (found, _) = loss(&rendered(23, 17, &pixels), &Target::new(23, 17, &pixels), 0.2);
         assert!(found.total.abs() < 1e-12 && (found.ssim - 1.0).abs() < 1e-12, "{found:?}");
     }
 
@@ -299,7 +299,7 @@ mod tests {
     fn the_gradient_is_that_of_finite_differences() {
         let (width, height) = (19, 14);
         let target = Target::<f64>::new(width, height, &image(width, height, 2));
-        let mut rendering = drawn(width, height, &image(width, height, 3));
+        let mut rendering = rendered(width, height, &image(width, height, 3));
         let (_, gradient) = loss(&rendering, &target, 0.2);
         for i in (0..width * height).step_by(7) {
             for c in 0..3 {

@@ -216,7 +216,8 @@ impl<E: Space> WaterFile<E> {
             return Err(wrong("veiling_light_share lies between 0 and 1".into()));
         }
         let model = |name: String| {
-            DepthModel::from_name(&name)
+            name.parse::<DepthModel>()
+                .ok()
                 .ok_or_else(|| wrong(format!("there is no depth model {}", one_line(&name))))
         };
         let reasons = stored.quality.reasons.into_iter();

@@ -5,8 +5,7 @@ mod bound;
 pub use bound::{BoundedRestoration, RestoreBounds};
 
 use crate::depth::DepthMap;
-use crate::fusion::Clipping;
-use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError};
+use crate::image::{Clipping, Encoding, Image, ImageMut, ImageRef, Sample, SizeError};
 use crate::waterbody::Waterbody;
 
 /// Puts a scene into water: what a camera sees of a clear image through `water`.

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use crate::depth::{DepthMap, DepthModel};
-use crate::fusion::{self, Bounded, Bounds, Clipping, Gain, Incidence, Model, OptionError};
-use crate::image::{Image, ImageMut, ImageRef, Sample, SizeError, check_same_size};
+use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, Model, OptionError};
+use crate::image::{Clipping, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size};
 use crate::smooth::{self, Smoothing};
 use crate::waterbody::{self, Estimate, EstimateOptions, Scratch, Waterbody};
 

@@ -25,8 +25,13 @@ use shift::Shifts;
 
 use crate::bands;
 use crate::depth::{DepthMap, level_to_z};
-use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size, runs_mut};
+use crate::image::{
+    Encoding, Image, ImageMut, ImageRef, Kernels as _, Sample, SizeError, check_same_size, runs_mut,
+};
 use crate::waterbody::{DepthFactors, Waterbody};
+
+#[doc(no_inline)]
+pub use crate::image::Clipping;
 
 /// A fused image.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,23 +40,6 @@ pub struct Fused<T, E: Encoding> {
     pub image: Image<T, E>,
     /// What did not fit into the range.
     pub clipping: Clipping,
-}
-
-/// Values that left `[0, 1]` and were clipped.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Clipping {
-    /// Clipped values of red, green and blue.
-    pub values: [u64; 3],
-    /// Pixels in the image.
-    pub pixels: u64,
-}
-
-impl Clipping {
-    /// Share of all values that were clipped.
-    pub fn share(&self) -> f64 {
-        self.values.iter().sum::<u64>() as f64 / (3 * self.pixels.max(1)) as f64
-    }
 }
 
 /// The two waters of a fusion; exchanged, they would fuse the other way round.

@@ -14,6 +14,7 @@ use std::marker::PhantomData;
 
 pub use encoding::{Encoded, Encoding, Linear};
 pub use sample::Sample;
+pub(crate) use sample::kernels::Kernels;
 pub use top_edge::TopEdge;
 pub(crate) use view::runs_mut;
 pub use view::{ImageMut, ImageRef};
@@ -211,6 +212,23 @@ impl<E: Encoding> Image<f32, E> {
     /// Encodes light by the sRGB transfer function; undoes [`Image::to_linear`]. What is encoded stays as it is.
     pub fn to_encoded(&self) -> Image<f32, Encoded> {
         self.map(E::to_encoded)
+    }
+}
+
+/// Values that left `[0, 1]` and were clipped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Clipping {
+    /// Clipped values of red, green and blue.
+    pub values: [u64; 3],
+    /// Pixels in the image.
+    pub pixels: u64,
+}
+
+impl Clipping {
+    /// Share of all values that were clipped.
+    pub fn share(&self) -> f64 {
+        self.values.iter().sum::<u64>() as f64 / (3 * self.pixels.max(1)) as f64
     }
 }
 

@@ -65,7 +65,7 @@
 //!
 //! - `simd` (default): AVX2 where the processor has it, NEON on 64-bit Arm. Off, the crate has no unsafe code; no bit changes.
 //! - `threads` (default): several cores for large images, by bands of rows. Off, no thread is started; no bit changes.
-//! - `serde`: `Serialize` for the types that describe water and depth.
+//! - `serde`: `Serialize` and `Deserialize` for the types that describe water and depth; what is read is checked.
 //! - `image`: views of the crate `image`'s buffers (`RgbImage`, 16 bits, floats), and images for it.
 //! - `ndarray`: views of arrays of shape (height, width, 3).
 //!
@@ -95,6 +95,9 @@ pub mod fusion;
 pub mod image;
 mod integration;
 pub mod metrics;
+mod names;
+mod rank;
+#[doc(hidden)]
 pub mod simd;
 pub mod smooth;
 pub mod stream;
@@ -102,3 +105,4 @@ pub mod truth;
 pub mod waterbody;
 
 pub use fuser::Fuser;
+pub use names::NameError;

@@ -23,7 +23,7 @@ pub enum Smoothing {
 
 impl Smoothing {
     /// All ways, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::None, Self::Bilateral];
+    pub const ALL: &'static [Self] = &[Self::None, Self::Bilateral];
 
     /// The name used on the command line.
     pub fn name(self) -> &'static str {
@@ -31,11 +31,6 @@ impl Smoothing {
             Self::None => "none",
             Self::Bilateral => "bilateral",
         }
-    }
-
-    /// The way of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|way| way.name() == name)
     }
 
     /// The image, smoothed.
@@ -46,6 +41,8 @@ impl Smoothing {
         }
     }
 }
+
+crate::names::named!(Smoothing, "smoothing");
 
 /// Smooths an image but not its edges: each pixel becomes the mean of those within two pixels of it, weighted by
 /// `e^(-Δ² / 2σ²)` of how their colours differ.

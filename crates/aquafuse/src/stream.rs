@@ -129,8 +129,8 @@ mod tests {
 
     #[test]
     fn a_stream_is_its_fuser_and_that_its_steps_one_by_one_at_any_size() {
-        for model in Model::ALL {
-            for (i, depth_model) in DepthModel::ALL.into_iter().enumerate() {
+        for &model in Model::ALL {
+            for (i, depth_model) in DepthModel::ALL.iter().copied().enumerate() {
                 let (fusion, smoothing) = (fusion::Options::for_model(model), Smoothing::ALL[i % 2]);
                 let options = Options { depth_model, fusion, smoothing, ..Options::default() };
                 let fuser = Fuser::with_options(&image(2, 1, 96, 64), options).unwrap();

@@ -54,15 +54,27 @@ use veiling_light::Reading;
 /// # Ok::<(), aquafuse::waterbody::AttenuationError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Waterbody<E: Encoding = Encoded> {
     /// B∞, the colour of the water at infinity, in `[0, 1]`.
     pub veiling_light: VeilingLight<E>,
     /// β_B, how fast backscatter grows, per unit of z, >= 0.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "coefficients"))]
     pub backscatter_coefficient: [f32; 3],
     /// β_D(z), how fast the direct signal fades, per unit of z, >= 0.
     pub attenuation: [Attenuation; 3],
+}
+
+/// β_B of a file: 0 or more.
+#[cfg(feature = "serde")]
+fn coefficients<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<[f32; 3], D::Error> {
+    let beta = <[f32; 3] as serde::Deserialize>::deserialize(deserializer)?;
+    if beta.iter().all(|beta| beta.is_finite() && *beta >= 0.0) {
+        Ok(beta)
+    } else {
+        Err(serde::de::Error::custom(format!("backscatter_coefficient is {beta:?}, but is 0 or more")))
+    }
 }
 
 impl<E: Encoding> Waterbody<E> {

@@ -34,7 +34,7 @@ fn check(content: &Image<u8>, reference: &Image<u8>, depth: &DepthMap) {
     let other = estimate(reference, &z, &EstimateOptions::default()).unwrap();
     let own = estimate(content, depth, &EstimateOptions::default()).unwrap();
     let floats = content.to_unit();
-    for model in Model::ALL {
+    for &model in Model::ALL {
         for gain in [0.0, 1.0, 1e30] {
             let options = Options { gain: Gain::new(gain).unwrap(), ..Options::for_model(model) };
             let bounded = Bounded::new(&own, &other, options);

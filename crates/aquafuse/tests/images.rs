@@ -43,7 +43,7 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
     let waters = waters();
     let reference = picture(2, &waters[1]);
     let (_, reference_water) = estimated(&reference);
-    for model in Model::ALL {
+    for &model in Model::ALL {
         let fused = |content: &Image<u8>, options: &EstimateOptions| {
             let (z, water) = estimated_by(content, options);
             fuse(content, &z, Waters::new(&water, &reference_water), &Options::for_model(model))
@@ -105,7 +105,7 @@ fn an_image_fused_with_itself_or_at_ninety_degrees_is_the_image() {
     let waters = waters();
     let (content, reference) = (picture(1, &waters[0]), picture(2, &waters[2]));
     let ((z, water), (_, other)) = (estimated(&content), estimated(&reference));
-    for model in Model::ALL {
+    for &model in Model::ALL {
         let options = Options::for_model(model);
         assert_eq!(fuse(&content, &z, Waters::new(&water, &water), &options).unwrap().image, content);
         let options = Options { incidence: Incidence::from_degrees(90.0).unwrap(), ..options };
@@ -177,7 +177,7 @@ fn bytes_are_the_exact_fusion_rounded_once() {
     let scene = Scene::new(5, SIZE);
     let (own, other) = (waters[1].water, waters[0].water);
     let bytes: Image<u8> = scene.seen_through(&own).to_samples();
-    for model in Model::ALL {
+    for &model in Model::ALL {
         let options = Options::for_model(model);
         let exact = fuse(&bytes.to_samples::<f32>(), &scene.depth, Waters::new(&own, &other), &options)
             .unwrap()

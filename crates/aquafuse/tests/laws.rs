@@ -59,7 +59,7 @@ fn model() -> impl Strategy<Value = Model> {
 
 /// A model that adds to all pixels of one depth the same.
 fn shift_model() -> impl Strategy<Value = Model> {
-    let shifts: Vec<Model> = Model::ALL.into_iter().filter(|model| model.is_shift()).collect();
+    let shifts: Vec<Model> = Model::ALL.iter().copied().filter(|model| model.is_shift()).collect();
     prop::sample::select(shifts)
 }
 

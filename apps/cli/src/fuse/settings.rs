@@ -91,13 +91,13 @@ impl SettingsArgs {
 }
 
 pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
-    PossibleValuesParser::new(Model::ALL.map(Model::name))
-        .map(|name| Model::from_name(&name).unwrap_or_default())
+    PossibleValuesParser::new(Model::ALL.iter().map(|one| one.name()))
+        .map(|name| name.parse::<Model>().unwrap_or_default())
 }
 
 pub(crate) fn smoothing() -> impl TypedValueParser<Value = Smoothing> {
-    PossibleValuesParser::new(Smoothing::ALL.map(Smoothing::name))
-        .map(|name| Smoothing::from_name(&name).unwrap_or_default())
+    PossibleValuesParser::new(Smoothing::ALL.iter().map(|one| one.name()))
+        .map(|name| name.parse::<Smoothing>().unwrap_or_default())
 }
 
 pub(crate) fn incidence(text: &str) -> anyhow::Result<Incidence> {

@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
     let names: Vec<&str> = pairs.iter().map(|pair| pair.name.trim_start_matches("flsea_")).collect();
     println!("| depth | {} | mean by place |", names.join(" | "));
     println!("|---|{}---|", "---|".repeat(names.len()));
-    for model in DepthModel::ALL {
+    for &model in DepthModel::ALL {
         print_row(&format!("`{}`", model.name()), &pairs, |pair| Ok(pair.estimated(model)))?;
         if model == DepthModel::default() {
             for (target, name) in [(Target::Distances, "distances"), (Target::Order, "order")] {

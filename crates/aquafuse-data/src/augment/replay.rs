@@ -109,7 +109,7 @@ impl Header {
         }
         let settings = &self.settings;
         let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
-        let model = Model::from_name(&settings.model).ok_or_else(unknown)?;
+        let model = settings.model.parse().map_err(|_| unknown())?;
         let waters: Vec<Water<E>> =
             self.waters.iter().map(|water| water.restored(manifest)).collect::<Result<_, _>>()?;
         let instead = self.instead.as_ref().map(|water| water.restored(manifest)).transpose()?;
@@ -123,7 +123,7 @@ impl Header {
                 alpha: settings.alpha_range,
             },
             options: Options { max_gain: settings.most_gain, ..Options::for_model(model) },
-            smoothing: Smoothing::from_name(&settings.smooth).ok_or_else(unknown)?,
+            smoothing: settings.smooth.parse().map_err(|_| unknown())?,
             depth: settings.depth.plan().ok_or_else(unknown)?,
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
@@ -138,9 +138,9 @@ impl StoredDepth {
     fn plan(&self) -> Option<DepthPlan> {
         Some(match self {
             Self::Eq3(mu) => DepthPlan::Estimated(DepthModel::Eq3(Eq3::new(*mu).ok()?)),
-            Self::Model(name) => DepthPlan::Estimated(DepthModel::from_name(name)?),
+            Self::Model(name) => DepthPlan::Estimated(name.parse::<DepthModel>().ok()?),
             Self::Maps { folder, kind } => {
-                DepthPlan::Maps { folder: folder.into(), kind: SuppliedKind::from_name(kind)? }
+                DepthPlan::Maps { folder: folder.into(), kind: kind.parse::<SuppliedKind>().ok()? }
             }
         })
     }

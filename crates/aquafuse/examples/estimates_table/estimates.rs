@@ -136,7 +136,7 @@ fn verdicts(given: &[Found]) {
     );
     println!("\n| reason | scenes | of them clean |");
     println!("|---|---|---|");
-    for reason in Reason::ALL {
+    for &reason in Reason::ALL {
         let holding = |one: &&Found| one.reasons.contains(&reason);
         println!(
             "| {} | {} | {} |",

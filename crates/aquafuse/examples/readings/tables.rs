@@ -138,7 +138,7 @@ fn depth(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
 fn smoothing(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     header("last step");
     for model in SHIFTS {
-        for smoothing in Smoothing::ALL {
+        for &smoothing in Smoothing::ALL {
             let name = smoothing.name();
             row::<_, Encoded>(name, exchanges, &Reading { smoothing, ..Reading::ours(model) })?;
         }
@@ -182,7 +182,7 @@ fn light(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
 
 fn together(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     header("settings");
-    for model in Model::ALL {
+    for &model in Model::ALL {
         row::<_, Encoded>("our defaults", exchanges, &Reading::ours(model))?;
     }
     let published = Reading {

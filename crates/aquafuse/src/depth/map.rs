@@ -23,7 +23,7 @@ pub struct DepthMap {
 
 /// What the numbers of a [`DepthMap`] are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum DepthKind {
     /// In `[0, 1]`, without a unit and on its own scale in each image.

@@ -52,7 +52,8 @@ impl Default for DepthModel {
 
 impl DepthModel {
     /// All models with our coefficients, in the order of the table above.
-    pub const ALL: [Self; 5] = [Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
+    pub const ALL: &'static [Self] =
+        &[Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
 
     /// The name used on the command line and in reports; Eq. 3 with other coefficients than ours is `fitted`,
     /// which the command line calls by its file.
@@ -65,11 +66,6 @@ impl DepthModel {
             Self::UDepth => "udepth",
             Self::Layout => "layout",
         }
-    }
-
-    /// The model of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|model| model.name() == name)
     }
 
     /// Depth of an image whose first row is up: the model at each pixel, then the paper's 7x7 median.
@@ -182,10 +178,12 @@ impl DepthModel {
     }
 }
 
+crate::names::named!(DepthModel, "depth model");
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Image;
+    use crate::image::{Image, Kernels as _};
     use proptest::prelude::*;
 
     fn levels_of(model: DepthModel, pixels: &[[u8; 3]]) -> Vec<u8> {
@@ -194,7 +192,7 @@ mod tests {
     }
 
     fn model() -> impl Strategy<Value = DepthModel> {
-        let pixelwise = DepthModel::ALL.into_iter().filter(|model| model.tables().is_some());
+        let pixelwise = DepthModel::ALL.iter().copied().filter(|model| model.tables().is_some());
         prop::sample::select(pixelwise.collect::<Vec<_>>())
     }
 

@@ -48,7 +48,7 @@ pub struct SuppliedDepth {
 
 /// What is worth knowing about supplied depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SuppliedReport {
     /// What the values were declared to be.
     pub kind: SuppliedKind,

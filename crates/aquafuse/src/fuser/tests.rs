@@ -21,8 +21,8 @@ fn by_steps<T: Sample>(content: &Image<T>, depth: Option<&DepthMap>, fuser: &Fus
 }
 
 fn check<T: Sample>(content: &Image<T>, z: &DepthMap, reference: &Image<T>) {
-    for (model, smoothing) in Model::ALL.into_iter().zip(Smoothing::ALL.into_iter().cycle()) {
-        for depth_model in DepthModel::ALL {
+    for (model, smoothing) in Model::ALL.iter().copied().zip(Smoothing::ALL.iter().copied().cycle()) {
+        for &depth_model in DepthModel::ALL {
             let options = Options { depth_model, smoothing, ..Options::default() };
             let fuser = Fuser::with_options(reference, options).unwrap().model(model);
             let depth = depth_model.estimate(reference);

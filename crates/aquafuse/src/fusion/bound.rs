@@ -21,7 +21,7 @@ pub struct Bounded<E: Encoding> {
 
 /// Which safety bounds acted on a fusion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
     /// The reference's veil is glare: it was darkened to the brightest water, its red to its green or blue.
     pub glare: bool,
@@ -150,7 +150,7 @@ mod tests {
             estimate(BLUE, [9.0, 1.0, 1.0], Quality::default()),
             estimate([0.2, 0.5, 0.3], [1.0; 3], Quality::default()),
         );
-        for model in Model::ALL {
+        for &model in Model::ALL {
             let options = Options::for_model(model);
             let bounded = Bounded::new(&content, &reference, options);
             assert!(!bounded.bounds.any());

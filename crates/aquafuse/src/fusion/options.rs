@@ -2,7 +2,7 @@
 
 /// Which part of the backscatter is exchanged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum Model {
     /// The paper's: a veil over the middle distance, nothing at the camera nor in open water.
@@ -17,7 +17,7 @@ pub enum Model {
 
 impl Model {
     /// All models, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::Aquafuse, Self::Physical, Self::Exchange];
+    pub const ALL: &'static [Self] = &[Self::Aquafuse, Self::Physical, Self::Exchange];
 
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
@@ -28,11 +28,6 @@ impl Model {
         }
     }
 
-    /// The model of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|model| model.name() == name)
-    }
-
     /// Whether it adds the same to all pixels of one depth and channel; [`Model::Exchange`] also scales them.
     pub fn is_shift(self) -> bool {
         match self {
@@ -41,6 +36,8 @@ impl Model {
         }
     }
 }
+
+crate::names::named!(Model, "fusion model");
 
 /// How to fuse.
 #[derive(Clone, Copy, Debug, PartialEq)]

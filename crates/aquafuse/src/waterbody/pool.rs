@@ -102,7 +102,7 @@ fn weighted_median(mut values: Vec<(f32, f32)>) -> f32 {
 
 fn common_reasons<E: Encoding>(estimates: &[Estimate<E>]) -> Reasons {
     let mut common = Reasons::default();
-    for reason in Reason::ALL {
+    for &reason in Reason::ALL {
         let holding = estimates.iter().filter(|one| one.quality.reasons.contains(reason)).count();
         common.add_if(2 * holding > estimates.len(), reason);
     }

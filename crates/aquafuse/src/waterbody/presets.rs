@@ -53,7 +53,7 @@ use crate::image::{Encoded, Encoding};
 /// let ocean: Waterbody = Preset::I.water(&Conditions::default());
 /// let [r, g, b] = ocean.veiling_light.rgb();
 /// assert!(r < g && g < b);
-/// assert_eq!(Preset::from_name("jerlov-1C"), Some(Preset::Coastal1C));
+/// assert_eq!("jerlov-1C".parse::<Preset>().ok(), Some(Preset::Coastal1C));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
@@ -81,7 +81,7 @@ pub enum Preset {
 
 /// A preset's water and how closely it follows the sums over the spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Derived<E: Encoding = Encoded> {
     /// The water; coefficients per metre.
@@ -96,7 +96,7 @@ pub struct Derived<E: Encoding = Encoded> {
 
 /// How far fitted curves are off at worst, per channel, as values of the encoding in `[0, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Residual {
     /// Of the backscatter B(z).
     pub backscatter: [f32; 3],
@@ -108,7 +108,7 @@ pub struct Residual {
 
 impl Preset {
     /// All types: the ocean from clear to turbid, then the coast.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: &'static [Self] = &[
         Self::I,
         Self::IA,
         Self::IB,
@@ -135,11 +135,6 @@ impl Preset {
             Self::Coastal7C => "jerlov-7C",
             Self::Coastal9C => "jerlov-9C",
         }
-    }
-
-    /// The preset of this name, in capitals or not; none if there is no such preset.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|preset| preset.name().eq_ignore_ascii_case(name))
     }
 
     /// The water as a camera sees it; coefficients per metre.
@@ -193,3 +188,5 @@ impl Preset {
         tables::of(self as usize)
     }
 }
+
+crate::names::named!(Preset, "water preset", str::eq_ignore_ascii_case);

@@ -43,12 +43,12 @@ impl Way {
     }
 
     /// What each model makes of an exchange, at full strength.
-    pub(super) fn all_models<E: Encoding>(&self, exchange: &Exchange<E>) -> [Found; 3] {
+    pub(super) fn all_models<E: Encoding>(&self, exchange: &Exchange<E>) -> Vec<Found> {
         let z = self.depth(&exchange.content);
         let (own, other) = (self.water(&exchange.content), self.water(&exchange.reference));
-        Model::ALL.map(|model| {
+        let of = |model: &Model| {
             let incidence = Incidence::from_degrees(0.0).expect("in range");
-            let options = Options { incidence, ..Options::for_model(model) };
+            let options = Options { incidence, ..Options::for_model(*model) };
             let law = match (&own, &other) {
                 (Some(own), Some(other)) if self.is_papers() => {
                     Law::new(Waters::new(&own.water, &other.water), &options)
@@ -64,7 +64,8 @@ impl Way {
             };
             let distances = z.distances();
             Found::of(exchange, |i, pixel| law.at(distances[i]).of(pixel))
-        })
+        };
+        Model::ALL.iter().map(of).collect()
     }
 
     fn depth<E: Encoding>(&self, case: &Case<E>) -> DepthMap {

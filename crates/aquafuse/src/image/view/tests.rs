@@ -120,7 +120,7 @@ fn check_physics<T: Filler, E: Encoding>(image: &Image<T, E>, water: &Waterbody<
     let other = Waterbody { veiling_light: waterbody::VeilingLight::new([0.3, 0.5, 0.2]), ..*water };
     let target = picture::<T, E>(width, height, 99);
     for z in &depths(width, height) {
-        for model in Model::ALL {
+        for &model in Model::ALL {
             let (waters, options) = (Waters::new(water, &other), Options::for_model(model));
             let fused = fusion::fuse(image, z, waters, &options).unwrap();
             assert_eq!(fusion::fuse(padded().view(), z, waters, &options).unwrap(), fused);
@@ -160,7 +160,7 @@ fn check_physics<T: Filler, E: Encoding>(image: &Image<T, E>, water: &Waterbody<
 fn check_colours<T: Filler>(image: &Image<T>, padding: usize) {
     let padded = Padded::of(image, padding);
     let view = padded.view();
-    for model in DepthModel::ALL {
+    for &model in DepthModel::ALL {
         assert_eq!(model.estimate(view), model.estimate(image));
         assert_eq!(model.estimate_seen(view, TopEdge::Left), model.estimate_seen(image, TopEdge::Left));
         assert_eq!(model.estimate_unfiltered(view), model.estimate_unfiltered(image));
@@ -207,7 +207,7 @@ fn check_bytes(image: &Image<u8>, padding: usize) {
     let supplied = Supplied::new(width, height, values, SuppliedKind::Metres).unwrap();
     assert_eq!(supplied.seen_with(view, TopEdge::Last), supplied.seen_with(image, TopEdge::Last));
     for smoothing in smooth::Smoothing::ALL {
-        let mut stream = Stream::new(Fuser::from(waters()[1].water).smoothing(smoothing));
+        let mut stream = Stream::new(Fuser::from(waters()[1].water).smoothing(*smoothing));
         let mut fused = image.clone();
         let report = stream.fuse_mut(&mut fused).unwrap();
         let in_place = Padded::of(image, padding).after(|view| stream.fuse_mut(view).unwrap());

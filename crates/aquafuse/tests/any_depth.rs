@@ -53,7 +53,7 @@ proptest! {
     fn any_supplied_depth_gives_finite_pixels_or_a_named_error(
         [content, reference] in images(),
         values in prop::collection::vec(distance(), PIXELS),
-        kind in prop::sample::select(&SuppliedKind::ALL[..]),
+        kind in prop::sample::select(SuppliedKind::ALL),
     ) {
         let supplied = Supplied::new(SIZE.0, SIZE.1, values, kind).unwrap();
         match supplied.seen_with(&content, TopEdge::First) {
@@ -65,7 +65,7 @@ proptest! {
     #[test]
     fn any_depth_from_colour_gives_finite_pixels(
         [content, reference] in images(),
-        model in prop::sample::select(&DepthModel::ALL[..]),
+        model in prop::sample::select(DepthModel::ALL),
     ) {
         check(&content, &reference, &model.estimate(&content));
         let fine = content.to_samples::<u16>();

@@ -54,7 +54,7 @@ fn depth_factors() -> impl Strategy<Value = DepthFactors> {
 }
 
 fn model() -> impl Strategy<Value = Model> {
-    prop::sample::select(&Model::ALL[..])
+    prop::sample::select(Model::ALL)
 }
 
 /// A model that adds to all pixels of one depth the same.

@@ -13,7 +13,7 @@ use proptest::prelude::*;
 const OCEAN: [Preset; 5] = [Preset::I, Preset::IA, Preset::IB, Preset::II, Preset::III];
 
 fn preset() -> impl Strategy<Value = Preset> {
-    prop::sample::select(&Preset::ALL[..])
+    prop::sample::select(Preset::ALL)
 }
 
 fn white() -> impl Strategy<Value = White> {

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::{DepthModel, Eq3, SuppliedKind};
-use aquafuse::fusion::{Model, Options};
-use aquafuse::smooth::Smoothing;
+use aquafuse::fusion::Options;
 
 use super::header::{Header, StoredDepth};
 use super::line::Variant;

@@ -21,7 +21,7 @@ fn seen(values: Vec<f32>, kind: SuppliedKind) -> Result<SuppliedDepth, SuppliedE
 }
 
 fn kind() -> impl Strategy<Value = SuppliedKind> {
-    prop::sample::select(&SuppliedKind::ALL[..])
+    prop::sample::select(SuppliedKind::ALL)
 }
 
 /// Values that any file may hold, valid or not.

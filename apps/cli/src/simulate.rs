@@ -98,9 +98,9 @@ impl Simulate {
         let clear = Image::<f32, E>::from_raw(width, height, clear).map_err(Failure::work)?;
         let formed = form(&clear, &found.depth, &seen_through).map_err(Failure::work)?.to_encoded();
         match &mut image_file.pixels {
-            Pixels::Bytes(layers) => layers.image = formed.to_samples(),
-            Pixels::Words(layers) => layers.image = formed.to_samples(),
-            Pixels::Floats(layers) => layers.image = formed.to_samples(),
+            Pixels::Bytes(layers) => layers.image = formed.convert(),
+            Pixels::Words(layers) => layers.image = formed.convert(),
+            Pixels::Floats(layers) => layers.image = formed.convert(),
         }
         remove_stale_parts(output::make_folder_of(&self.output)?);
         image_file.write(&self.output, &WriteOptions { overwrite: self.overwrite, quality: self.quality })?;

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match words[..] {
         ["make", file, width, height] => {
             let scene = Scene::new(1, Size { width: width.parse()?, height: height.parse()? });
-            let seen = scene.seen_through(&waters()[0].water).to_samples::<u8>();
+            let seen = scene.seen_through(&waters()[0].water).convert::<u8>();
             Ok(ImageFile::new(seen).write(Path::new(file), &WriteOptions::default())?)
         }
         ["copy", folder, out] => copy(Path::new(folder), Path::new(out)),
@@ -38,7 +38,7 @@ fn copy(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
 
 fn memory(file: &Path) -> Result<(), Box<dyn Error>> {
     // A small image's water: what is measured is the frame.
-    let small = Scene::new(2, Size { width: 96, height: 64 }).seen_through(&waters()[1].water).to_samples();
+    let small = Scene::new(2, Size { width: 96, height: 64 }).seen_through(&waters()[1].water).convert();
     let reference = waterbody::estimate(&small, &depth::estimate(&small), &Default::default())?;
     let Pixels::Bytes(mut frame) = ImageFile::read(file)?.pixels else {
         return Err("give an image of bytes".into());

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
-use aquafuse::image::{Encoded, Encoding, SizeError};
+use aquafuse::image::{Encoded, Encoding, ImageError};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use crate::depth_file;
@@ -108,8 +108,8 @@ pub fn analyse<E: Encoding>(image: &ImageFile, source: &DepthSource) -> Result<A
 ///
 /// # Errors
 ///
-/// [`SizeError`] when it is another image, of another size.
-pub fn evidence(image: &ImageFile, found: &Analysis) -> Result<Evidence, SizeError> {
+/// [`ImageError`] when it is another image, of another size.
+pub fn evidence(image: &ImageFile, found: &Analysis) -> Result<Evidence, ImageError> {
     waterbody::evidence::<Encoded>(&image.bytes(), &found.depth, &options(image))
 }
 

@@ -51,7 +51,7 @@ fn seen<E: Encoding>(value: f32, found: &Analysis<E>, water: &Waterbody<E>) -> I
     let (width, height) = found.depth.size();
     let flat = Image::<f32, E>::from_raw(width, height, [value; 3].repeat(width.saturating_mul(height)));
     let flat = flat.expect("a depth map has places");
-    form(&flat, &found.depth, water).expect("it was made for this depth map").to_encoded().to_samples()
+    form(&flat, &found.depth, water).expect("it was made for this depth map").to_encoded().convert()
 }
 
 /// The difference that a treatment makes, about mid grey.

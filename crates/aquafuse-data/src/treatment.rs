@@ -2,7 +2,7 @@
 
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
 use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
-use aquafuse::image::{Encoded, Encoding, Image, Linear, Sample, SizeError};
+use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear, Sample};
 use aquafuse::waterbody::Estimate;
 
 use crate::analysis::Analysis;
@@ -66,8 +66,8 @@ impl<E: Space> Treatment<E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when pixels and depth map differ in size; the pixels are then unchanged.
-    pub fn apply(&self, pixels: &mut Pixels, found: &Analysis<E>) -> Result<Treated, SizeError> {
+    /// [`ImageError`] when pixels and depth map differ in size; the pixels are then unchanged.
+    pub fn apply(&self, pixels: &mut Pixels, found: &Analysis<E>) -> Result<Treated, ImageError> {
         match pixels {
             Pixels::Bytes(layers) => E::apply(&mut layers.image, found, self),
             Pixels::Words(layers) => E::apply(&mut layers.image, found, self),
@@ -76,7 +76,7 @@ impl<E: Space> Treatment<E> {
     }
 
     /// Treats an image in the encoding of the water.
-    fn on<T: Sample>(&self, image: &mut Image<T, E>, found: &Analysis<E>) -> Result<Treated, SizeError> {
+    fn on<T: Sample>(&self, image: &mut Image<T, E>, found: &Analysis<E>) -> Result<Treated, ImageError> {
         match self {
             Self::Fuse { reference, options } => {
                 let bounded = Bounded::new(&found.estimate, reference, *options);
@@ -120,12 +120,12 @@ pub trait Space: Encoding {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when image and depth map differ in size; the image is then unchanged.
+    /// [`ImageError`] when image and depth map differ in size; the image is then unchanged.
     fn apply<T: Sample>(
         image: &mut Image<T>,
         found: &Analysis<Self>,
         treatment: &Treatment<Self>,
-    ) -> Result<Treated, SizeError>;
+    ) -> Result<Treated, ImageError>;
     /// Bytes a pixel that this takes beside the image.
     const BYTES_A_PIXEL: u64;
     /// The name in reports.
@@ -138,7 +138,7 @@ impl Space for Encoded {
         image: &mut Image<T>,
         found: &Analysis<Self>,
         treatment: &Treatment<Self>,
-    ) -> Result<Treated, SizeError> {
+    ) -> Result<Treated, ImageError> {
         treatment.on(image, found)
     }
     const BYTES_A_PIXEL: u64 = 0;
@@ -151,10 +151,10 @@ impl Space for Linear {
         image: &mut Image<T>,
         found: &Analysis<Self>,
         treatment: &Treatment<Self>,
-    ) -> Result<Treated, SizeError> {
+    ) -> Result<Treated, ImageError> {
         let mut light = image.to_linear();
         let treated = treatment.on(&mut light, found)?;
-        *image = light.to_encoded().to_samples();
+        *image = light.to_encoded().convert();
         Ok(treated)
     }
     /// The light, the same encoded, and the samples.
@@ -174,7 +174,7 @@ mod tests {
     fn image_files() -> [ImageFile; 2] {
         [0, 1].map(|i| {
             let scene = Scene::new(i as u64, Size { width: 64, height: 48 });
-            ImageFile::new(scene.seen_through(&waters()[i].water).to_samples::<u8>())
+            ImageFile::new(scene.seen_through(&waters()[i].water).convert::<u8>())
         })
     }
 

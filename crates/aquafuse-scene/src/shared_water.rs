@@ -4,7 +4,7 @@
 //! distances of all images are of one unit, and so are the waters estimated from them, which are then pooled.
 
 use aquafuse::depth::{DepthKind, DepthMap};
-use aquafuse::image::{Encoded, SizeError};
+use aquafuse::image::{Encoded, ImageError};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions};
 use aquafuse_data::image_file::ImageFile;
 
@@ -57,8 +57,8 @@ pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth differ in size.
-pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, SizeError> {
+/// [`ImageError`] when image and depth differ in size.
+pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, ImageError> {
     let options = EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() };
     waterbody::estimate(&image.bytes(), depth, &options)
 }

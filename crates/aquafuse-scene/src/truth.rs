@@ -151,7 +151,7 @@ pub fn write(
     let mut taken = Vec::with_capacity(views.len());
     for (number, (view, image_file)) in views.iter().zip(image_files).enumerate() {
         let name = PathBuf::from(format!("view_{number:03}.png"));
-        ImageFile::new(image_file.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
+        ImageFile::new(image_file.convert::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
         taken.push(Taken { name, lens: Lens { camera: view.camera.clone(), distortion: [0.0; 4] } });
     }
     write_cameras(&model, &Cameras { taken, points, model: PathBuf::new() }, false)

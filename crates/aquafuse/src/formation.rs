@@ -5,7 +5,7 @@ mod bound;
 pub use bound::{BoundedRestoration, RestoreBounds};
 
 use crate::depth::DepthMap;
-use crate::image::{Clipping, Encoding, Image, ImageMut, ImageRef, Sample, SizeError};
+use crate::image::{Clipping, Encoding, Image, ImageError, ImageMut, ImageRef, Sample};
 use crate::waterbody::Waterbody;
 
 /// Puts a scene into water: what a camera sees of a clear image through `water`.
@@ -16,7 +16,7 @@ use crate::waterbody::Waterbody;
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size.
+/// [`ImageError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -41,7 +41,7 @@ pub fn form<'a, T: Sample, E: Encoding>(
     clear: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     water: &Waterbody<E>,
-) -> Result<Image<f32, E>, SizeError> {
+) -> Result<Image<f32, E>, ImageError> {
     let clear = clear.into();
     depth.check_fits(clear.size())?;
     let mut seen = clear.to_unit();
@@ -78,7 +78,7 @@ impl Default for RestoreOptions {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size.
+/// [`ImageError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -102,7 +102,7 @@ pub fn restore<'a, T: Sample, E: Encoding>(
     depth: &DepthMap,
     water: &Waterbody<E>,
     options: &RestoreOptions,
-) -> Result<Image<f32, E>, SizeError> {
+) -> Result<Image<f32, E>, ImageError> {
     let image = image.into();
     depth.check_fits(image.size())?;
     let mut clear = image.to_unit();
@@ -119,13 +119,13 @@ pub fn restore<'a, T: Sample, E: Encoding>(
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size; the image is then unchanged.
+/// [`ImageError`] when image and depth map differ in size; the image is then unchanged.
 pub fn restore_mut<'a, T: Sample, E: Encoding>(
     image: impl Into<ImageMut<'a, T, E>>,
     depth: &DepthMap,
     water: &Waterbody<E>,
     options: &RestoreOptions,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     let image = image.into();
     depth.check_fits(image.size())?;
     let count = image.width() as u64 * image.height() as u64;

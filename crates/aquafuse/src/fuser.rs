@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::depth::{DepthMap, DepthModel};
 use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, Model, OptionError};
-use crate::image::{Clipping, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size};
+use crate::image::{Clipping, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size};
 use crate::smooth::{self, Smoothing};
 use crate::waterbody::{self, Estimate, EstimateOptions, Scratch, Waterbody};
 
@@ -87,11 +87,11 @@ impl Fuser<'static> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when `reference` is no image: a foreign one without pixels, for example.
-    pub fn new<'a, T: Sample, I>(reference: I) -> Result<Self, SizeError>
+    /// [`ImageError`] when `reference` is no image: a foreign one without pixels, for example.
+    pub fn new<'a, T: Sample, I>(reference: I) -> Result<Self, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         Self::with_options(reference, Options::default())
     }
@@ -101,10 +101,10 @@ impl Fuser<'static> {
     /// # Errors
     ///
     /// As [`Fuser::new`].
-    pub fn with_options<'a, T: Sample, I>(reference: I, options: Options) -> Result<Self, SizeError>
+    pub fn with_options<'a, T: Sample, I>(reference: I, options: Options) -> Result<Self, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         let reference = reference.try_into()?;
         let reference = options.estimate_in(reference, None, &mut Memory::default())?;
@@ -115,15 +115,15 @@ impl Fuser<'static> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when the two differ in size, or as [`Fuser::new`].
+    /// [`ImageError`] when the two differ in size, or as [`Fuser::new`].
     pub fn with_depth<'a, T: Sample, I>(
         reference: I,
         depth: &DepthMap,
         options: Options,
-    ) -> Result<Self, SizeError>
+    ) -> Result<Self, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         let reference = reference.try_into()?;
         let reference = options.estimate_in(reference, Some(depth), &mut Memory::default())?;
@@ -214,11 +214,11 @@ impl<'z> Fuser<'z> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when `content` is no image, or has another size than its depth map.
-    pub fn fuse<'a, T: Sample, I>(&self, content: I) -> Result<Outcome<T>, SizeError>
+    /// [`ImageError`] when `content` is no image, or has another size than its depth map.
+    pub fn fuse<'a, T: Sample, I>(&self, content: I) -> Result<Outcome<T>, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         let mut image = content.try_into()?.to_image();
         let report = self.fuse_in(None, image.view_mut(), None, &mut Memory::default())?;
@@ -230,10 +230,10 @@ impl<'z> Fuser<'z> {
     /// # Errors
     ///
     /// As [`Fuser::fuse`]; the content is then unchanged.
-    pub fn fuse_mut<'a, T: Sample, I>(&self, content: I) -> Result<Report, SizeError>
+    pub fn fuse_mut<'a, T: Sample, I>(&self, content: I) -> Result<Report, ImageError>
     where
         I: TryInto<ImageMut<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         self.fuse_in(None, content.try_into()?, None, &mut Memory::default())
     }
@@ -242,13 +242,13 @@ impl<'z> Fuser<'z> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when one of the two is no image, or when content, depth map and `fused` differ in size;
+    /// [`ImageError`] when one of the two is no image, or when content, depth map and `fused` differ in size;
     /// `fused` is then unchanged.
-    pub fn fuse_into<'a, 'b, T: Sample, I, O>(&self, content: I, fused: O) -> Result<Report, SizeError>
+    pub fn fuse_into<'a, 'b, T: Sample, I, O>(&self, content: I, fused: O) -> Result<Report, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
         O: TryInto<ImageMut<'b, T>>,
-        SizeError: From<I::Error> + From<O::Error>,
+        ImageError: From<I::Error> + From<O::Error>,
     {
         self.fuse_in(Some(content.try_into()?), fused.try_into()?, None, &mut Memory::default())
     }
@@ -261,7 +261,7 @@ impl<'z> Fuser<'z> {
         fused: ImageMut<'_, T>,
         known: Option<Estimate>,
         memory: &mut Memory<T>,
-    ) -> Result<Report, SizeError> {
+    ) -> Result<Report, ImageError> {
         let source = content.unwrap_or(fused.as_ref());
         check_same_size(source.size(), fused.size())?;
         let depth = self.options.depth_in(source, self.depth, memory);
@@ -296,7 +296,7 @@ impl Options {
         image: ImageRef<'_, T>,
         depth: Option<&DepthMap>,
         memory: &mut Memory<T>,
-    ) -> Result<Estimate, SizeError> {
+    ) -> Result<Estimate, ImageError> {
         let depth = self.depth_in(image, depth, memory);
         let found = self.water_in(image, &depth, memory);
         memory.take_back(depth);
@@ -323,11 +323,11 @@ impl Options {
         image: ImageRef<'_, T>,
         depth: &DepthMap,
         memory: &mut Memory<T>,
-    ) -> Result<Estimate, SizeError> {
+    ) -> Result<Estimate, ImageError> {
         match image.as_bytes() {
             Some(bytes) => waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.scratch),
             None => {
-                let bytes = image.to_image().to_samples::<u8>();
+                let bytes = image.to_image().convert::<u8>();
                 waterbody::estimate_in(bytes.view(), depth, &self.estimate, &mut memory.scratch)
             }
         }

@@ -18,7 +18,7 @@ mod options;
 mod shift;
 
 pub use bound::{Bounded, Bounds};
-pub use law::{Change, Law};
+pub use law::{PixelTransform, TransferLaw};
 pub use options::{Gain, Incidence, Model, OptionError, Options};
 
 use shift::Shifts;
@@ -26,7 +26,7 @@ use shift::Shifts;
 use crate::bands;
 use crate::depth::{DepthMap, level_to_z};
 use crate::image::{
-    Encoding, Image, ImageMut, ImageRef, Kernels as _, Sample, SizeError, check_same_size, runs_mut,
+    Encoding, Image, ImageError, ImageMut, ImageRef, Kernels as _, Sample, check_same_size, runs_mut,
 };
 use crate::waterbody::{DepthFactors, Waterbody};
 
@@ -67,13 +67,13 @@ impl<'a, E: Encoding> Waters<'a, E> {
 
 /// Moves the water of one image into another.
 ///
-/// Evaluates the [`Law`] of the model at every pixel (Eq. 9-11 of the paper with the direct signal
+/// Evaluates the [`TransferLaw`] of the model at every pixel (Eq. 9-11 of the paper with the direct signal
 /// I1 e^(-τ) taken as U1*, so that β_D cancels; [`Model::Exchange`]: Eq. 2, then Eq. 1). The image keeps its size, sample type and
 /// encoding; values are rounded once and clipped, and clipping is counted.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when content and depth map differ in size.
+/// [`ImageError`] when content and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -89,14 +89,14 @@ impl<'a, E: Encoding> Waters<'a, E> {
 /// let waters = Waters::new(&own, &other);
 /// let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
 /// assert_eq!(fused.image.size(), content.size());
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn fuse<'a, T: Sample, E: Encoding>(
     content: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
-) -> Result<Fused<T, E>, SizeError> {
+) -> Result<Fused<T, E>, ImageError> {
     let mut image = content.into().to_image();
     let clipping = fuse_mut(&mut image, depth, waters, options)?;
     Ok(Fused { image, clipping })
@@ -106,13 +106,13 @@ pub fn fuse<'a, T: Sample, E: Encoding>(
 ///
 /// # Errors
 ///
-/// [`SizeError`] when content and depth map differ in size; the content is then unchanged.
+/// [`ImageError`] when content and depth map differ in size; the content is then unchanged.
 pub fn fuse_mut<'a, T: Sample, E: Encoding>(
     content: impl Into<ImageMut<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     fuse_from(None, content.into(), depth, waters, options)
 }
 
@@ -120,14 +120,14 @@ pub fn fuse_mut<'a, T: Sample, E: Encoding>(
 ///
 /// # Errors
 ///
-/// [`SizeError`] when content, depth map and `fused` differ in size; `fused` is then unchanged.
+/// [`ImageError`] when content, depth map and `fused` differ in size; `fused` is then unchanged.
 pub fn fuse_into<'a, 'b, T: Sample, E: Encoding>(
     content: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
     fused: impl Into<ImageMut<'b, T, E>>,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     let (content, fused) = (content.into(), fused.into());
     check_same_size(content.size(), fused.size())?;
     fuse_from(Some(content), fused, depth, waters, options)
@@ -140,9 +140,9 @@ fn fuse_from<T: Sample, E: Encoding>(
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     depth.check_fits(fused.size())?;
-    let law = Law::new(waters, options);
+    let law = TransferLaw::new(waters, options);
     let pixels = fused.width() as u64 * fused.height() as u64;
     if let Some(values) = shift_of_bytes(content, fused.reborrow(), depth, &law, options.model) {
         return Ok(Clipping { values, pixels });
@@ -158,7 +158,7 @@ fn shift_of_bytes<T: Sample, E: Encoding>(
     content: Option<ImageRef<'_, T, E>>,
     fused: ImageMut<'_, T, E>,
     depth: &DepthMap,
-    law: &Law<E>,
+    law: &TransferLaw<E>,
     model: Model,
 ) -> Option<[u64; 3]> {
     let levels = depth.levels().filter(|_| model.is_shift())?;
@@ -186,7 +186,7 @@ fn shift_of_bytes<T: Sample, E: Encoding>(
 fn change_pixels<T: Sample, E: Encoding>(
     content: ImageMut<'_, T, E>,
     depth: &DepthMap,
-    law: &Law<E>,
+    law: &TransferLaw<E>,
     model: Model,
 ) -> [u64; 3] {
     let store = |pixel: &mut [T; 3], c: usize, (value, is_clipped): (T, bool), clipped: &mut [u64; 3]| {
@@ -201,7 +201,7 @@ fn change_pixels<T: Sample, E: Encoding>(
         };
         depth.sum_over_pixels(content, steps, change, add)
     } else {
-        let change = |pixel: &mut [T; 3], change: Change, clipped: &mut [u64; 3]| {
+        let change = |pixel: &mut [T; 3], change: PixelTransform, clipped: &mut [u64; 3]| {
             (0..3).for_each(|c| store(pixel, c, pixel[c].changed(change.gain[c], change.offset[c]), clipped));
         };
         depth.sum_over_pixels(content, |z| law.at(z), change, add)

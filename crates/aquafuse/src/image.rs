@@ -31,7 +31,7 @@ pub use view::{ImageMut, ImageRef};
 ///
 /// let image: Image<u8> = Image::from_raw(2, 1, vec![255, 0, 0, 0, 0, 255])?;
 /// assert_eq!(image.pixels()[1], [0, 0, 255]);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<T, E: Encoding = Encoded> {
@@ -44,7 +44,7 @@ pub struct Image<T, E: Encoding = Encoded> {
 /// The sizes of two things that belong together do not match.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SizeError {
+pub enum ImageError {
     /// A buffer does not hold exactly the values its width and height ask for.
     #[error("{width}x{height} needs {expected} values, but the buffer holds {found}")]
     Buffer {
@@ -95,7 +95,7 @@ pub enum SizeError {
 }
 
 /// What converts without fail converts without error: for functions that take whatever converts to a view.
-impl From<Infallible> for SizeError {
+impl From<Infallible> for ImageError {
     fn from(never: Infallible) -> Self {
         match never {}
     }
@@ -107,17 +107,17 @@ pub(crate) fn check_size(
     height: usize,
     per_place: usize,
     found: usize,
-) -> Result<(), SizeError> {
+) -> Result<(), ImageError> {
     if width == 0 || height == 0 {
-        return Err(SizeError::Empty { width, height });
+        return Err(ImageError::Empty { width, height });
     }
     let expected = width.checked_mul(height).and_then(|n| n.checked_mul(per_place)).unwrap_or(usize::MAX);
-    if expected == found { Ok(()) } else { Err(SizeError::Buffer { width, height, expected, found }) }
+    if expected == found { Ok(()) } else { Err(ImageError::Buffer { width, height, expected, found }) }
 }
 
 /// Checks that two inputs of one operation share one size.
-pub(crate) fn check_same_size(left: (usize, usize), right: (usize, usize)) -> Result<(), SizeError> {
-    if left == right { Ok(()) } else { Err(SizeError::Mismatch { left, right }) }
+pub(crate) fn check_same_size(left: (usize, usize), right: (usize, usize)) -> Result<(), ImageError> {
+    if left == right { Ok(()) } else { Err(ImageError::Mismatch { left, right }) }
 }
 
 impl<T: Sample, E: Encoding> Image<T, E> {
@@ -125,8 +125,8 @@ impl<T: Sample, E: Encoding> Image<T, E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn from_raw(width: usize, height: usize, samples: Vec<T>) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn from_raw(width: usize, height: usize, samples: Vec<T>) -> Result<Self, ImageError> {
         check_size(width, height, 3, samples.len())?;
         Ok(Self { width, height, samples, encoding: PhantomData })
     }
@@ -187,7 +187,7 @@ impl<T: Sample, E: Encoding> Image<T, E> {
 
     /// The same image with another sample type, each value clipped to `[0, 1]` and rounded to the
     /// nearest that type can hold.
-    pub fn to_samples<U: Sample>(&self) -> Image<U, E> {
+    pub fn convert<U: Sample>(&self) -> Image<U, E> {
         self.map(|sample| U::from_unit(sample.to_unit()))
     }
 
@@ -239,12 +239,12 @@ mod tests {
     #[test]
     fn a_buffer_of_the_wrong_length_is_refused() {
         let error = Image::<u8>::from_raw(2, 2, vec![0; 11]).unwrap_err();
-        assert_eq!(error, SizeError::Buffer { width: 2, height: 2, expected: 12, found: 11 });
+        assert_eq!(error, ImageError::Buffer { width: 2, height: 2, expected: 12, found: 11 });
     }
 
     #[test]
     fn an_image_without_pixels_is_refused() {
-        assert!(matches!(Image::<u8>::from_raw(0, 5, vec![]), Err(SizeError::Empty { .. })));
+        assert!(matches!(Image::<u8>::from_raw(0, 5, vec![]), Err(ImageError::Empty { .. })));
     }
 
     #[test]
@@ -256,13 +256,13 @@ mod tests {
     fn every_byte_survives_the_way_to_linear_light_and_back() {
         let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, v, v]).collect();
         let image = Image::<u8>::from_raw(256, 1, bytes).unwrap();
-        assert_eq!(image.to_linear().to_encoded().to_samples::<u8>(), image);
+        assert_eq!(image.to_linear().to_encoded().convert::<u8>(), image);
     }
 
     #[test]
     fn sixteen_bits_hold_every_byte() {
         let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, 255 - v, v]).collect();
         let image = Image::<u8>::from_raw(256, 1, bytes).unwrap();
-        assert_eq!(image.to_samples::<u16>().to_samples::<u8>(), image);
+        assert_eq!(image.convert::<u16>().convert::<u8>(), image);
     }
 }

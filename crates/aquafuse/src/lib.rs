@@ -14,7 +14,7 @@
 //!
 //! let fused = Fuser::new(&reference)?.model(Model::Physical).fuse(&content)?;
 //! assert_eq!(fused.image.size(), (96, 64));
-//! # Ok::<(), aquafuse::image::SizeError>(())
+//! # Ok::<(), aquafuse::image::ImageError>(())
 //! ```
 //!
 //! The fused image keeps the content's size, sample type and objects; what did not fit into the range was clipped

@@ -7,7 +7,7 @@ mod bytes;
 mod weights;
 
 use crate::bands;
-use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size, runs_mut};
+use crate::image::{Encoding, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size, runs_mut};
 use weights::{AHEAD, ONE, mirrored, weight};
 
 /// How a fused image is smoothed.
@@ -63,7 +63,7 @@ crate::names::named!(Smoothing, "smoothing");
 /// assert_eq!(bilateral(&row(20, 220)?), row(20, 220)?);
 /// let worn: Vec<u8> = bilateral(&row(20, 28)?).pixels().iter().map(|pixel| pixel[0]).collect();
 /// assert!(20 < worn[1] && worn[1] < worn[2] && worn[2] < 28);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn bilateral<'a, T: Sample, E: Encoding>(image: impl Into<ImageRef<'a, T, E>>) -> Image<T, E> {
     let image = image.into();
@@ -76,11 +76,11 @@ pub fn bilateral<'a, T: Sample, E: Encoding>(image: impl Into<ImageRef<'a, T, E>
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the two differ in size; `smoothed` is then unchanged.
+/// [`ImageError`] when the two differ in size; `smoothed` is then unchanged.
 pub fn bilateral_into<'a, 'b, T: Sample, E: Encoding>(
     image: impl Into<ImageRef<'a, T, E>>,
     smoothed: impl Into<ImageMut<'b, T, E>>,
-) -> Result<(), SizeError> {
+) -> Result<(), ImageError> {
     let (image, smoothed) = (image.into(), smoothed.into());
     check_same_size(image.size(), smoothed.size())?;
     smooth_into(image, smoothed);
@@ -165,8 +165,8 @@ mod tests {
     fn finer_samples_are_smoothed_as_bytes_are() {
         let image = Image::<u8>::from_raw(9, 5, (0..135).map(|i| (i * 37 % 251) as u8).collect()).unwrap();
         let smoothed = bilateral(&image);
-        assert_eq!(bilateral(&image.to_samples::<u16>()).to_samples::<u8>(), smoothed);
-        assert_eq!(bilateral(&image.to_unit()).to_samples::<u8>(), smoothed);
+        assert_eq!(bilateral(&image.convert::<u16>()).convert::<u8>(), smoothed);
+        assert_eq!(bilateral(&image.to_unit()).convert::<u8>(), smoothed);
     }
 
     #[cfg(feature = "threads")]

@@ -27,7 +27,7 @@ pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::bands;
 use crate::depth::{DepthMap, DepthModel, Quantised};
-use crate::image::{Encoded, Encoding, ImageRef, SizeError, TopEdge};
+use crate::image::{Encoded, Encoding, ImageError, ImageRef, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
 pub(crate) use thumbnail::Scratch;
@@ -148,7 +148,7 @@ pub struct EstimateOptions {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size.
+/// [`ImageError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -160,13 +160,13 @@ pub struct EstimateOptions {
 /// let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &Default::default())?;
 /// let [r, g, b] = found.water.veiling_light.rgb();
 /// assert!(r < g && g < b);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn estimate<'a, E: Encoding>(
     image: impl Into<ImageRef<'a, u8>>,
     depth: &DepthMap,
     options: &EstimateOptions,
-) -> Result<Estimate<E>, SizeError> {
+) -> Result<Estimate<E>, ImageError> {
     estimate_in(image.into(), depth, options, &mut Scratch::default())
 }
 
@@ -176,7 +176,7 @@ pub(crate) fn estimate_in<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
     scratch: &mut Scratch,
-) -> Result<Estimate<E>, SizeError> {
+) -> Result<Estimate<E>, ImageError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
     let whole = Seen { image, levels: &quantised.levels };

@@ -68,7 +68,7 @@ proptest! {
         model in prop::sample::select(DepthModel::ALL),
     ) {
         check(&content, &reference, &model.estimate(&content));
-        let fine = content.to_samples::<u16>();
+        let fine = content.convert::<u16>();
         check(&content, &reference, &model.estimate(&fine));
     }
 }

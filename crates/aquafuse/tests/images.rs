@@ -5,7 +5,7 @@
 use aquafuse::depth::{self, DepthKind, DepthMap};
 use aquafuse::formation::restore;
 use aquafuse::fusion::{Bounded, Incidence, Model, Options, Waters, fuse};
-use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError, TopEdge};
+use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear, TopEdge};
 use aquafuse::truth::{NamedWater, OPEN_WATER, Scene, Size, waters};
 use aquafuse::waterbody::{
     self, BackscatterMethod, EstimateOptions, VeilingLight, VeilingLightMethod, VeilingLightSource, Waterbody,
@@ -14,7 +14,7 @@ use aquafuse::waterbody::{
 const SIZE: Size = Size { width: 96, height: 64 };
 
 fn picture(seed: u64, water: &NamedWater) -> Image<u8> {
-    Scene::new(seed, SIZE).seen_through(&water.water).to_samples()
+    Scene::new(seed, SIZE).seen_through(&water.water).convert()
 }
 
 const PUBLISHED: EstimateOptions = EstimateOptions {
@@ -176,12 +176,11 @@ fn bytes_are_the_exact_fusion_rounded_once() {
     let waters = waters();
     let scene = Scene::new(5, SIZE);
     let (own, other) = (waters[1].water, waters[0].water);
-    let bytes: Image<u8> = scene.seen_through(&own).to_samples();
+    let bytes: Image<u8> = scene.seen_through(&own).convert();
     for &model in Model::ALL {
         let options = Options::for_model(model);
-        let exact = fuse(&bytes.to_samples::<f32>(), &scene.depth, Waters::new(&own, &other), &options)
-            .unwrap()
-            .image;
+        let exact =
+            fuse(&bytes.convert::<f32>(), &scene.depth, Waters::new(&own, &other), &options).unwrap().image;
         let fused = fuse(&bytes, &scene.depth, Waters::new(&own, &other), &options).unwrap().image;
         for (byte, exact) in fused.as_raw().iter().zip(exact.as_raw()) {
             assert!((f32::from(*byte) - 255.0 * exact).abs() <= 0.5 + 1e-3);
@@ -211,7 +210,7 @@ fn sizes_that_differ_are_an_error() {
     let z = DepthMap::from_levels(1, 1, vec![0]).unwrap();
     assert!(matches!(
         waterbody::estimate::<Encoded>(&content, &z, &EstimateOptions::default()),
-        Err(SizeError::Mismatch { left: (96, 64), right: (1, 1) })
+        Err(ImageError::Mismatch { left: (96, 64), right: (1, 1) })
     ));
     let water = waters()[0].water;
     assert!(fuse(&content, &z, Waters::new(&water, &water), &Options::default()).is_err());
@@ -232,7 +231,7 @@ fn with_depth_given_the_veil_is_read_and_the_growth_where_it_shows() {
     for named in waters() {
         for seed in 0..4 {
             let scene = Scene::new(seed, SIZE);
-            let image: Image<u8> = scene.seen_through(&named.water).to_samples();
+            let image: Image<u8> = scene.seen_through(&named.water).convert();
             let found = waterbody::estimate::<Encoded>(&image, &scene.depth, &EstimateOptions::default())
                 .unwrap()
                 .water;
@@ -251,7 +250,7 @@ fn with_depth_given_the_veil_is_read_and_the_growth_where_it_shows() {
 fn the_unit_of_depth_cancels_from_estimation_to_image() {
     let waters = waters();
     let scene = Scene::new(2, SIZE);
-    let image: Image<u8> = scene.seen_through(&waters[1].water).to_samples();
+    let image: Image<u8> = scene.seen_through(&waters[1].water).convert();
     let made = |unit: f32| {
         let distances = scene.depth.distances().into_iter().map(|z| z * unit).collect();
         let z = DepthMap::from_distances(SIZE.width, SIZE.height, DepthKind::Metres, distances).unwrap();
@@ -274,7 +273,7 @@ fn the_unit_of_depth_cancels_from_estimation_to_image() {
 fn linear_light_has_its_own_water_and_its_own_truth() {
     let waters = waters();
     let scene = Scene::new(1, SIZE);
-    let image: Image<u8> = scene.seen_through(&waters[0].water).to_samples();
+    let image: Image<u8> = scene.seen_through(&waters[0].water).convert();
     let encoded =
         waterbody::estimate::<Encoded>(&image, &scene.depth, &EstimateOptions::default()).unwrap().water;
     let linear =

@@ -7,7 +7,7 @@
 
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::formation::{RestoreOptions, form, restore};
-use aquafuse::fusion::{Gain, Incidence, Law, Model, Options, Waters, fuse};
+use aquafuse::fusion::{Gain, Incidence, Model, Options, TransferLaw, Waters, fuse};
 use aquafuse::image::Image;
 use aquafuse::waterbody::{Attenuation, DepthFactors, VeilingLight, Waterbody};
 use proptest::prelude::*;
@@ -75,8 +75,8 @@ fn options(model: Model, degrees: f32, gain: f32) -> Options {
     }
 }
 
-fn law(content: &Waterbody, reference: &Waterbody, options: &Options) -> Law {
-    Law::new(Waters::new(content, reference), options)
+fn law(content: &Waterbody, reference: &Waterbody, options: &Options) -> TransferLaw {
+    TransferLaw::new(Waters::new(content, reference), options)
 }
 
 /// What a model that is a shift adds at `z`.
@@ -145,7 +145,7 @@ proptest! {
     ) {
         let at = |reference: &Waterbody, degrees: f32, gain: f32, z: f32| {
             let waters = Waters { depth_factors: Some(&factors), ..Waters::new(&scene, reference) };
-            Law::new(waters, &options(Model::Physical, degrees, gain)).at(z)
+            TransferLaw::new(waters, &options(Model::Physical, degrees, gain)).at(z)
         };
         prop_assert_eq!(at(&other, degrees, gain, 0.0).of(seen), seen);
         prop_assert_eq!(at(&other, 90.0, gain, z).of(seen), seen);
@@ -172,7 +172,7 @@ proptest! {
             let waters = Waters::new(&scene, &other);
             let with = Waters { depth_factors: Some(&factors), ..waters };
             let options = options(model, degrees, 1.0);
-            prop_assert_eq!(Law::new(with, &options).at(z), Law::new(waters, &options).at(z));
+            prop_assert_eq!(TransferLaw::new(with, &options).at(z), TransferLaw::new(waters, &options).at(z));
         }
     }
 

@@ -48,7 +48,7 @@ proptest! {
 
 #[test]
 fn what_describes_an_estimate_comes_back() {
-    let image = Scene::new(3, Size { width: 96, height: 64 }).seen_through(&waters()[1].water).to_samples();
+    let image = Scene::new(3, Size { width: 96, height: 64 }).seen_through(&waters()[1].water).convert();
     let z = aquafuse::depth::estimate(&image);
     let found = waterbody::estimate::<Encoded>(&image, &z, &Default::default()).unwrap();
     comes_back(&found.water);

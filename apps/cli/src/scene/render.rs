@@ -80,7 +80,7 @@ impl Render {
             }
             let drawn = render(&splats, MOST_DEGREE, &camera, &medium).drawing;
             let path = self.output.join(format!("{name}.png"));
-            ImageFile::new(image(&drawn).to_samples::<u8>()).write(&path, &writing)?;
+            ImageFile::new(image(&drawn).convert::<u8>()).write(&path, &writing)?;
             if self.depth {
                 let known = distances(&drawn).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
                 let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);

@@ -186,7 +186,7 @@ impl Comparison {
     ) -> Result<Scores, EvaluateError> {
         let seen = image(drawn);
         let lpips = match &self.lpips {
-            Some(network) => Some(network.distance(&seen.to_samples(), &taken.image.to_samples())?),
+            Some(network) => Some(network.distance(&seen.convert(), &taken.image.convert())?),
             None => None,
         };
         let deviation = against.map(|original| normal_deviation(&taken.camera, original, drawn));
@@ -276,7 +276,7 @@ impl Comparison {
             .iter()
             .map(|side| {
                 let seen = image(&draw(side.model, &camera));
-                (side.label.clone(), thumbnail(&seen.to_samples()))
+                (side.label.clone(), thumbnail(&seen.convert()))
             })
             .collect();
         Some(Strip { caption: "from above, where no camera was".into(), images })
@@ -309,7 +309,7 @@ fn strips(sides: &[Named<'_>], view: usize, drawn: &[Drawing<f32>]) -> [Strip; 3
         images: sides
             .iter()
             .enumerate()
-            .map(|(place, side)| (side.label.clone(), thumbnail(&of(place).to_samples())))
+            .map(|(place, side)| (side.label.clone(), thumbnail(&of(place).convert())))
             .collect(),
     };
     [

@@ -1,7 +1,7 @@
 //! How right B∞ and β_B are, and whether intervals and verdicts keep their word.
 
 use aquafuse::depth::DepthModel;
-use aquafuse::image::{Encoded, SizeError};
+use aquafuse::image::{Encoded, ImageError};
 use aquafuse::truth::{Case, Trials};
 use aquafuse::waterbody::{Estimate, Reason, Verdict, estimate};
 
@@ -25,7 +25,7 @@ struct Found {
 }
 
 /// Prints the table.
-pub(crate) fn print() -> Result<(), SizeError> {
+pub(crate) fn print() -> Result<(), ImageError> {
     println!(
         "| z | scenes | median \\|ΔB∞\\| | 95 % | interval holds B∞ | its width | median error of β_B | 95 % | \
          interval holds β_B | its width |"
@@ -45,7 +45,7 @@ pub(crate) fn print() -> Result<(), SizeError> {
     Ok(())
 }
 
-fn found(trials: &Trials, model: Option<DepthModel>) -> Result<Vec<Found>, SizeError> {
+fn found(trials: &Trials, model: Option<DepthModel>) -> Result<Vec<Found>, ImageError> {
     (0..SCENES)
         .map(|number| {
             let case = trials.case::<Encoded>(number);

@@ -7,6 +7,6 @@
 mod estimates;
 mod statistics;
 
-fn main() -> Result<(), aquafuse::image::SizeError> {
+fn main() -> Result<(), aquafuse::image::ImageError> {
     estimates::print()
 }

@@ -2,7 +2,7 @@
 
 use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Gain, Model, Options};
-use aquafuse::image::{Encoded, Encoding, Linear, SizeError};
+use aquafuse::image::{Encoded, Encoding, ImageError, Linear};
 use aquafuse::smooth::Smoothing;
 use aquafuse::truth::{Exchange, Trials};
 use aquafuse::waterbody::{BackscatterMethod, EstimateOptions, VeilingLightMethod};
@@ -15,7 +15,7 @@ const EXCHANGES: usize = 48;
 /// Number of the first; those of `aquafuse evaluate truth` end before it.
 const FIRST: usize = 200;
 
-type Print = fn(&[Exchange<Encoded>]) -> Result<(), SizeError>;
+type Print = fn(&[Exchange<Encoded>]) -> Result<(), ImageError>;
 
 const TABLES: [(&str, Print); 9] = [
     ("direct", direct),
@@ -67,14 +67,14 @@ fn row<E: Encoding, F: Encoding>(
     name: &str,
     exchanges: &[Exchange<E>],
     reading: &Reading,
-) -> Result<(), SizeError> {
+) -> Result<(), ImageError> {
     let scores =
         exchanges.iter().map(|one| Scores::of::<E, F>(one, reading)).collect::<Result<Vec<_>, _>>()?;
     println!("| {name} | `{}` | {}", reading.options.model.name(), Scores::cells(&scores));
     Ok(())
 }
 
-fn direct(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn direct(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("I1 e^(−τ)");
     for (name, direct) in DIRECT {
         row::<_, Encoded>(name, exchanges, &Reading { direct, ..Reading::ours(Model::Aquafuse) })?;
@@ -82,25 +82,25 @@ fn direct(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn direct_laws(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn direct_laws(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     println!("| I1 e^(−τ) | own water, θ = 0° | another water, θ = 90° |");
     println!("|---|---|---|");
     for (name, direct) in DIRECT {
         let reading = Reading { direct, ..Reading::ours(Model::Aquafuse) };
-        let changed = |degrees: f32, own: bool| -> Result<f64, SizeError> {
+        let changed = |degrees: f32, own: bool| -> Result<f64, ImageError> {
             let of = |one: &Exchange<Encoded>| {
                 let reference = if own { &one.content } else { &one.reference };
                 let fused = reading.at(degrees).fuse::<_, Encoded>(&one.content, reference)?;
                 Ok(255.0 * rms(fused.as_raw(), one.content.image.to_unit().as_raw()))
             };
-            Ok(mean(exchanges.iter().map(of).collect::<Result<Vec<f64>, SizeError>>()?.into_iter()))
+            Ok(mean(exchanges.iter().map(of).collect::<Result<Vec<f64>, ImageError>>()?.into_iter()))
         };
         println!("| {name} | {:.1} | {:.1} |", changed(0.0, true)?, changed(90.0, false)?);
     }
     Ok(())
 }
 
-fn water(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn water(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("z; B∞; β_B");
     let depths = [("`eq3`", Depth::Colour(DepthModel::default())), ("given", Depth::Given)];
     let veils =
@@ -120,7 +120,7 @@ fn water(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn depth(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn depth(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("z");
     let eq3 = DepthModel::default();
     let mut ways: Vec<(String, Depth)> =
@@ -135,7 +135,7 @@ fn depth(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn smoothing(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn smoothing(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("last step");
     for model in SHIFTS {
         for &smoothing in Smoothing::ALL {
@@ -146,7 +146,7 @@ fn smoothing(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn gain(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn gain(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("α");
     for model in SHIFTS {
         for gain in [1.0, 1.5] {
@@ -157,7 +157,7 @@ fn gain(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn incidence(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn incidence(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("θ");
     for model in SHIFTS {
         for degrees in [0.0, 30.0, 45.0, 60.0, 90.0] {
@@ -167,7 +167,7 @@ fn incidence(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn light(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn light(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("scene formed in; fused in");
     let linear = self::exchanges::<Linear>();
     for model in SHIFTS {
@@ -180,7 +180,7 @@ fn light(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
     Ok(())
 }
 
-fn together(exchanges: &[Exchange<Encoded>]) -> Result<(), SizeError> {
+fn together(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("settings");
     for &model in Model::ALL {
         row::<_, Encoded>("our defaults", exchanges, &Reading::ours(model))?;

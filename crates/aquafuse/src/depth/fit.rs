@@ -18,7 +18,7 @@ mod terms;
 pub use doubt::Doubt;
 
 use super::Eq3;
-use crate::image::{ImageRef, Sample, SizeError};
+use crate::image::{ImageError, ImageRef, Sample};
 use cells::LabelledImage;
 use search::Search;
 
@@ -96,7 +96,7 @@ pub enum Target {
 pub enum LabelError {
     /// Image and labels differ in size.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] ImageError),
     /// Hardly any pixel has a label.
     #[error("only {found} pixels have a depth; at least {least} are needed")]
     Few {

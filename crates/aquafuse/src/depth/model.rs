@@ -40,7 +40,7 @@ pub enum DepthModel {
     /// the bottom; `n` takes mean and deviation over the image away.
     ///
     /// **Wrong for a rolled camera and for one that looks down or up**: it takes for granted that what is
-    /// higher in the image is farther. [`DepthModel::estimate_seen`] is told which edge is the top.
+    /// higher in the image is farther. [`DepthModel::estimate_oriented`] is told which edge is the top.
     Layout,
 }
 
@@ -78,10 +78,10 @@ impl DepthModel {
     /// // Grey is at the camera for `Ratio`, whatever its brightness.
     /// let image = Image::<u8>::from_raw(2, 1, vec![30, 30, 30, 200, 200, 200])?;
     /// assert_eq!(DepthModel::Ratio.estimate(&image).distances(), [0.0, 0.0]);
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
     pub fn estimate<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
-        self.estimate_seen(image, TopEdge::First)
+        self.estimate_oriented(image, TopEdge::First)
     }
 
     /// Depth of an image whose edge `top` is up as seen. Only [`DepthModel::Layout`] asks which it is.
@@ -93,15 +93,19 @@ impl DepthModel {
     ///
     /// // One colour tells nothing: what is left is height, here from the right to the left.
     /// let image = Image::<u8>::from_raw(64, 8, vec![90; 64 * 8 * 3])?;
-    /// let z = DepthModel::Layout.estimate_seen(&image, TopEdge::Right);
+    /// let z = DepthModel::Layout.estimate_oriented(&image, TopEdge::Right);
     /// assert!(z.at(60, 4) > 0.9 && z.at(3, 4) < 0.1);
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
-    pub fn estimate_seen<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>, top: TopEdge) -> DepthMap {
+    pub fn estimate_oriented<'a, T: Sample>(
+        &self,
+        image: impl Into<ImageRef<'a, T>>,
+        top: TopEdge,
+    ) -> DepthMap {
         self.estimate_in(image.into(), top, Vec::new())
     }
 
-    /// [`DepthModel::estimate_seen`] in the memory of `levels`, as far as depth has 256 levels.
+    /// [`DepthModel::estimate_oriented`] in the memory of `levels`, as far as depth has 256 levels.
     pub(crate) fn estimate_in<T: Sample>(
         &self,
         image: ImageRef<'_, T>,

@@ -10,7 +10,7 @@ mod kind;
 pub use kind::SuppliedKind;
 
 use super::{DepthKind, DepthMap, DepthModel};
-use crate::image::{ImageRef, SizeError, TopEdge, check_size};
+use crate::image::{ImageError, ImageRef, TopEdge, check_size};
 
 /// Raw values of a depth map, as a file or a sensor gives them, and what they are declared to be.
 ///
@@ -129,8 +129,13 @@ impl Supplied {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn new(width: usize, height: usize, values: Vec<f32>, kind: SuppliedKind) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn new(
+        width: usize,
+        height: usize,
+        values: Vec<f32>,
+        kind: SuppliedKind,
+    ) -> Result<Self, ImageError> {
         check_size(width, height, 1, values.len())?;
         Ok(Self { width, height, values, kind, full_range: 1.0 })
     }

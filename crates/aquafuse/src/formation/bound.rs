@@ -2,7 +2,7 @@
 
 use super::RestoreOptions;
 use crate::depth::DepthMap;
-use crate::image::{Encoding, ImageRef, Sample, SizeError};
+use crate::image::{Encoding, ImageError, ImageRef, Sample};
 use crate::waterbody::{Estimate, VeilingLight, Waterbody};
 
 /// Water and options of a restoration after the safety bounds, and which of these acted.
@@ -48,7 +48,7 @@ impl<E: Encoding> BoundedRestoration<E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when image and depth map differ in size.
+    /// [`ImageError`] when image and depth map differ in size.
     ///
     /// # Examples
     ///
@@ -63,14 +63,14 @@ impl<E: Encoding> BoundedRestoration<E> {
     /// let options = RestoreOptions::default();
     /// let right = BoundedRestoration::new(&seen, &scene.depth, &Estimate::given(water), &options)?;
     /// assert_eq!(right.bounds, RestoreBounds::default());
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
     pub fn new<'a, T: Sample>(
         image: impl Into<ImageRef<'a, T, E>>,
         depth: &DepthMap,
         estimate: &Estimate<E>,
         options: &RestoreOptions,
-    ) -> Result<Self, SizeError> {
+    ) -> Result<Self, ImageError> {
         let image = image.into();
         depth.check_fits(image.size())?;
         let mut found = Self { water: estimate.water, options: *options, bounds: RestoreBounds::default() };
@@ -183,7 +183,7 @@ mod tests {
 
     fn burnt(water: Waterbody) -> (RestoreBounds, f64) {
         let scene = Scene::new(3, Size { width: 96, height: 64 });
-        let mut seen = scene.seen_through(&waters()[1].water).to_samples::<u8>();
+        let mut seen = scene.seen_through(&waters()[1].water).convert::<u8>();
         let mut estimate = Estimate::given(water);
         estimate.depth_model = Some(crate::depth::DepthModel::default());
         let options = RestoreOptions::default();

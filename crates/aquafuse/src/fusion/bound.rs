@@ -119,7 +119,7 @@ impl<E: Encoding> Bounded<E> {
 mod tests {
     use super::*;
     use crate::depth::DepthModel;
-    use crate::fusion::Law;
+    use crate::fusion::TransferLaw;
     use crate::image::Encoded;
     use crate::truth::waters;
     use crate::waterbody::{Intervals, Quality, VeilingLightSource};
@@ -171,11 +171,11 @@ mod tests {
             assert!(red <= green.max(blue) && green.max(blue) <= 0.7 + 1e-6);
             assert_eq!(waters.content.backscatter_coefficient, [1.2, 1.0, 1.2]);
             assert_eq!(bounded.bounds.gain, model == Model::Exchange);
-            let gain = Law::new(waters, &bounded.options).at(2.0).gain;
+            let gain = TransferLaw::new(waters, &bounded.options).at(2.0).gain;
             assert!(gain.iter().all(|gain| *gain <= 1.0), "{model:?} strengthens the direct signal");
             let by_colour = Estimate { depth_model: Some(DepthModel::Ratio), ..reference };
             let bounded = Bounded::new(&content, &by_colour, Options::for_model(model));
-            let gain = Law::new(bounded.waters(), &bounded.options).at(2.0).gain;
+            let gain = TransferLaw::new(bounded.waters(), &bounded.options).at(2.0).gain;
             assert_eq!(gain, [1.0; 3], "{model:?} changes the direct signal");
         }
         let paper = Bounded::new(&content, &reference, Options::for_model(Model::Aquafuse));

@@ -41,7 +41,7 @@ impl Uciqe {
 /// let found = uciqe(&greys);
 /// // From black to white, and no colour (the matrix of sRGB is rounded, so white is not quite).
 /// assert!((found.luminance_contrast - 1.0).abs() < 1e-6 && found.saturation < 1e-4);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn uciqe<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Uciqe {
     let lab: Vec<[f64; 3]> = image.into().pixels().map(|pixel| lab(pixel.map(T::to_unit))).collect();

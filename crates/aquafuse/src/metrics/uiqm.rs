@@ -57,7 +57,7 @@ const TRIMMED: f64 = 0.1;
 ///
 /// let flat: Image<u8> = Image::from_raw(10, 10, [90, 90, 90].repeat(100))?;
 /// assert_eq!(uiqm(&flat).map(|found| found.score()), Some(0.0));
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn uiqm<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Option<Uiqm> {
     let image = image.into();
@@ -188,7 +188,7 @@ mod tests {
     fn the_sample_type_does_not_matter() {
         let bytes = picture(|value| [value / 40, value / 30, 100]);
         let score = uiqm(&bytes).unwrap().score();
-        assert_eq!(uiqm(&bytes.to_samples::<u16>()).unwrap().score(), score);
+        assert_eq!(uiqm(&bytes.convert::<u16>()).unwrap().score(), score);
         assert_eq!(uiqm(&bytes.to_unit()).unwrap().score(), score);
     }
 

@@ -92,7 +92,7 @@ fn write(task: &Task<'_>, scene: &Path) -> Result<(), Failure> {
     let mut taken = Vec::with_capacity(task.trained_on.len());
     for (number, one) in task.trained_on.iter().enumerate() {
         let name = PathBuf::from(format!("{number:05}.png"));
-        ImageFile::new(one.image.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
+        ImageFile::new(one.image.convert::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
         taken.push(Taken { name, lens: Lens { camera: one.camera.clone(), distortion: [0.0; 4] } });
     }
     let cameras = Cameras { taken, points: task.taken.points.clone(), model: PathBuf::new() };

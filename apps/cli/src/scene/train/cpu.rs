@@ -102,7 +102,7 @@ fn steps(trainer: &mut Trainer, task: &Task<'_>) -> Result<(), Failure> {
 fn first_guess(shown: &[&Shown], points: &[points::Point], extent: f64) -> Result<Water<f32>, Failure> {
     let (mut estimates, mut distances) = (Vec::new(), Vec::new());
     for one in shown {
-        let whole = ImageFile::new(one.image.to_samples::<u8>());
+        let whole = ImageFile::new(one.image.convert::<u8>());
         let found = analyse::<Encoded>(&whole, &DepthSource::default())?;
         let lens = Lens { camera: one.camera.clone(), distortion: [0.0; 4] };
         let known = unit_of(&found.depth, &lens, points);

@@ -39,7 +39,7 @@ impl Found {
         let values = content.as_raw().len() as f64;
         let (width, height) = content.size();
         let shown = Image::<f32>::from_raw(width, height, shown).expect("a colour for each pixel");
-        let structure = ssim(content, &shown.to_samples::<u8>()).expect("of one size");
+        let structure = ssim(content, &shown.convert::<u8>()).expect("of one size");
         Self {
             share: std::array::from_fn(|t| 1.0 - (after[t] / before[t]).sqrt()),
             rmse: after.map(|sum| 255.0 * (sum / values).sqrt()),

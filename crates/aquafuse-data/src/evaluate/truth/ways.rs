@@ -1,7 +1,7 @@
 //! How depth and water are come by.
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::fusion::{Bounded, Incidence, Law, Model, Options, Waters};
+use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw, Waters};
 use aquafuse::image::Encoding;
 use aquafuse::truth::{Case, Exchange};
 use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, VeilingLightMethod, estimate};
@@ -51,15 +51,15 @@ impl Way {
             let options = Options { incidence, ..Options::for_model(*model) };
             let law = match (&own, &other) {
                 (Some(own), Some(other)) if self.is_papers() => {
-                    Law::new(Waters::new(&own.water, &other.water), &options)
+                    TransferLaw::new(Waters::new(&own.water, &other.water), &options)
                 }
                 (Some(own), Some(other)) => {
                     let bounded = Bounded::new(own, other, options);
-                    Law::new(bounded.waters(), &bounded.options)
+                    TransferLaw::new(bounded.waters(), &bounded.options)
                 }
                 _ => {
                     let (content, reference) = (&exchange.content.water, &exchange.reference.water);
-                    Law::new(Waters::new(content, reference), &options)
+                    TransferLaw::new(Waters::new(content, reference), &options)
                 }
             };
             let distances = z.distances();

@@ -162,7 +162,10 @@ fn check_colours<T: Filler>(image: &Image<T>, padding: usize) {
     let view = padded.view();
     for &model in DepthModel::ALL {
         assert_eq!(model.estimate(view), model.estimate(image));
-        assert_eq!(model.estimate_seen(view, TopEdge::Left), model.estimate_seen(image, TopEdge::Left));
+        assert_eq!(
+            model.estimate_oriented(view, TopEdge::Left),
+            model.estimate_oriented(image, TopEdge::Left)
+        );
         assert_eq!(model.estimate_unfiltered(view), model.estimate_unfiltered(image));
         assert_eq!(metrics::depth_rmse(view, image, model).unwrap().0, 0.0);
     }
@@ -282,14 +285,14 @@ fn a_view_that_does_not_fit_its_buffer_is_refused() {
             ImageRef::with_stride(width, height, stride, &[0; 64][..length]);
         view.map(|_| ()).unwrap_err()
     };
-    assert_eq!(of(0, 3, 9, 20), SizeError::Empty { width: 0, height: 3 });
-    assert_eq!(of(3, 2, 8, 64), SizeError::Stride { width: 3, stride: 8 });
-    assert_eq!(of(3, 2, 11, 19), SizeError::Buffer { width: 3, height: 2, expected: 20, found: 19 });
+    assert_eq!(of(0, 3, 9, 20), ImageError::Empty { width: 0, height: 3 });
+    assert_eq!(of(3, 2, 8, 64), ImageError::Stride { width: 3, stride: 8 });
+    assert_eq!(of(3, 2, 11, 19), ImageError::Buffer { width: 3, height: 2, expected: 20, found: 19 });
     assert_eq!(
         of(usize::MAX, 1, usize::MAX, 64),
-        SizeError::Stride { width: usize::MAX, stride: usize::MAX }
+        ImageError::Stride { width: usize::MAX, stride: usize::MAX }
     );
-    let far = SizeError::Buffer { width: 1, height: 3, expected: usize::MAX, found: 64 };
+    let far = ImageError::Buffer { width: 1, height: 3, expected: usize::MAX, found: 64 };
     assert_eq!(of(1, 3, usize::MAX, 64), far);
     assert!(ImageMut::<u8>::with_stride(3, 2, 11, &mut [0; 19]).is_err());
     assert!(ImageMut::<u8>::new(3, 2, &mut [0; 19]).is_err() && ImageRef::<u8>::new(3, 2, &[0; 18]).is_ok());

@@ -9,7 +9,6 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use anyhow::anyhow;
-use aquafuse::fusion::Options;
 use aquafuse::image::{Encoded, Linear};
 use aquafuse_data::augment::{
     AugmentError, Augmentation, Conduct, DepthPlan, Draws, Message, OnDoubtful, Recipe, Shard,
@@ -327,7 +326,7 @@ impl Augment {
             waters,
             per_image: self.per_image,
             draws,
-            options: Options { ..options },
+            options,
             smoothing,
             depth: self.depth.plan(depth_model).map_err(Failure::usage)?,
             on_doubtful,

@@ -116,7 +116,7 @@ impl Fit {
     }
 
     fn gather(&self, pairs: &[pairs::Pair], common: &Common) -> Gathered {
-        let options = Options { scale: self.scale.into(), target: self.target.into(), ..Options::default() };
+        let options = Options::default().with_scale(self.scale.into()).with_target(self.target.into());
         let progress = Progress::new(common.quiet);
         progress.start(pairs.len());
         let gathered = pairs::gather(

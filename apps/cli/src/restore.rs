@@ -54,7 +54,7 @@ impl Restore {
             content: &self.content,
             beside: &[],
             depth_model,
-            treatment: Treatment::Restore(RestoreOptions { max_gain: [self.max_gain; 3] }),
+            treatment: Treatment::Restore(RestoreOptions::default().with_max_gain([self.max_gain; 3])),
             smoothing: Smoothing::None,
             scores: false,
             heading: String::new(),

@@ -114,5 +114,5 @@ pub fn evidence(image: &ImageFile, found: &Analysis) -> Result<Evidence, ImageEr
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {
-    EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() }
+    EstimateOptions::default().with_top(image.top_edge())
 }

@@ -182,11 +182,9 @@ mod tests {
         let [content, reference] = image_files();
         let found = analyse::<E>(&content, &DepthSource::default()).unwrap();
         let reference = analyse::<E>(&reference, &DepthSource::default()).unwrap().estimate;
-        let options = Options {
-            incidence: Incidence::from_degrees(theta).unwrap(),
-            gain: Gain::new(1.0).unwrap(),
-            ..Options::for_model(Model::Physical)
-        };
+        let options = Options::for_model(Model::Physical)
+            .with_incidence(Incidence::from_degrees(theta).unwrap())
+            .with_gain(Gain::new(1.0).unwrap());
         let mut pixels = content.pixels.clone();
         Treatment::Fuse { reference, options }.apply(&mut pixels, &found).unwrap();
         [content.pixels.into_bytes(), pixels.into_bytes()]

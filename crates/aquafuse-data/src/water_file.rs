@@ -221,16 +221,13 @@ impl<E: Space> WaterFile<E> {
                 .ok_or_else(|| wrong(format!("there is no depth model {}", one_line(&name))))
         };
         let reasons = stored.quality.reasons.into_iter();
-        let estimate = Estimate {
-            water,
-            veiling_light_source: stored.veiling_light_source,
-            veiling_light_share: stored.veiling_light_share,
-            depth_model: stored.depth.model.map(model).transpose()?,
-            depth_factors: None,
-            intervals: stored.intervals,
-            // The verdict follows from the reasons.
-            quality: reasons.fold(Quality::default(), Quality::with),
-        };
+        let mut estimate = Estimate::given(water);
+        estimate.veiling_light_source = stored.veiling_light_source;
+        estimate.veiling_light_share = stored.veiling_light_share;
+        estimate.depth_model = stored.depth.model.map(model).transpose()?;
+        estimate.intervals = stored.intervals;
+        // The verdict follows from the reasons.
+        estimate.quality = reasons.fold(Quality::default(), Quality::with);
         let depth_kind = match stored.depth.kind {
             StoredKind::Relative => DepthKind::Relative,
             StoredKind::Metres => DepthKind::Metres,
@@ -248,7 +245,7 @@ impl<E: Space> WaterFile<E> {
             veiling_light_share,
             depth_model,
             // They belong to the depth of one image; of a reference nothing asks for them.
-            depth_factors: _,
+            ..
         } = &self.estimate;
         let stored = Stored {
             schema: SCHEMA,

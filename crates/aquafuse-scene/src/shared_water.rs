@@ -59,7 +59,7 @@ pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
 ///
 /// [`ImageError`] when image and depth differ in size.
 pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, ImageError> {
-    let options = EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() };
+    let options = EstimateOptions::default().with_top(image.top_edge());
     waterbody::estimate(&image.bytes(), depth, &options)
 }
 

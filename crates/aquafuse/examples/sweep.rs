@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for model in [Model::Aquafuse, Model::Physical] {
         for degrees in [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0] {
             let incidence = Incidence::from_degrees(degrees)?;
-            let options = Options { incidence, ..Options::for_model(model) };
+            let options = Options::for_model(model).with_incidence(incidence);
             let bounded = Bounded::new(&own, &other, options);
             let fused = fuse(&content, &z1, bounded.waters(), &bounded.options)?.image;
             let [r, g, b] = mean_shift(&content, &fused);

@@ -44,6 +44,7 @@ const DARK: f64 = 0.02;
 /// assert!(z.at(2, 0) < 0.2 && z.at(13, 0) > 0.8);
 /// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
+#[must_use]
 pub fn estimate<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> DepthMap {
     DepthModel::default().estimate(image)
 }

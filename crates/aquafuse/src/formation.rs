@@ -59,6 +59,7 @@ pub fn form<'a, T: Sample, E: Encoding>(
 
 /// How far [`restore`] may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RestoreOptions {
     /// Bound on the gain e^τ of each channel, >= 1. Where light is all but gone, what is left is noise: 8 turns one byte's
     /// step into three percent of the range, which still looks like grain and not like confetti.
@@ -68,6 +69,14 @@ pub struct RestoreOptions {
 impl Default for RestoreOptions {
     fn default() -> Self {
         Self { max_gain: [8.0; 3] }
+    }
+}
+
+impl RestoreOptions {
+    /// The same with another bound on the gain of each channel.
+    #[must_use]
+    pub fn with_max_gain(self, max_gain: [f32; 3]) -> Self {
+        Self { max_gain, ..self }
     }
 }
 

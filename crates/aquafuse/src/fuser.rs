@@ -51,6 +51,7 @@ pub struct Fuser<'z> {
 
 /// How a [`Fuser`] estimates and fuses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// The depth model, where no depth map is supplied. Default: the paper's, Eq. 3.
     pub depth_model: DepthModel,
@@ -64,6 +65,8 @@ pub struct Options {
 
 /// What [`Fuser::fuse`] returns.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct Outcome<T> {
     /// The content in the reference's water.
     pub image: Image<T>,
@@ -73,6 +76,7 @@ pub struct Outcome<T> {
 
 /// How a fusion went.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Report {
     /// The content's own water, and in its quality the verdict on it.
     pub content: Estimate,
@@ -133,6 +137,7 @@ impl Fuser<'static> {
     /// A fuser into a water that was estimated before, or is known ([`Estimate::given`]).
     ///
     /// [`Model::Exchange`] uses the coefficients of both waters: they must be per the same unit of depth.
+    #[must_use]
     pub fn from_estimate(reference: Estimate, options: Options) -> Self {
         Self { reference, options, theta: None, depth: None }
     }
@@ -201,11 +206,13 @@ impl<'z> Fuser<'z> {
     }
 
     /// The water that images are fused into.
+    #[must_use]
     pub fn reference(&self) -> &Estimate {
         &self.reference
     }
 
     /// The options of estimates and fusion.
+    #[must_use]
     pub fn options(&self) -> &Options {
         &self.options
     }
@@ -290,6 +297,30 @@ impl<'z> Fuser<'z> {
 }
 
 impl Options {
+    /// The same with another depth model.
+    #[must_use]
+    pub fn with_depth_model(self, depth_model: DepthModel) -> Self {
+        Self { depth_model, ..self }
+    }
+
+    /// The same with other options of estimates.
+    #[must_use]
+    pub fn with_estimate(self, estimate: EstimateOptions) -> Self {
+        Self { estimate, ..self }
+    }
+
+    /// The same with other options of fusion.
+    #[must_use]
+    pub fn with_fusion(self, fusion: fusion::Options) -> Self {
+        Self { fusion, ..self }
+    }
+
+    /// The same with another smoothing.
+    #[must_use]
+    pub fn with_smoothing(self, smoothing: Smoothing) -> Self {
+        Self { smoothing, ..self }
+    }
+
     /// The water of an image, in the memory of the last one.
     pub(crate) fn estimate_in<T: Sample>(
         &self,

@@ -35,6 +35,8 @@ pub use crate::image::Clipping;
 
 /// A fused image.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct Fused<T, E: Encoding> {
     /// The content in the reference's water.
     pub image: Image<T, E>,
@@ -44,6 +46,7 @@ pub struct Fused<T, E: Encoding> {
 
 /// The two waters of a fusion; exchanged, they would fuse the other way round.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Waters<'a, E: Encoding> {
     /// The content's own water, estimated with the depth map it is fused with.
     pub content: &'a Waterbody<E>,
@@ -62,6 +65,12 @@ impl<'a, E: Encoding> Waters<'a, E> {
     /// [`Fuser`](crate::Fuser).
     pub fn new(content: &'a Waterbody<E>, reference: &'a Waterbody<E>) -> Self {
         Self { content, reference, depth_factors: None }
+    }
+
+    /// The same with the content's F by depth.
+    #[must_use]
+    pub fn with_depth_factors(self, depth_factors: Option<&'a DepthFactors>) -> Self {
+        Self { depth_factors, ..self }
     }
 }
 

@@ -181,12 +181,14 @@ impl<T: Sample, E: Encoding> Image<T, E> {
     }
 
     /// The same image in floats, as they are: values outside `[0, 1]` stay outside.
+    #[must_use]
     pub fn to_unit(&self) -> Image<f32, E> {
         self.map(T::to_unit)
     }
 
     /// The same image with another sample type, each value clipped to `[0, 1]` and rounded to the
     /// nearest that type can hold.
+    #[must_use]
     pub fn convert<U: Sample>(&self) -> Image<U, E> {
         self.map(|sample| U::from_unit(sample.to_unit()))
     }
@@ -203,6 +205,7 @@ impl<T: Sample, E: Encoding> Image<T, E> {
 
 impl<T: Sample> Image<T, Encoded> {
     /// Decodes to linear light by the sRGB transfer function (IEC 61966-2-1).
+    #[must_use]
     pub fn to_linear(&self) -> Image<f32, Linear> {
         self.map(|sample| Linear::from_encoded(sample.to_unit()))
     }
@@ -210,6 +213,7 @@ impl<T: Sample> Image<T, Encoded> {
 
 impl<E: Encoding> Image<f32, E> {
     /// Encodes light by the sRGB transfer function; undoes [`Image::to_linear`]. What is encoded stays as it is.
+    #[must_use]
     pub fn to_encoded(&self) -> Image<f32, Encoded> {
         self.map(E::to_encoded)
     }
@@ -218,6 +222,7 @@ impl<E: Encoding> Image<f32, E> {
 /// Values that left `[0, 1]` and were clipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Clipping {
     /// Clipped values of red, green and blue.
     pub values: [u64; 3],

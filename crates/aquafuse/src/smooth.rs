@@ -34,6 +34,7 @@ impl Smoothing {
     }
 
     /// The image, smoothed.
+    #[must_use]
     pub fn apply<T: Sample, E: Encoding>(self, image: Image<T, E>) -> Image<T, E> {
         match self {
             Self::None => image,
@@ -65,6 +66,7 @@ crate::names::named!(Smoothing, "smoothing");
 /// assert!(20 < worn[1] && worn[1] < worn[2] && worn[2] < 28);
 /// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
+#[must_use]
 pub fn bilateral<'a, T: Sample, E: Encoding>(image: impl Into<ImageRef<'a, T, E>>) -> Image<T, E> {
     let image = image.into();
     let mut smoothed = image.to_image();

@@ -97,6 +97,7 @@ impl<E: Encoding> Waterbody<E> {
 
 /// An estimated waterbody and how it was come by.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Estimate<E: Encoding = Encoded> {
     /// The water.
     pub water: Waterbody<E>,
@@ -121,6 +122,7 @@ pub struct Estimate<E: Encoding = Encoded> {
 /// truth, not derived.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Intervals {
     /// Of B∞.
     pub veiling_light: [[f32; 2]; 3],
@@ -131,6 +133,7 @@ pub struct Intervals {
 
 /// How to estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct EstimateOptions {
     /// The stored edge that is up as seen: the fallbacks look there for open water. Default: row 0.
     pub top: TopEdge,
@@ -138,6 +141,32 @@ pub struct EstimateOptions {
     pub veiling_light: VeilingLightMethod,
     /// What tells how fast backscatter grows. Default: the dark envelope.
     pub backscatter: BackscatterMethod,
+}
+
+impl EstimateOptions {
+    /// The paper's estimators of veiling light and backscatter.
+    pub fn as_published() -> Self {
+        let veiling_light = VeilingLightMethod::Published;
+        Self { veiling_light, backscatter: BackscatterMethod::Published, ..Self::default() }
+    }
+
+    /// The same with another edge on top.
+    #[must_use]
+    pub fn with_top(self, top: TopEdge) -> Self {
+        Self { top, ..self }
+    }
+
+    /// The same with another way to the veiling light.
+    #[must_use]
+    pub fn with_veiling_light(self, veiling_light: VeilingLightMethod) -> Self {
+        Self { veiling_light, ..self }
+    }
+
+    /// The same with another way to the backscatter.
+    #[must_use]
+    pub fn with_backscatter(self, backscatter: BackscatterMethod) -> Self {
+        Self { backscatter, ..self }
+    }
 }
 
 /// Estimates the water of an image from its 8-bit colours and its depth.

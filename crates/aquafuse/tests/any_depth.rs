@@ -36,7 +36,7 @@ fn check(content: &Image<u8>, reference: &Image<u8>, depth: &DepthMap) {
     let floats = content.to_unit();
     for &model in Model::ALL {
         for gain in [0.0, 1.0, 1e30] {
-            let options = Options { gain: Gain::new(gain).unwrap(), ..Options::for_model(model) };
+            let options = Options::for_model(model).with_gain(Gain::new(gain).unwrap());
             let bounded = Bounded::new(&own, &other, options);
             let fused = fuse(&floats, depth, bounded.waters(), &bounded.options).unwrap().image;
             assert!(fused.as_raw().iter().all(|value| (0.0..=1.0).contains(value)), "{}", model.name());

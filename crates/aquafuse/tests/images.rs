@@ -5,23 +5,15 @@
 use aquafuse::depth::{self, DepthKind, DepthMap};
 use aquafuse::formation::restore;
 use aquafuse::fusion::{Bounded, Incidence, Model, Options, Waters, fuse};
-use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear, TopEdge};
+use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::truth::{NamedWater, OPEN_WATER, Scene, Size, waters};
-use aquafuse::waterbody::{
-    self, BackscatterMethod, EstimateOptions, VeilingLight, VeilingLightMethod, VeilingLightSource, Waterbody,
-};
+use aquafuse::waterbody::{self, EstimateOptions, VeilingLight, VeilingLightSource, Waterbody};
 
 const SIZE: Size = Size { width: 96, height: 64 };
 
 fn picture(seed: u64, water: &NamedWater) -> Image<u8> {
     Scene::new(seed, SIZE).seen_through(&water.water).convert()
 }
-
-const PUBLISHED: EstimateOptions = EstimateOptions {
-    top: TopEdge::First,
-    veiling_light: VeilingLightMethod::Published,
-    backscatter: BackscatterMethod::Published,
-};
 
 fn estimated(image: &Image<u8>) -> (DepthMap, Waterbody) {
     estimated_by(image, &EstimateOptions::default())
@@ -52,12 +44,15 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
         };
         for (seed, water) in waters.iter().enumerate() {
             let content = picture(seed as u64, water);
-            for options in [EstimateOptions::default(), PUBLISHED] {
+            for options in [EstimateOptions::default(), EstimateOptions::as_published()] {
                 assert_eq!(fused(&mirrored(&content), &options), mirrored(&fused(&content, &options)));
             }
         }
         let content = water_only_in_the_top_corners();
-        assert_eq!(fused(&mirrored(&content), &PUBLISHED), mirrored(&fused(&content, &PUBLISHED)));
+        assert_eq!(
+            fused(&mirrored(&content), &EstimateOptions::as_published()),
+            mirrored(&fused(&content, &EstimateOptions::as_published()))
+        );
     }
 }
 
@@ -75,7 +70,7 @@ fn the_laws_hold_on_images_whose_depth_factors_are_a_table() {
         let (z, own) = told(content);
         assert!(own.depth_factors.is_some(), "open water is in view");
         let incidence = Incidence::from_degrees(degrees).unwrap();
-        let options = Options { incidence, ..Options::for_model(Model::Physical) };
+        let options = Options::for_model(Model::Physical).with_incidence(incidence);
         let [itself, other] = [&own, &reference].map(|water| Bounded::new(&own, water, options));
         [itself, other].map(|bounded| fuse(content, &z, bounded.waters(), &bounded.options).unwrap().image)
     };
@@ -95,7 +90,9 @@ fn water_only_in_the_top_corners() -> Image<u8> {
     };
     let samples = (0..64).flat_map(|y| (0..96).flat_map(move |x| colour(x, y))).collect();
     let image = Image::from_raw(96, 64, samples).unwrap();
-    let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &PUBLISHED).unwrap();
+    let found =
+        waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &EstimateOptions::as_published())
+            .unwrap();
     assert_eq!(found.veiling_light_source, VeilingLightSource::TopCorners);
     image
 }
@@ -108,7 +105,7 @@ fn an_image_fused_with_itself_or_at_ninety_degrees_is_the_image() {
     for &model in Model::ALL {
         let options = Options::for_model(model);
         assert_eq!(fuse(&content, &z, Waters::new(&water, &water), &options).unwrap().image, content);
-        let options = Options { incidence: Incidence::from_degrees(90.0).unwrap(), ..options };
+        let options = options.with_incidence(Incidence::from_degrees(90.0).unwrap());
         assert_eq!(fuse(&content, &z, Waters::new(&water, &other), &options).unwrap().image, content);
     }
 }
@@ -151,7 +148,7 @@ fn with_everything_given_exchange_is_the_scene_in_the_whole_other_water() {
         let (own, other) = (waters[from].water, waters[to].water);
         let truth_b = scene.seen_through(&other);
         let exchanged = Waters::new(&own, &other);
-        let options = Options { max_gain: 8.0, ..Options::for_model(Model::Exchange) };
+        let options = Options::for_model(Model::Exchange).with_max_gain(8.0);
         let fused = fuse(&scene.seen_through(&own), &scene.depth, exchanged, &options).unwrap().image;
         let mut bounded = 0;
         for ((found, truth), z) in fused.pixels().iter().zip(truth_b.pixels()).zip(scene.depth.distances()) {

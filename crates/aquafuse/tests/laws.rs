@@ -68,11 +68,8 @@ fn degrees() -> impl Strategy<Value = f32> {
 }
 
 fn options(model: Model, degrees: f32, gain: f32) -> Options {
-    Options {
-        incidence: Incidence::from_degrees(degrees).unwrap(),
-        gain: Gain::new(gain).unwrap(),
-        ..Options::for_model(model)
-    }
+    let incidence = Incidence::from_degrees(degrees).unwrap();
+    Options::for_model(model).with_incidence(incidence).with_gain(Gain::new(gain).unwrap())
 }
 
 fn law(content: &Waterbody, reference: &Waterbody, options: &Options) -> TransferLaw {
@@ -144,7 +141,7 @@ proptest! {
         gain in 0.0..4.0_f32, z in 0.0..20.0_f32, seen in colour(),
     ) {
         let at = |reference: &Waterbody, degrees: f32, gain: f32, z: f32| {
-            let waters = Waters { depth_factors: Some(&factors), ..Waters::new(&scene, reference) };
+            let waters = Waters::new(&scene, reference).with_depth_factors(Some(&factors));
             TransferLaw::new(waters, &options(Model::Physical, degrees, gain)).at(z)
         };
         prop_assert_eq!(at(&other, degrees, gain, 0.0).of(seen), seen);
@@ -170,7 +167,7 @@ proptest! {
     ) {
         for model in [Model::Aquafuse, Model::Exchange] {
             let waters = Waters::new(&scene, &other);
-            let with = Waters { depth_factors: Some(&factors), ..waters };
+            let with = waters.with_depth_factors(Some(&factors));
             let options = options(model, degrees, 1.0);
             prop_assert_eq!(TransferLaw::new(with, &options).at(z), TransferLaw::new(waters, &options).at(z));
         }
@@ -316,7 +313,7 @@ proptest! {
         let bound = RestoreOptions::default();
         let clear = restore(&image, &depth, &scene, &bound).unwrap();
         let expected = form(&clear, &depth, &brighter).unwrap().pixels()[0];
-        let options = Options { max_gain: bound.max_gain[0], ..options(Model::Exchange, 0.0, gain) };
+        let options = options(Model::Exchange, 0.0, gain).with_max_gain(bound.max_gain[0]);
         let found = law(&scene, &other, &options).at(z).of(seen);
         for c in 0..3 {
             // Where e^τ1 is within its bound, so is e^(τ1 - τ2).
@@ -343,7 +340,7 @@ proptest! {
         scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(), gain in 0.0..4.0_f32,
         max_gain in 0.0..10.0_f32, z in 0.0..1e4_f32,
     ) {
-        let options = Options { max_gain, ..options(model, degrees, gain) };
+        let options = options(model, degrees, gain).with_max_gain(max_gain);
         let bound = max_gain.max(1.0);
         let change = law(&scene, &other, &options).at(z);
         prop_assert!(change.gain.iter().all(|gain| (0.0..=bound + ROUNDING * bound).contains(gain)), "{:?}", change.gain);

@@ -80,11 +80,9 @@ impl SettingsArgs {
         let defaults = Options::for_model(self.model);
         Settings {
             depth_model: self.depth_model.get(),
-            options: Options {
-                incidence: self.theta.unwrap_or(defaults.incidence),
-                gain: self.alpha.unwrap_or(defaults.gain),
-                ..defaults
-            },
+            options: defaults
+                .with_incidence(self.theta.unwrap_or(defaults.incidence))
+                .with_gain(self.alpha.unwrap_or(defaults.gain)),
             smoothing: self.smooth,
         }
     }

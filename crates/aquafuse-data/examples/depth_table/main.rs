@@ -27,7 +27,7 @@ fn main() -> Result<(), Error> {
         print_row(&format!("`{}`", model.name()), &pairs, |pair| Ok(pair.estimated(model)))?;
         if model == DepthModel::default() {
             for (target, name) in [(Target::Distances, "distances"), (Target::Order, "order")] {
-                let options = Options { target, ..Options::default() };
+                let options = Options::default().with_target(target);
                 print_row(&format!("`eq3` fitted to the {name} of the other places"), &pairs, |pair| {
                     Ok(pair.estimated(fitted_elsewhere(pair, &pairs, options)?))
                 })?;

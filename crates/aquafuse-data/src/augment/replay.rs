@@ -121,7 +121,7 @@ impl Header {
                 theta: settings.theta_range,
                 alpha: settings.alpha_range,
             },
-            options: Options { max_gain: settings.most_gain, ..Options::for_model(model) },
+            options: Options::for_model(model).with_max_gain(settings.most_gain),
             smoothing: settings.smooth.parse().map_err(|_| unknown())?,
             depth: settings.depth.plan().ok_or_else(unknown)?,
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),

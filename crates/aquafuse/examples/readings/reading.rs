@@ -60,7 +60,7 @@ impl Reading {
 
     pub(crate) fn at(self, degrees: f32) -> Self {
         let incidence = Incidence::from_degrees(degrees).expect("in range");
-        Self { options: Options { incidence, ..self.options }, ..self }
+        Self { options: self.options.with_incidence(incidence), ..self }
     }
 
     /// The content in the reference's water: fused in the encoding `F`, handed back encoded and not clipped.

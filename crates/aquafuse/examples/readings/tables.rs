@@ -48,11 +48,6 @@ pub(crate) fn print(only: Option<&str>) -> Result<(), Box<dyn std::error::Error>
 const SHIFTS: [Model; 2] = [Model::Aquafuse, Model::Physical];
 const DIRECT: [(&str, Direct); 2] =
     [("U1* of Eq. 10 (ours)", Direct::Modulated), ("U1 − B1", Direct::WithoutBackscatter)];
-const PAPERS: EstimateOptions = EstimateOptions {
-    top: aquafuse::image::TopEdge::First,
-    veiling_light: VeilingLightMethod::Published,
-    backscatter: BackscatterMethod::Published,
-};
 
 fn exchanges<E: Encoding>() -> Vec<Exchange<E>> {
     let trials = Trials::default();
@@ -110,7 +105,9 @@ fn water(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
         for (z, depth) in depths {
             for (veil, veiling_light) in veils {
                 for (growth, backscatter) in growths {
-                    let water = EstimateOptions { veiling_light, backscatter, ..Default::default() };
+                    let water = EstimateOptions::default()
+                        .with_veiling_light(veiling_light)
+                        .with_backscatter(backscatter);
                     let name = format!("{z}; {veil}; {growth}");
                     row::<_, Encoded>(&name, exchanges, &Reading { depth, water, ..Reading::ours(model) })?;
                 }
@@ -150,7 +147,7 @@ fn gain(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
     header("α");
     for model in SHIFTS {
         for gain in [1.0, 1.5] {
-            let options = Options { gain: Gain::new(gain).expect("in range"), ..Options::for_model(model) };
+            let options = Options::for_model(model).with_gain(Gain::new(gain).expect("in range"));
             row::<_, Encoded>(&gain.to_string(), exchanges, &Reading { options, ..Reading::ours(model) })?;
         }
     }
@@ -191,7 +188,7 @@ fn together(exchanges: &[Exchange<Encoded>]) -> Result<(), ImageError> {
         ..Reading::ours(Model::Aquafuse)
     };
     row::<_, Encoded>("`--as-published`", exchanges, &published)?;
-    let papers = Reading { water: PAPERS, ..published };
+    let papers = Reading { water: EstimateOptions::as_published(), ..published };
     row::<_, Encoded>("the same, B∞ and β_B the paper's way", exchanges, &papers)?;
     let other = Reading { direct: Direct::WithoutBackscatter, ..papers };
     row::<_, Encoded>("the same, U1 − B1 in Eq. 11", exchanges, &other)

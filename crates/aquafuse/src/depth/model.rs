@@ -80,6 +80,7 @@ impl DepthModel {
     /// assert_eq!(DepthModel::Ratio.estimate(&image).distances(), [0.0, 0.0]);
     /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
+    #[must_use]
     pub fn estimate<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
         self.estimate_oriented(image, TopEdge::First)
     }
@@ -97,6 +98,7 @@ impl DepthModel {
     /// assert!(z.at(60, 4) > 0.9 && z.at(3, 4) < 0.1);
     /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
+    #[must_use]
     pub fn estimate_oriented<'a, T: Sample>(
         &self,
         image: impl Into<ImageRef<'a, T>>,
@@ -131,6 +133,7 @@ impl DepthModel {
     }
 
     /// Depth of an image whose first row is up, before the median.
+    #[must_use]
     pub fn estimate_unfiltered<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
         let image = image.into();
         let (width, height) = image.size();

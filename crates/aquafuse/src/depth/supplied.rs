@@ -39,6 +39,7 @@ pub struct Supplied {
 
 /// Supplied depth, ready for use, and what had to be done to it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SuppliedDepth {
     /// Distances: metres for metric kinds, relative for the others.
     pub depth: DepthMap,
@@ -49,6 +50,7 @@ pub struct SuppliedDepth {
 /// What is worth knowing about supplied depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SuppliedReport {
     /// What the values were declared to be.
     pub kind: SuppliedKind,

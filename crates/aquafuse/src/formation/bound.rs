@@ -7,6 +7,8 @@ use crate::waterbody::{Estimate, VeilingLight, Waterbody};
 
 /// Water and options of a restoration after the safety bounds, and which of these acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct BoundedRestoration<E: Encoding> {
     /// The water to take out.
     pub water: Waterbody<E>,
@@ -18,6 +20,7 @@ pub struct BoundedRestoration<E: Encoding> {
 
 /// Which safety bounds acted on a restoration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RestoreBounds {
     /// Less backscatter is taken off than the estimate says: more of it than there is light.
     pub backscatter: bool,

@@ -9,6 +9,8 @@ const BRIGHTEST_WATER: f32 = 0.7;
 
 /// Waters and options of a fusion after the safety bounds, and which of these acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct Bounded<E: Encoding> {
     content: Waterbody<E>,
     reference: Waterbody<E>,
@@ -22,6 +24,7 @@ pub struct Bounded<E: Encoding> {
 /// Which safety bounds acted on a fusion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Bounds {
     /// The reference's veil is glare: it was darkened to the brightest water, its red to its green or blue.
     pub glare: bool,

@@ -41,6 +41,7 @@ crate::names::named!(Model, "fusion model");
 
 /// How to fuse.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// Which part of the backscatter is exchanged.
     pub model: Model,
@@ -75,6 +76,24 @@ impl Options {
     /// [`Smoothing::Bilateral`](crate::smooth::Smoothing::Bilateral) belong to it.
     pub fn as_published() -> Self {
         Self { gain: Gain(1.5), ..Self::for_model(Model::Aquafuse) }
+    }
+
+    /// The same with another incidence θ.
+    #[must_use]
+    pub fn with_incidence(self, incidence: Incidence) -> Self {
+        Self { incidence, ..self }
+    }
+
+    /// The same with another gain α.
+    #[must_use]
+    pub fn with_gain(self, gain: Gain) -> Self {
+        Self { gain, ..self }
+    }
+
+    /// The same with another bound on the gain of the direct signal.
+    #[must_use]
+    pub fn with_max_gain(self, max_gain: f32) -> Self {
+        Self { max_gain, ..self }
     }
 }
 

@@ -166,6 +166,7 @@ impl<'a, T: Sample, E: Encoding> ImageRef<'a, T, E> {
     }
 
     /// A copy without padding.
+    #[must_use]
     pub fn to_image(&self) -> Image<T, E> {
         let mut samples = Vec::with_capacity(self.shape.row() * self.shape.height);
         self.runs().for_each(|run| samples.extend_from_slice(run.as_flattened()));

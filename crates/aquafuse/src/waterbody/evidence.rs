@@ -6,6 +6,7 @@ use crate::image::{Encoding, ImageError, ImageRef};
 
 /// What [`estimate`](super::estimate) read off an image on its way to the water.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Evidence {
     /// Ranges of depth with about as many pixels each, near to far.
     pub bins: Vec<DepthBin>,
@@ -17,6 +18,7 @@ pub struct Evidence {
 
 /// The pixels of one range of depths, per channel red, green, blue, in the encoding of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct DepthBin {
     /// Mean z.
     pub z: f32,

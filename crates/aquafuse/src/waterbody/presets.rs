@@ -56,6 +56,7 @@ use crate::image::{Encoded, Encoding};
 /// assert_eq!("jerlov-1C".parse::<Preset>().ok(), Some(Preset::Coastal1C));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Preset {
     /// The clearest ocean.
     I,
@@ -83,6 +84,7 @@ pub enum Preset {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
+#[non_exhaustive]
 pub struct Derived<E: Encoding = Encoded> {
     /// The water; coefficients per metre.
     pub water: Waterbody<E>,
@@ -97,6 +99,7 @@ pub struct Derived<E: Encoding = Encoded> {
 /// How far fitted curves are off at worst, per channel, as values of the encoding in `[0, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Residual {
     /// Of the backscatter B(z).
     pub backscatter: [f32; 3],

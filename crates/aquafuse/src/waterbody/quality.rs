@@ -145,6 +145,7 @@ impl TryFrom<StoredQuality> for Quality {
     derive(serde::Serialize, serde::Deserialize),
     serde(try_from = "StoredQuality")
 )]
+#[non_exhaustive]
 pub struct Quality {
     /// What it is worth.
     pub verdict: Verdict,

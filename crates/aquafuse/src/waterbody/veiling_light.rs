@@ -54,6 +54,7 @@ impl<'de, E: Encoding> serde::Deserialize<'de> for VeilingLight<E> {
 
 /// Which way to the veiling light is tried first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum VeilingLightMethod {
     /// The commonest colour of smooth bluish-green places; where there are few, the published way.
     #[default]

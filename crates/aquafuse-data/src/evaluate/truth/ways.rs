@@ -4,7 +4,7 @@ use aquafuse::depth::{DepthMap, DepthModel};
 use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw, Waters};
 use aquafuse::image::Encoding;
 use aquafuse::truth::{Case, Exchange};
-use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, VeilingLightMethod, estimate};
+use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, estimate};
 
 use super::compare::Found;
 
@@ -17,11 +17,7 @@ pub(super) struct Way {
 
 pub(super) fn ways() -> Vec<Way> {
     let ours = Some(EstimateOptions::default());
-    let papers = Some(EstimateOptions {
-        veiling_light: VeilingLightMethod::Published,
-        backscatter: BackscatterMethod::Published,
-        ..Default::default()
-    });
+    let papers = Some(EstimateOptions::as_published());
     let eq3 = Some(DepthModel::default());
     let ratio = Some(DepthModel::Ratio);
     let way = |name, depth, water| Way { name, depth, water };
@@ -48,7 +44,7 @@ impl Way {
         let (own, other) = (self.water(&exchange.content), self.water(&exchange.reference));
         let of = |model: &Model| {
             let incidence = Incidence::from_degrees(0.0).expect("in range");
-            let options = Options { incidence, ..Options::for_model(*model) };
+            let options = Options::for_model(*model).with_incidence(incidence);
             let law = match (&own, &other) {
                 (Some(own), Some(other)) if self.is_papers() => {
                     TransferLaw::new(Waters::new(&own.water, &other.water), &options)

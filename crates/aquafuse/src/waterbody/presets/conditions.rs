@@ -5,6 +5,7 @@ use super::camera::Camera;
 /// How a camera is balanced and exposed: what it shows of a white diffuser close by that faces it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
 pub enum White {
     /// Balanced for daylight, exposed at depth: the brightest channel of the diffuser is at the white level. The
     /// default.
@@ -136,6 +137,7 @@ impl Conditions {
     }
 
     /// The same with another white. Default: [`White::Daylight`].
+    #[must_use]
     pub fn with_white(self, white: White) -> Self {
         Self { white, ..self }
     }
@@ -173,6 +175,7 @@ impl Conditions {
     }
 
     /// The same with another camera. Default: [`Camera::default`].
+    #[must_use]
     pub fn with_camera(self, camera: Camera) -> Self {
         Self { camera, ..self }
     }

@@ -31,11 +31,11 @@ fn table(pairs: &[Pair]) -> Result<String> {
     let names: Vec<&str> = pairs.iter().map(|pair| pair.name.trim_start_matches("flsea_")).collect();
     let mut table = format!("| depth | {} | mean by place |\n", names.join(" | "));
     table += &format!("|---|{}---|\n", "---|".repeat(names.len()));
-    for model in DepthModel::ALL {
+    for &model in DepthModel::ALL {
         table += &row(&format!("`{}`", model.name()), pairs, |pair| Ok(pair.estimated(model)))?;
         if model == DepthModel::default() {
             for (target, name) in [(Target::Distances, "distances"), (Target::Order, "order")] {
-                let options = Options { target, ..Options::default() };
+                let options = Options::default().with_target(target);
                 let name = format!("`eq3` fitted to the {name} of the other places");
                 table +=
                     &row(&name, pairs, |pair| Ok(pair.estimated(fitted_elsewhere(pair, pairs, options)?)))?;

@@ -15,7 +15,7 @@ pub(crate) fn images((width, height): (usize, usize)) -> Result<PathBuf> {
     for named in waters().iter().filter(|named| ["blue", "green"].contains(&named.name)) {
         write_ppm(
             &folder.join(named.name).with_extension("ppm"),
-            &scene.seen_through(&named.water).to_samples(),
+            &scene.seen_through(&named.water).convert(),
         )?;
     }
     Ok(folder)

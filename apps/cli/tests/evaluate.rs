@@ -134,7 +134,7 @@ fn another_tools_images_are_scored_as_ours_and_what_is_missing_is_named() {
         "{report}"
     );
 
-    let small = Scene::new(1, Size { width: 40, height: 30 }).clear.to_samples::<u8>();
+    let small = Scene::new(1, Size { width: 40, height: 30 }).clear.convert::<u8>();
     ImageFile::new(small).write(&run.path("mine/wall__milky.png"), &WriteOptions::default()).unwrap();
     let ended = run.fails(1, &evaluate).stderr;
     assert!(ended.contains("has 40x30 pixels") && ended.contains("96x64"), "{ended}");
@@ -227,7 +227,7 @@ fn depth_maps_are_measured_by_their_declared_kind() {
     }
     for (seed, name) in [(1, "a"), (2, "b"), (3, "c")] {
         let place = Scene::new(seed, Size { width: 96, height: 64 });
-        let image = place.seen_through(&waters()[0].water).to_samples::<u8>();
+        let image = place.seen_through(&waters()[0].water).convert::<u8>();
         ImageFile::new(image)
             .write(&run.path(&format!("pairs/rgb/{name}.png")), &WriteOptions::default())
             .unwrap();

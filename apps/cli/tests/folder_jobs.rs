@@ -165,14 +165,14 @@ fn larger(count: usize) -> Run {
     let [blue, .., deep] = waters();
     let image_file = |seed| {
         ImageFile::new(
-            Scene::new(seed, Size { width: 192, height: 128 }).seen_through(&blue.water).to_samples::<u8>(),
+            Scene::new(seed, Size { width: 192, height: 128 }).seen_through(&blue.water).convert::<u8>(),
         )
     };
     let made: Vec<_> = (0..4).map(image_file).collect();
     for i in 0..count {
         made[i % 4].write(&run.path(&format!("photos/{i:02}.png")), &WriteOptions::default()).unwrap();
     }
-    let water = Scene::new(9, Size { width: 96, height: 64 }).seen_through(&deep.water).to_samples::<u8>();
+    let water = Scene::new(9, Size { width: 96, height: 64 }).seen_through(&deep.water).convert::<u8>();
     ImageFile::new(water).write(&run.path("water.png"), &WriteOptions::default()).unwrap();
     run
 }

@@ -12,8 +12,7 @@ use run::{Run, scene};
 /// An image of 16 bits with opacity.
 fn fine() -> ImageFile {
     let [blue, ..] = waters();
-    let image: Image<u16> =
-        Scene::new(3, Size { width: 64, height: 48 }).seen_through(&blue.water).to_samples();
+    let image: Image<u16> = Scene::new(3, Size { width: 64, height: 48 }).seen_through(&blue.water).convert();
     let alpha = Some((0..64 * 48).map(|i| (i * 21) as u16).collect());
     ImageFile::new(Pixels::Words(Layers { image, alpha }))
 }
@@ -109,7 +108,7 @@ fn limits_are_obeyed_and_can_be_raised() {
 
     // What a strip and an image in floats take beside the image itself is counted too.
     let large = Scene::new(9, Size { width: 600, height: 400 });
-    ImageFile::new(large.clear.to_samples::<u8>())
+    ImageFile::new(large.clear.convert::<u8>())
         .write(&run.path("large.png"), &WriteOptions::default())
         .unwrap();
     run.ok(&["depth", "large.png", "-o", "z.png", "--max-memory", "28MiB"]);

@@ -20,7 +20,7 @@ fn truth(run: &Run) -> (Scene, aquafuse::waterbody::Waterbody) {
     let scene = Scene::new(4, Size { width: 96, height: 64 });
     let water = waters()[1].water;
     let write = |name: &str, image: aquafuse::image::Image<f32>| {
-        ImageFile::new(image.to_samples::<u8>()).write(&run.path(name), &WriteOptions::default()).unwrap();
+        ImageFile::new(image.convert::<u8>()).write(&run.path(name), &WriteOptions::default()).unwrap();
     };
     write("seen.png", scene.seen_through(&water));
     write("clear.png", scene.clear.clone());
@@ -137,8 +137,7 @@ fn simulate_is_the_formation_model() {
     run.ok(&[&dive[..], &["--keep-light"]].concat());
     let water = aquafuse::waterbody::presets::Preset::II.water(&Default::default());
     let clear = read(&run, "clear.png");
-    let expected =
-        aquafuse::formation::form(&clear.bytes(), &scene.depth, &water).unwrap().to_samples::<u8>();
+    let expected = aquafuse::formation::form(&clear.bytes(), &scene.depth, &water).unwrap().convert::<u8>();
     assert_eq!(read(&run, "dived.png").bytes().pixels(), expected.pixels());
     let refused = run.fails(2, &dive).stderr;
     assert!(refused.contains("dived.png") && refused.contains("--overwrite"), "{refused}");

@@ -144,7 +144,7 @@ fn pycolmap_finds_the_cameras_of_a_place_that_is_known() {
     let known = views(1, Size { width: 200, height: 150 }, 8, 2);
     std::fs::create_dir(run.path("photos")).unwrap();
     for (i, view) in known.iter().enumerate() {
-        let image_file = ImageFile::new(view.clear().to_samples::<u8>());
+        let image_file = ImageFile::new(view.clear().convert::<u8>());
         image_file.write(&run.path(&format!("photos/{i:02}.png")), &WriteOptions::default()).unwrap();
     }
     let said = run.ok(&["scene", "sfm", "photos", "-o", "place", "--python", &python]).stdout;

@@ -17,7 +17,7 @@ fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let usage = "give MODEL OUT.jpg CONTENT... -- REFERENCE...";
     let [model, output, image_files @ ..] = &arguments[..] else { return Err(usage.into()) };
-    let model = Model::from_name(model).ok_or("no such model")?;
+    let model = model.parse::<Model>().ok().ok_or("no such model")?;
     let dashes = image_files.iter().position(|word| word == "--").ok_or(usage)?;
     let references = read_all(&image_files[dashes + 1..])?;
 

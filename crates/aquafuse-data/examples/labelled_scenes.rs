@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         waters().iter().try_for_each(|named| {
             let name = |kind: &str| folder.join(named.name).join(kind).join(format!("{seed:05}.png"));
-            write(scene.seen_through(&named.water).to_samples(), &name("images"))?;
+            write(scene.seen_through(&named.water).convert(), &name("images"))?;
             write(mask.clone(), &name("masks"))
         })
     })?;

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (seed, water) in SEEDS.zip(waters().iter().cycle()) {
         let scene = Scene::new(seed, SIZE);
         let name = format!("{seed}_{}.png", water.name);
-        let image = ImageFile::new(scene.seen_through(&water.water).to_samples::<u8>());
+        let image = ImageFile::new(scene.seen_through(&water.water).convert::<u8>());
         image.write(&rgb.join(&name), &WriteOptions::default())?;
         // 0 is unknown depth.
         let seen = |z: f32| if z < OPEN_WATER { z } else { 0.0 };

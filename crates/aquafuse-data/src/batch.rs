@@ -13,7 +13,7 @@
 //! # let path = |name: &str| folder.path().join(name);
 //! # for (name, water) in ["content.png", "reference.png"].into_iter().zip(waters()) {
 //! #     let scene = Scene::new(1, Size { width: 64, height: 48 });
-//! #     let image = scene.seen_through(&water.water).to_samples::<u8>();
+//! #     let image = scene.seen_through(&water.water).convert::<u8>();
 //! #     ImageFile::new(image).write(&path(name), &WriteOptions::default())?;
 //! # }
 //!

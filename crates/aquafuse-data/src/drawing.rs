@@ -23,8 +23,8 @@ impl<E: std::error::Error + Send + Sync> From<plotters::drawing::DrawingAreaErro
     }
 }
 
-impl From<aquafuse::image::SizeError> for DrawError {
-    fn from(error: aquafuse::image::SizeError) -> Self {
+impl From<aquafuse::image::ImageError> for DrawError {
+    fn from(error: aquafuse::image::ImageError) -> Self {
         Self(error.to_string())
     }
 }

@@ -233,20 +233,18 @@ impl WaterFile {
             return Err(wrong("veiling_light_share lies between 0 and 1".into()));
         }
         let model = |name: String| {
-            DepthModel::from_name(&name)
+            name.parse::<DepthModel>()
+                .ok()
                 .ok_or_else(|| wrong(format!("there is no depth model {}", one_line(&name))))
         };
         let reasons = stored.quality.reasons.into_iter();
-        let estimate: Estimate<E> = Estimate {
-            water,
-            veiling_light_source: stored.veiling_light_source,
-            veiling_light_share: stored.veiling_light_share,
-            depth_model: stored.depth.model.map(model).transpose()?,
-            depth_factors: None,
-            intervals: stored.intervals,
-            // The verdict follows from the reasons.
-            quality: reasons.fold(Quality::default(), Quality::with),
-        };
+        let mut estimate: Estimate<E> = Estimate::given(water);
+        estimate.veiling_light_source = stored.veiling_light_source;
+        estimate.veiling_light_share = stored.veiling_light_share;
+        estimate.depth_model = stored.depth.model.map(model).transpose()?;
+        estimate.intervals = stored.intervals;
+        // The verdict follows from the reasons.
+        estimate.quality = reasons.fold(Quality::default(), Quality::with);
         let depth_kind = match stored.depth.kind {
             StoredKind::Relative => DepthKind::Relative,
             StoredKind::Metres => DepthKind::Metres,

@@ -21,7 +21,7 @@ fn transfer_of_colours_is_that_of_others() {
     let folder = tempfile::tempdir().unwrap();
     let [content, reference] = [(1, 0, "content"), (2, 1, "reference")].map(|(seed, water, name)| {
         let scene = Scene::new(seed, Size { width: 96, height: 64 });
-        let image = scene.seen_through(&waters()[water].water).to_samples::<u8>();
+        let image = scene.seen_through(&waters()[water].water).convert::<u8>();
         ImageFile::new(image.clone())
             .write(&folder.path().join(format!("{name}.png")), &WriteOptions::default())
             .unwrap();

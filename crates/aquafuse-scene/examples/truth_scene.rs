@@ -25,6 +25,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     write(&folder, &views, &images, points)?;
     let elsewhere = Scene::new(3, Size { width: 400, height: 304 }).seen_through(&green.water);
     let path = folder.with_extension("water.png");
-    ImageFile::new(elsewhere.to_samples::<u8>()).write(&path, &WriteOptions::default())?;
+    ImageFile::new(elsewhere.convert::<u8>()).write(&path, &WriteOptions::default())?;
     Ok(())
 }

@@ -5,7 +5,7 @@
 //! ([`estimate`]).
 
 use aquafuse::depth::{DepthKind, DepthMap};
-use aquafuse::image::{Encoded, SizeError};
+use aquafuse::image::{Encoded, ImageError};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, pool};
 use aquafuse_data::files::{Step, count};
 use aquafuse_data::image_file::ImageFile;
@@ -49,7 +49,7 @@ pub enum SharedWaterError {
     NoImages,
     /// An image and its depth map differ in size.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] ImageError),
 }
 
 /// Shows an image and its relative depth: what `estimate` asks for, by the index of the image.
@@ -168,10 +168,10 @@ pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth differ in size.
-pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, SizeError> {
+/// [`ImageError`] when image and depth differ in size.
+pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, ImageError> {
     count(Step::WaterEstimated);
-    let options = EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() };
+    let options = EstimateOptions::default().with_top(image.top_edge());
     waterbody::estimate(&image.bytes(), depth, &options)
 }
 

@@ -347,7 +347,7 @@ impl Training {
             &|index, look| {
                 let view = &views[index];
                 let _room = budget.reserve(WATER_BYTES_A_PIXEL * pixels(view));
-                let image = ImageFile::new(view.image.to_samples::<u8>());
+                let image = ImageFile::new(view.image.convert::<u8>());
                 look(&image, &image.pixels.depth(&DepthModel::default(), image.top_edge()));
                 Ok::<(), TrainingError>(())
             },

@@ -152,7 +152,7 @@ pub fn write(
     let mut posed = Vec::with_capacity(views.len());
     for (number, (view, image_file)) in views.iter().zip(image_files).enumerate() {
         let name = PathBuf::from(format!("view_{number:03}.png"));
-        ImageFile::new(image_file.to_samples::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
+        ImageFile::new(image_file.convert::<u8>()).write(&images.join(&name), &WriteOptions::default())?;
         posed.push(PosedImage { name, lens: Lens { camera: view.camera.clone(), distortion: [0.0; 4] } });
     }
     write_cameras(&model, &Cameras { images: posed, points, model: PathBuf::new() }, false)

@@ -19,7 +19,7 @@ fn main() {
 /// A scene of a quarter the width and height, each pixel repeated: what is timed does not depend on detail.
 fn picture(width: usize, height: usize) -> Image<u8> {
     let scene = Scene::new(1, Size { width: width / 4, height: height / 4 });
-    let small: Image<u8> = scene.seen_through(&waters()[0].water).to_samples();
+    let small: Image<u8> = scene.seen_through(&waters()[0].water).convert();
     let repeated = |y: usize| {
         (0..width).flat_map({
             let small = &small;

@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("| preset | veil | β_B of R, G, B | β_D at 0 m | β_D at 5 m | off: B | direct | seen |");
     println!("|---|---|---|---|---|---|---|---|");
-    for preset in Preset::ALL {
+    for &preset in Preset::ALL {
         let derived = preset.derive::<Encoded>(&conditions);
         let water = &derived.water;
         let [r, g, b] = water.veiling_light.rgb().map(|value| (255.0 * value).round() as u8);

@@ -4,7 +4,7 @@
 
 use aquafuse::depth::{self, DepthMap};
 use aquafuse::formation::{RestoreOptions, restore};
-use aquafuse::image::{Image, SizeError};
+use aquafuse::image::{Image, ImageError};
 use aquafuse::metrics::psnr;
 use aquafuse::truth::{OPEN_WATER, Scene, Size, waters};
 use aquafuse::waterbody::{self, Waterbody};
@@ -17,13 +17,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("|---|---|---|---|---|");
     for named in waters() {
         // What a camera would have stored.
-        let seen: Image<u8> = scene.seen_through(&named.water).to_samples();
+        let seen: Image<u8> = scene.seen_through(&named.water).convert();
         let from_colour = depth::estimate(&seen);
-        let water = |z: &DepthMap| -> Result<Waterbody, SizeError> {
+        let water = |z: &DepthMap| -> Result<Waterbody, ImageError> {
             Ok(waterbody::estimate(&seen, z, &Default::default())?.water)
         };
-        let score = |z: &DepthMap, water: &Waterbody| -> Result<f64, SizeError> {
-            let clear: Image<u8> = restore(&seen, z, water, &RestoreOptions::default())?.to_samples();
+        let score = |z: &DepthMap, water: &Waterbody| -> Result<f64, ImageError> {
+            let clear: Image<u8> = restore(&seen, z, water, &RestoreOptions::default())?.convert();
             of_things(&scene, &clear)
         };
         println!(
@@ -39,12 +39,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// PSNR over the pixels at which there is something to see.
-fn of_things(scene: &Scene, picture: &Image<u8>) -> Result<f64, SizeError> {
+fn of_things(scene: &Scene, picture: &Image<u8>) -> Result<f64, ImageError> {
     let distances = scene.depth.distances();
     let things = |image: &Image<u8>| {
         let kept = image.pixels().iter().zip(&distances).filter(|&(_, &z)| z < OPEN_WATER);
         let samples: Vec<u8> = kept.flat_map(|(pixel, _)| *pixel).collect();
         Image::<u8>::from_raw(samples.len() / 3, 1, samples)
     };
-    psnr(&things(&scene.clear.to_samples())?, &things(picture)?)
+    psnr(&things(&scene.clear.convert())?, &things(picture)?)
 }

@@ -14,9 +14,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let scene = Scene::new(seed.parse()?, Size { width: width.parse()?, height: height.parse()? });
     let folder = PathBuf::from(folder);
-    write(&folder.join("air.ppm"), &scene.clear.to_samples())?;
+    write(&folder.join("air.ppm"), &scene.clear.convert())?;
     for named in waters() {
-        let seen = scene.seen_through(&named.water).to_samples();
+        let seen = scene.seen_through(&named.water).convert();
         write(&folder.join(named.name).with_extension("ppm"), &seen)?;
     }
     Ok(())

@@ -5,7 +5,7 @@
 
 use aquafuse::depth::{self, DepthMap, Supplied, SuppliedKind};
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
-use aquafuse::image::{Image, SizeError};
+use aquafuse::image::{Image, ImageError};
 use aquafuse::metrics::psnr;
 use aquafuse::truth::{OPEN_WATER, Scene, Size, waters};
 use aquafuse::waterbody::{self, Waterbody};
@@ -15,10 +15,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let size = Size { width: 320, height: 240 };
     let [blue, green, ..] = waters();
     let (place, other_place) = (Scene::new(seed, size), Scene::new(seed + 1, size));
-    let content: Image<u8> = place.seen_through(&blue.water).to_samples();
-    let reference: Image<u8> = other_place.seen_through(&green.water).to_samples();
+    let content: Image<u8> = place.seen_through(&blue.water).convert();
+    let reference: Image<u8> = other_place.seen_through(&green.water).convert();
     let exchanged = Waterbody { veiling_light: green.water.veiling_light, ..blue.water };
-    let truth: Image<u8> = place.seen_through(&exchanged).to_samples();
+    let truth: Image<u8> = place.seen_through(&exchanged).convert();
 
     let by_colour =
         fused([&content, &reference], [&depth::estimate(&content), &depth::estimate(&reference)])?;
@@ -43,7 +43,7 @@ fn sensed(place: &Scene, image: &Image<u8>) -> Result<DepthMap, Box<dyn std::err
 }
 
 /// The content in the reference's water by the model `physical`, bounded by what the estimates are worth.
-fn fused(images: [&Image<u8>; 2], depths: [&DepthMap; 2]) -> Result<Image<u8>, SizeError> {
+fn fused(images: [&Image<u8>; 2], depths: [&DepthMap; 2]) -> Result<Image<u8>, ImageError> {
     let own = waterbody::estimate(images[0], depths[0], &Default::default())?;
     let other = waterbody::estimate(images[1], depths[1], &Default::default())?;
     let bounded = Bounded::new(&own, &other, Options::for_model(Model::Physical));

@@ -12,8 +12,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seed = std::env::args().nth(1).map_or(Ok(1), |seed| seed.parse::<u64>())?;
     let size = Size { width: 320, height: 240 };
     let [blue, green, ..] = waters();
-    let content: Image<u8> = Scene::new(seed, size).seen_through(&blue.water).to_samples();
-    let reference: Image<u8> = Scene::new(seed + 1, size).seen_through(&green.water).to_samples();
+    let content: Image<u8> = Scene::new(seed, size).seen_through(&blue.water).convert();
+    let reference: Image<u8> = Scene::new(seed + 1, size).seen_through(&green.water).convert();
 
     let (z1, z2) = (depth::estimate(&content), depth::estimate(&reference));
     let own = waterbody::estimate(&content, &z1, &Default::default())?;
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for model in [Model::Aquafuse, Model::Physical] {
         for degrees in [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0] {
             let incidence = Incidence::from_degrees(degrees)?;
-            let options = Options { incidence, ..Options::for_model(model) };
+            let options = Options::for_model(model).with_incidence(incidence);
             let bounded = Bounded::new(&own, &other, options);
             let fused = fuse(&content, &z1, bounded.waters(), &bounded.options)?.image;
             let [r, g, b] = mean_shift(&content, &fused);

@@ -42,8 +42,9 @@ const DARK: f64 = 0.02;
 /// let image = Image::<u8>::from_raw(16, 1, row)?;
 /// let z = depth::estimate(&image);
 /// assert!(z.at(2, 0) < 0.2 && z.at(13, 0) > 0.8);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
+#[must_use]
 pub fn estimate<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> DepthMap {
     DepthModel::default().estimate(image)
 }

@@ -5,8 +5,7 @@ mod bound;
 pub use bound::{BoundedRestoration, RestoreBounds};
 
 use crate::depth::DepthMap;
-use crate::fusion::Clipping;
-use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError};
+use crate::image::{Clipping, Encoding, Image, ImageError, ImageMut, ImageRef, Sample};
 use crate::waterbody::Waterbody;
 
 /// Puts a scene into water: what a camera sees of a clear image through `water`.
@@ -17,7 +16,7 @@ use crate::waterbody::Waterbody;
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size.
+/// [`ImageError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -42,7 +41,7 @@ pub fn form<'a, T: Sample, E: Encoding>(
     clear: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     water: &Waterbody<E>,
-) -> Result<Image<f32, E>, SizeError> {
+) -> Result<Image<f32, E>, ImageError> {
     let clear = clear.into();
     depth.check_fits(clear.size())?;
     let mut seen = clear.to_unit();
@@ -60,6 +59,7 @@ pub fn form<'a, T: Sample, E: Encoding>(
 
 /// How far [`restore`] may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RestoreOptions {
     /// Bound on the gain e^τ of each channel, >= 1. Where light is all but gone, what is left is noise: 8 turns one byte's
     /// step into three percent of the range, which still looks like grain and not like confetti.
@@ -72,6 +72,14 @@ impl Default for RestoreOptions {
     }
 }
 
+impl RestoreOptions {
+    /// The same with another bound on the gain of each channel.
+    #[must_use]
+    pub fn with_max_gain(self, max_gain: [f32; 3]) -> Self {
+        Self { max_gain, ..self }
+    }
+}
+
 /// Removes the water from an image, giving the scene as if seen through air.
 ///
 /// Evaluates Eq. 2, `I = (U - B) e^(τ(z))`, at every pixel, with the gain e^τ bounded. It undoes
@@ -79,7 +87,7 @@ impl Default for RestoreOptions {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size.
+/// [`ImageError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -103,7 +111,7 @@ pub fn restore<'a, T: Sample, E: Encoding>(
     depth: &DepthMap,
     water: &Waterbody<E>,
     options: &RestoreOptions,
-) -> Result<Image<f32, E>, SizeError> {
+) -> Result<Image<f32, E>, ImageError> {
     let image = image.into();
     depth.check_fits(image.size())?;
     let mut clear = image.to_unit();
@@ -120,13 +128,13 @@ pub fn restore<'a, T: Sample, E: Encoding>(
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size; the image is then unchanged.
+/// [`ImageError`] when image and depth map differ in size; the image is then unchanged.
 pub fn restore_mut<'a, T: Sample, E: Encoding>(
     image: impl Into<ImageMut<'a, T, E>>,
     depth: &DepthMap,
     water: &Waterbody<E>,
     options: &RestoreOptions,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     let image = image.into();
     depth.check_fits(image.size())?;
     let count = image.width() as u64 * image.height() as u64;

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use crate::depth::{DepthMap, DepthModel};
-use crate::fusion::{self, Bounded, Bounds, Clipping, Gain, Incidence, Model, OptionError};
-use crate::image::{Image, ImageMut, ImageRef, Sample, SizeError, check_same_size};
+use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, Model, OptionError};
+use crate::image::{Clipping, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size};
 use crate::smooth::{self, Smoothing};
 use crate::waterbody::{self, Estimate, EstimateOptions, Scratch, Waterbody};
 
@@ -51,6 +51,7 @@ pub struct Fuser<'z> {
 
 /// How a [`Fuser`] estimates and fuses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// The depth model, where no depth map is supplied. Default: the paper's, Eq. 3.
     pub depth_model: DepthModel,
@@ -64,6 +65,8 @@ pub struct Options {
 
 /// What [`Fuser::fuse`] returns.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct Outcome<T> {
     /// The content in the reference's water.
     pub image: Image<T>,
@@ -73,6 +76,7 @@ pub struct Outcome<T> {
 
 /// How a fusion went.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Report {
     /// The content's own water, and in its quality the verdict on it.
     pub content: Estimate,
@@ -87,11 +91,11 @@ impl Fuser<'static> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when `reference` is no image: a foreign one without pixels, for example.
-    pub fn new<'a, T: Sample, I>(reference: I) -> Result<Self, SizeError>
+    /// [`ImageError`] when `reference` is no image: a foreign one without pixels, for example.
+    pub fn new<'a, T: Sample, I>(reference: I) -> Result<Self, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         Self::with_options(reference, Options::default())
     }
@@ -101,10 +105,10 @@ impl Fuser<'static> {
     /// # Errors
     ///
     /// As [`Fuser::new`].
-    pub fn with_options<'a, T: Sample, I>(reference: I, options: Options) -> Result<Self, SizeError>
+    pub fn with_options<'a, T: Sample, I>(reference: I, options: Options) -> Result<Self, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         let reference = reference.try_into()?;
         let reference = options.estimate_in(reference, None, &mut Memory::default())?;
@@ -115,15 +119,15 @@ impl Fuser<'static> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when the two differ in size, or as [`Fuser::new`].
+    /// [`ImageError`] when the two differ in size, or as [`Fuser::new`].
     pub fn with_depth<'a, T: Sample, I>(
         reference: I,
         depth: &DepthMap,
         options: Options,
-    ) -> Result<Self, SizeError>
+    ) -> Result<Self, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         let reference = reference.try_into()?;
         let reference = options.estimate_in(reference, Some(depth), &mut Memory::default())?;
@@ -133,6 +137,7 @@ impl Fuser<'static> {
     /// A fuser into a water that was estimated before, or is known ([`Estimate::given`]).
     ///
     /// [`Model::Exchange`] uses the coefficients of both waters: they must be per the same unit of depth.
+    #[must_use]
     pub fn from_estimate(reference: Estimate, options: Options) -> Self {
         Self { reference, options, theta: None, depth: None }
     }
@@ -201,11 +206,13 @@ impl<'z> Fuser<'z> {
     }
 
     /// The water that images are fused into.
+    #[must_use]
     pub fn reference(&self) -> &Estimate {
         &self.reference
     }
 
     /// The options of estimates and fusion.
+    #[must_use]
     pub fn options(&self) -> &Options {
         &self.options
     }
@@ -214,11 +221,11 @@ impl<'z> Fuser<'z> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when `content` is no image, or has another size than its depth map.
-    pub fn fuse<'a, T: Sample, I>(&self, content: I) -> Result<Outcome<T>, SizeError>
+    /// [`ImageError`] when `content` is no image, or has another size than its depth map.
+    pub fn fuse<'a, T: Sample, I>(&self, content: I) -> Result<Outcome<T>, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         let mut image = content.try_into()?.to_image();
         let report = self.fuse_in(None, image.view_mut(), None, &mut Memory::default())?;
@@ -230,10 +237,10 @@ impl<'z> Fuser<'z> {
     /// # Errors
     ///
     /// As [`Fuser::fuse`]; the content is then unchanged.
-    pub fn fuse_mut<'a, T: Sample, I>(&self, content: I) -> Result<Report, SizeError>
+    pub fn fuse_mut<'a, T: Sample, I>(&self, content: I) -> Result<Report, ImageError>
     where
         I: TryInto<ImageMut<'a, T>>,
-        SizeError: From<I::Error>,
+        ImageError: From<I::Error>,
     {
         self.fuse_in(None, content.try_into()?, None, &mut Memory::default())
     }
@@ -242,13 +249,13 @@ impl<'z> Fuser<'z> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when one of the two is no image, or when content, depth map and `fused` differ in size;
+    /// [`ImageError`] when one of the two is no image, or when content, depth map and `fused` differ in size;
     /// `fused` is then unchanged.
-    pub fn fuse_into<'a, 'b, T: Sample, I, O>(&self, content: I, fused: O) -> Result<Report, SizeError>
+    pub fn fuse_into<'a, 'b, T: Sample, I, O>(&self, content: I, fused: O) -> Result<Report, ImageError>
     where
         I: TryInto<ImageRef<'a, T>>,
         O: TryInto<ImageMut<'b, T>>,
-        SizeError: From<I::Error> + From<O::Error>,
+        ImageError: From<I::Error> + From<O::Error>,
     {
         self.fuse_in(Some(content.try_into()?), fused.try_into()?, None, &mut Memory::default())
     }
@@ -261,7 +268,7 @@ impl<'z> Fuser<'z> {
         fused: ImageMut<'_, T>,
         known: Option<Estimate>,
         memory: &mut Memory<T>,
-    ) -> Result<Report, SizeError> {
+    ) -> Result<Report, ImageError> {
         let source = content.unwrap_or(fused.as_ref());
         check_same_size(source.size(), fused.size())?;
         let depth = self.options.depth_in(source, self.depth, memory);
@@ -290,13 +297,37 @@ impl<'z> Fuser<'z> {
 }
 
 impl Options {
+    /// The same with another depth model.
+    #[must_use]
+    pub fn with_depth_model(self, depth_model: DepthModel) -> Self {
+        Self { depth_model, ..self }
+    }
+
+    /// The same with other options of estimates.
+    #[must_use]
+    pub fn with_estimate(self, estimate: EstimateOptions) -> Self {
+        Self { estimate, ..self }
+    }
+
+    /// The same with other options of fusion.
+    #[must_use]
+    pub fn with_fusion(self, fusion: fusion::Options) -> Self {
+        Self { fusion, ..self }
+    }
+
+    /// The same with another smoothing.
+    #[must_use]
+    pub fn with_smoothing(self, smoothing: Smoothing) -> Self {
+        Self { smoothing, ..self }
+    }
+
     /// The water of an image, in the memory of the last one.
     pub(crate) fn estimate_in<T: Sample>(
         &self,
         image: ImageRef<'_, T>,
         depth: Option<&DepthMap>,
         memory: &mut Memory<T>,
-    ) -> Result<Estimate, SizeError> {
+    ) -> Result<Estimate, ImageError> {
         let depth = self.depth_in(image, depth, memory);
         let found = self.water_in(image, &depth, memory);
         memory.take_back(depth);
@@ -323,11 +354,11 @@ impl Options {
         image: ImageRef<'_, T>,
         depth: &DepthMap,
         memory: &mut Memory<T>,
-    ) -> Result<Estimate, SizeError> {
+    ) -> Result<Estimate, ImageError> {
         match image.as_bytes() {
             Some(bytes) => waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.scratch),
             None => {
-                let bytes = image.to_image().to_samples::<u8>();
+                let bytes = image.to_image().convert::<u8>();
                 waterbody::estimate_in(bytes.view(), depth, &self.estimate, &mut memory.scratch)
             }
         }

@@ -18,18 +18,25 @@ mod options;
 mod shift;
 
 pub use bound::{Bounded, Bounds};
-pub use law::{Change, Law};
+pub use law::{PixelTransform, TransferLaw};
 pub use options::{Gain, Incidence, Model, OptionError, Options};
 
 use shift::Shifts;
 
 use crate::bands;
 use crate::depth::{DepthMap, level_to_z};
-use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size, runs_mut};
+use crate::image::{
+    Encoding, Image, ImageError, ImageMut, ImageRef, Kernels as _, Sample, check_same_size, runs_mut,
+};
 use crate::waterbody::{DepthFactors, Waterbody};
+
+#[doc(no_inline)]
+pub use crate::image::Clipping;
 
 /// A fused image.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct Fused<T, E: Encoding> {
     /// The content in the reference's water.
     pub image: Image<T, E>,
@@ -37,25 +44,9 @@ pub struct Fused<T, E: Encoding> {
     pub clipping: Clipping,
 }
 
-/// Values that left `[0, 1]` and were clipped.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Clipping {
-    /// Clipped values of red, green and blue.
-    pub values: [u64; 3],
-    /// Pixels in the image.
-    pub pixels: u64,
-}
-
-impl Clipping {
-    /// Share of all values that were clipped.
-    pub fn share(&self) -> f64 {
-        self.values.iter().sum::<u64>() as f64 / (3 * self.pixels.max(1)) as f64
-    }
-}
-
 /// The two waters of a fusion; exchanged, they would fuse the other way round.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Waters<'a, E: Encoding> {
     /// The content's own water, estimated with the depth map it is fused with.
     pub content: &'a Waterbody<E>,
@@ -75,17 +66,23 @@ impl<'a, E: Encoding> Waters<'a, E> {
     pub fn new(content: &'a Waterbody<E>, reference: &'a Waterbody<E>) -> Self {
         Self { content, reference, depth_factors: None }
     }
+
+    /// The same with the content's F by depth.
+    #[must_use]
+    pub fn with_depth_factors(self, depth_factors: Option<&'a DepthFactors>) -> Self {
+        Self { depth_factors, ..self }
+    }
 }
 
 /// Moves the water of one image into another.
 ///
-/// Evaluates the [`Law`] of the model at every pixel (Eq. 9-11 of the paper with the direct signal
+/// Evaluates the [`TransferLaw`] of the model at every pixel (Eq. 9-11 of the paper with the direct signal
 /// I1 e^(-τ) taken as U1*, so that β_D cancels; [`Model::Exchange`]: Eq. 2, then Eq. 1). The image keeps its size, sample type and
 /// encoding; values are rounded once and clipped, and clipping is counted.
 ///
 /// # Errors
 ///
-/// [`SizeError`] when content and depth map differ in size.
+/// [`ImageError`] when content and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -101,14 +98,14 @@ impl<'a, E: Encoding> Waters<'a, E> {
 /// let waters = Waters::new(&own, &other);
 /// let fused = fusion::fuse(&content, &z1, waters, &fusion::Options::default())?;
 /// assert_eq!(fused.image.size(), content.size());
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn fuse<'a, T: Sample, E: Encoding>(
     content: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
-) -> Result<Fused<T, E>, SizeError> {
+) -> Result<Fused<T, E>, ImageError> {
     let mut image = content.into().to_image();
     let clipping = fuse_mut(&mut image, depth, waters, options)?;
     Ok(Fused { image, clipping })
@@ -118,13 +115,13 @@ pub fn fuse<'a, T: Sample, E: Encoding>(
 ///
 /// # Errors
 ///
-/// [`SizeError`] when content and depth map differ in size; the content is then unchanged.
+/// [`ImageError`] when content and depth map differ in size; the content is then unchanged.
 pub fn fuse_mut<'a, T: Sample, E: Encoding>(
     content: impl Into<ImageMut<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     fuse_from(None, content.into(), depth, waters, options)
 }
 
@@ -132,14 +129,14 @@ pub fn fuse_mut<'a, T: Sample, E: Encoding>(
 ///
 /// # Errors
 ///
-/// [`SizeError`] when content, depth map and `fused` differ in size; `fused` is then unchanged.
+/// [`ImageError`] when content, depth map and `fused` differ in size; `fused` is then unchanged.
 pub fn fuse_into<'a, 'b, T: Sample, E: Encoding>(
     content: impl Into<ImageRef<'a, T, E>>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
     fused: impl Into<ImageMut<'b, T, E>>,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     let (content, fused) = (content.into(), fused.into());
     check_same_size(content.size(), fused.size())?;
     fuse_from(Some(content), fused, depth, waters, options)
@@ -152,9 +149,9 @@ fn fuse_from<T: Sample, E: Encoding>(
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
-) -> Result<Clipping, SizeError> {
+) -> Result<Clipping, ImageError> {
     depth.check_fits(fused.size())?;
-    let law = Law::new(waters, options);
+    let law = TransferLaw::new(waters, options);
     let pixels = fused.width() as u64 * fused.height() as u64;
     if let Some(values) = shift_of_bytes(content, fused.reborrow(), depth, &law, options.model) {
         return Ok(Clipping { values, pixels });
@@ -170,7 +167,7 @@ fn shift_of_bytes<T: Sample, E: Encoding>(
     content: Option<ImageRef<'_, T, E>>,
     fused: ImageMut<'_, T, E>,
     depth: &DepthMap,
-    law: &Law<E>,
+    law: &TransferLaw<E>,
     model: Model,
 ) -> Option<[u64; 3]> {
     let levels = depth.levels().filter(|_| model.is_shift())?;
@@ -198,7 +195,7 @@ fn shift_of_bytes<T: Sample, E: Encoding>(
 fn change_pixels<T: Sample, E: Encoding>(
     content: ImageMut<'_, T, E>,
     depth: &DepthMap,
-    law: &Law<E>,
+    law: &TransferLaw<E>,
     model: Model,
 ) -> [u64; 3] {
     let store = |pixel: &mut [T; 3], c: usize, (value, is_clipped): (T, bool), clipped: &mut [u64; 3]| {
@@ -213,7 +210,7 @@ fn change_pixels<T: Sample, E: Encoding>(
         };
         depth.sum_over_pixels(content, steps, change, add)
     } else {
-        let change = |pixel: &mut [T; 3], change: Change, clipped: &mut [u64; 3]| {
+        let change = |pixel: &mut [T; 3], change: PixelTransform, clipped: &mut [u64; 3]| {
             (0..3).for_each(|c| store(pixel, c, pixel[c].changed(change.gain[c], change.offset[c]), clipped));
         };
         depth.sum_over_pixels(content, |z| law.at(z), change, add)

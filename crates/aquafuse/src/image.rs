@@ -14,6 +14,7 @@ use std::marker::PhantomData;
 
 pub use encoding::{Encoded, Encoding, Linear};
 pub use sample::Sample;
+pub(crate) use sample::kernels::Kernels;
 pub use top_edge::TopEdge;
 pub(crate) use view::runs_mut;
 pub use view::{ImageMut, ImageRef};
@@ -30,7 +31,7 @@ pub use view::{ImageMut, ImageRef};
 ///
 /// let image: Image<u8> = Image::from_raw(2, 1, vec![255, 0, 0, 0, 0, 255])?;
 /// assert_eq!(image.pixels()[1], [0, 0, 255]);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<T, E: Encoding = Encoded> {
@@ -43,7 +44,7 @@ pub struct Image<T, E: Encoding = Encoded> {
 /// The sizes of two things that belong together do not match.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SizeError {
+pub enum ImageError {
     /// A buffer does not hold exactly the values its width and height ask for.
     #[error("{width}x{height} needs {expected} values, but the buffer holds {found}")]
     Buffer {
@@ -94,7 +95,7 @@ pub enum SizeError {
 }
 
 /// What converts without fail converts without error: for functions that take whatever converts to a view.
-impl From<Infallible> for SizeError {
+impl From<Infallible> for ImageError {
     fn from(never: Infallible) -> Self {
         match never {}
     }
@@ -106,17 +107,17 @@ pub(crate) fn check_size(
     height: usize,
     per_place: usize,
     found: usize,
-) -> Result<(), SizeError> {
+) -> Result<(), ImageError> {
     if width == 0 || height == 0 {
-        return Err(SizeError::Empty { width, height });
+        return Err(ImageError::Empty { width, height });
     }
     let expected = width.checked_mul(height).and_then(|n| n.checked_mul(per_place)).unwrap_or(usize::MAX);
-    if expected == found { Ok(()) } else { Err(SizeError::Buffer { width, height, expected, found }) }
+    if expected == found { Ok(()) } else { Err(ImageError::Buffer { width, height, expected, found }) }
 }
 
 /// Checks that two inputs of one operation share one size.
-pub(crate) fn check_same_size(left: (usize, usize), right: (usize, usize)) -> Result<(), SizeError> {
-    if left == right { Ok(()) } else { Err(SizeError::Mismatch { left, right }) }
+pub(crate) fn check_same_size(left: (usize, usize), right: (usize, usize)) -> Result<(), ImageError> {
+    if left == right { Ok(()) } else { Err(ImageError::Mismatch { left, right }) }
 }
 
 impl<T: Sample, E: Encoding> Image<T, E> {
@@ -124,8 +125,8 @@ impl<T: Sample, E: Encoding> Image<T, E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn from_raw(width: usize, height: usize, samples: Vec<T>) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn from_raw(width: usize, height: usize, samples: Vec<T>) -> Result<Self, ImageError> {
         check_size(width, height, 3, samples.len())?;
         Ok(Self { width, height, samples, encoding: PhantomData })
     }
@@ -180,13 +181,15 @@ impl<T: Sample, E: Encoding> Image<T, E> {
     }
 
     /// The same image in floats, as they are: values outside `[0, 1]` stay outside.
+    #[must_use]
     pub fn to_unit(&self) -> Image<f32, E> {
         self.map(T::to_unit)
     }
 
     /// The same image with another sample type, each value clipped to `[0, 1]` and rounded to the
     /// nearest that type can hold.
-    pub fn to_samples<U: Sample>(&self) -> Image<U, E> {
+    #[must_use]
+    pub fn convert<U: Sample>(&self) -> Image<U, E> {
         self.map(|sample| U::from_unit(sample.to_unit()))
     }
 
@@ -202,6 +205,7 @@ impl<T: Sample, E: Encoding> Image<T, E> {
 
 impl<T: Sample> Image<T, Encoded> {
     /// Decodes to linear light by the sRGB transfer function (IEC 61966-2-1).
+    #[must_use]
     pub fn to_linear(&self) -> Image<f32, Linear> {
         self.map(|sample| Linear::from_encoded(sample.to_unit()))
     }
@@ -209,8 +213,27 @@ impl<T: Sample> Image<T, Encoded> {
 
 impl<E: Encoding> Image<f32, E> {
     /// Encodes light by the sRGB transfer function; undoes [`Image::to_linear`]. What is encoded stays as it is.
+    #[must_use]
     pub fn to_encoded(&self) -> Image<f32, Encoded> {
         self.map(E::to_encoded)
+    }
+}
+
+/// Values that left `[0, 1]` and were clipped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Clipping {
+    /// Clipped values of red, green and blue.
+    pub values: [u64; 3],
+    /// Pixels in the image.
+    pub pixels: u64,
+}
+
+impl Clipping {
+    /// Share of all values that were clipped.
+    pub fn share(&self) -> f64 {
+        self.values.iter().sum::<u64>() as f64 / (3 * self.pixels.max(1)) as f64
     }
 }
 
@@ -221,12 +244,12 @@ mod tests {
     #[test]
     fn a_buffer_of_the_wrong_length_is_refused() {
         let error = Image::<u8>::from_raw(2, 2, vec![0; 11]).unwrap_err();
-        assert_eq!(error, SizeError::Buffer { width: 2, height: 2, expected: 12, found: 11 });
+        assert_eq!(error, ImageError::Buffer { width: 2, height: 2, expected: 12, found: 11 });
     }
 
     #[test]
     fn an_image_without_pixels_is_refused() {
-        assert!(matches!(Image::<u8>::from_raw(0, 5, vec![]), Err(SizeError::Empty { .. })));
+        assert!(matches!(Image::<u8>::from_raw(0, 5, vec![]), Err(ImageError::Empty { .. })));
     }
 
     #[test]
@@ -238,13 +261,13 @@ mod tests {
     fn every_byte_survives_the_way_to_linear_light_and_back() {
         let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, v, v]).collect();
         let image = Image::<u8>::from_raw(256, 1, bytes).unwrap();
-        assert_eq!(image.to_linear().to_encoded().to_samples::<u8>(), image);
+        assert_eq!(image.to_linear().to_encoded().convert::<u8>(), image);
     }
 
     #[test]
     fn sixteen_bits_hold_every_byte() {
         let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, 255 - v, v]).collect();
         let image = Image::<u8>::from_raw(256, 1, bytes).unwrap();
-        assert_eq!(image.to_samples::<u16>().to_samples::<u8>(), image);
+        assert_eq!(image.convert::<u16>().convert::<u8>(), image);
     }
 }

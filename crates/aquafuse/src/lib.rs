@@ -14,7 +14,7 @@
 //!
 //! let fused = Fuser::new(&reference)?.model(Model::Physical).fuse(&content)?;
 //! assert_eq!(fused.image.size(), (96, 64));
-//! # Ok::<(), aquafuse::image::SizeError>(())
+//! # Ok::<(), aquafuse::image::ImageError>(())
 //! ```
 //!
 //! The fused image keeps the content's size, sample type and objects; what did not fit into the range was clipped
@@ -65,7 +65,7 @@
 //!
 //! - `simd` (default): AVX2 where the processor has it, NEON on 64-bit Arm. Off, the crate has no unsafe code; no bit changes.
 //! - `threads` (default): several cores for large images, by bands of rows. Off, no thread is started; no bit changes.
-//! - `serde`: `Serialize` for the types that describe water and depth.
+//! - `serde`: `Serialize` and `Deserialize` for the types that describe water and depth; what is read is checked.
 //! - `image`: views of the crate `image`'s buffers (`RgbImage`, 16 bits, floats), and images for it.
 //! - `ndarray`: views of arrays of shape (height, width, 3).
 //!
@@ -95,6 +95,9 @@ pub mod fusion;
 pub mod image;
 mod integration;
 pub mod metrics;
+mod names;
+mod rank;
+#[doc(hidden)]
 pub mod simd;
 pub mod smooth;
 pub mod stream;
@@ -102,3 +105,4 @@ pub mod truth;
 pub mod waterbody;
 
 pub use fuser::Fuser;
+pub use names::NameError;

@@ -14,15 +14,13 @@
 
 mod depth_rmse;
 mod psnr;
-mod spearman;
 mod ssim;
 mod uciqe;
 mod uiqm;
 
+pub use crate::rank::spearman;
 pub use depth_rmse::{DepthRmse, depth_rmse};
 pub use psnr::psnr;
-pub(crate) use spearman::ranks;
-pub use spearman::spearman;
 pub use ssim::ssim;
 pub use uciqe::{Uciqe, uciqe};
 pub use uiqm::{Uiqm, uiqm};

@@ -1,5 +1,7 @@
 //! Which vector instructions this processor has; asked once, and never part of a result.
 //!
+//! For the other crates of this workspace alone: no part of the API, and it may change in any release.
+//!
 //! A fast path is a module of its own (`avx2.rs`, `neon.rs`) beside the plain one, takes the proof that its
 //! instructions are there, and gives the same bits. Where the compiler makes vectors of plain code by itself,
 //! [`widest`] has it do so for the best instructions too.

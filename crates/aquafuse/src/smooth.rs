@@ -7,7 +7,7 @@ mod bytes;
 mod weights;
 
 use crate::bands;
-use crate::image::{Encoding, Image, ImageMut, ImageRef, Sample, SizeError, check_same_size, runs_mut};
+use crate::image::{Encoding, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size, runs_mut};
 use weights::{AHEAD, ONE, mirrored, weight};
 
 /// How a fused image is smoothed.
@@ -23,7 +23,7 @@ pub enum Smoothing {
 
 impl Smoothing {
     /// All ways, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::None, Self::Bilateral];
+    pub const ALL: &'static [Self] = &[Self::None, Self::Bilateral];
 
     /// The name used on the command line.
     pub fn name(self) -> &'static str {
@@ -33,12 +33,8 @@ impl Smoothing {
         }
     }
 
-    /// The way of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|way| way.name() == name)
-    }
-
     /// The image, smoothed.
+    #[must_use]
     pub fn apply<T: Sample, E: Encoding>(self, image: Image<T, E>) -> Image<T, E> {
         match self {
             Self::None => image,
@@ -46,6 +42,8 @@ impl Smoothing {
         }
     }
 }
+
+crate::names::named!(Smoothing, "smoothing");
 
 /// Smooths an image but not its edges: each pixel becomes the mean of those within two pixels of it, weighted by
 /// `e^(-Δ² / 2σ²)` of how their colours differ.
@@ -66,8 +64,9 @@ impl Smoothing {
 /// assert_eq!(bilateral(&row(20, 220)?), row(20, 220)?);
 /// let worn: Vec<u8> = bilateral(&row(20, 28)?).pixels().iter().map(|pixel| pixel[0]).collect();
 /// assert!(20 < worn[1] && worn[1] < worn[2] && worn[2] < 28);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
+#[must_use]
 pub fn bilateral<'a, T: Sample, E: Encoding>(image: impl Into<ImageRef<'a, T, E>>) -> Image<T, E> {
     let image = image.into();
     let mut smoothed = image.to_image();
@@ -79,11 +78,11 @@ pub fn bilateral<'a, T: Sample, E: Encoding>(image: impl Into<ImageRef<'a, T, E>
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the two differ in size; `smoothed` is then unchanged.
+/// [`ImageError`] when the two differ in size; `smoothed` is then unchanged.
 pub fn bilateral_into<'a, 'b, T: Sample, E: Encoding>(
     image: impl Into<ImageRef<'a, T, E>>,
     smoothed: impl Into<ImageMut<'b, T, E>>,
-) -> Result<(), SizeError> {
+) -> Result<(), ImageError> {
     let (image, smoothed) = (image.into(), smoothed.into());
     check_same_size(image.size(), smoothed.size())?;
     smooth_into(image, smoothed);
@@ -168,8 +167,8 @@ mod tests {
     fn finer_samples_are_smoothed_as_bytes_are() {
         let image = Image::<u8>::from_raw(9, 5, (0..135).map(|i| (i * 37 % 251) as u8).collect()).unwrap();
         let smoothed = bilateral(&image);
-        assert_eq!(bilateral(&image.to_samples::<u16>()).to_samples::<u8>(), smoothed);
-        assert_eq!(bilateral(&image.to_unit()).to_samples::<u8>(), smoothed);
+        assert_eq!(bilateral(&image.convert::<u16>()).convert::<u8>(), smoothed);
+        assert_eq!(bilateral(&image.to_unit()).convert::<u8>(), smoothed);
     }
 
     #[cfg(feature = "threads")]

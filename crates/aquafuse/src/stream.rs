@@ -1,7 +1,7 @@
 //! Frame after frame into one water: what a frame needs is kept for the next.
 
 use crate::fuser::{Fuser, Memory, Report};
-use crate::image::{ImageMut, ImageRef, SizeError};
+use crate::image::{ImageError, ImageMut, ImageRef};
 use crate::waterbody::Estimate;
 
 /// Fuses the frames of a sequence with one reference, as its [`Fuser`] fuses images, to the bit.
@@ -17,16 +17,16 @@ use crate::waterbody::Estimate;
 ///
 /// let size = truth::Size { width: 96, height: 64 };
 /// let seen = |seed, water: usize| truth::Scene::new(seed, size).seen_through(&truth::waters()[water].water);
-/// let reference = seen(2, 1).to_samples::<u8>();
+/// let reference = seen(2, 1).convert::<u8>();
 ///
 /// let mut stream = Stream::new(Fuser::new(&reference)?);
 /// let mut fused = reference.clone();
 /// for seed in 3..6 {
-///     let frame = seen(seed, 0).to_samples::<u8>();
+///     let frame = seen(seed, 0).convert::<u8>();
 ///     stream.fuse_into(&frame, &mut fused)?;
 ///     assert_ne!(fused, frame);
 /// }
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Stream<'z> {
@@ -73,12 +73,12 @@ impl<'z> Stream<'z> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when the two, or the fuser's depth map, differ in size; `fused` is then unchanged.
+    /// [`ImageError`] when the two, or the fuser's depth map, differ in size; `fused` is then unchanged.
     pub fn fuse_into<'a, 'b>(
         &mut self,
         frame: impl Into<ImageRef<'a, u8>>,
         fused: impl Into<ImageMut<'b, u8>>,
-    ) -> Result<Report, SizeError> {
+    ) -> Result<Report, ImageError> {
         self.fuse_from(Some(frame.into()), fused.into())
     }
 
@@ -86,8 +86,8 @@ impl<'z> Stream<'z> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when the fuser's depth map, if it has one, is of another size; the frame is then unchanged.
-    pub fn fuse_mut<'a>(&mut self, frame: impl Into<ImageMut<'a, u8>>) -> Result<Report, SizeError> {
+    /// [`ImageError`] when the fuser's depth map, if it has one, is of another size; the frame is then unchanged.
+    pub fn fuse_mut<'a>(&mut self, frame: impl Into<ImageMut<'a, u8>>) -> Result<Report, ImageError> {
         self.fuse_from(None, frame.into())
     }
 
@@ -95,7 +95,7 @@ impl<'z> Stream<'z> {
         &mut self,
         frame: Option<ImageRef<'_, u8>>,
         fused: ImageMut<'_, u8>,
-    ) -> Result<Report, SizeError> {
+    ) -> Result<Report, ImageError> {
         let known = self.content.filter(|_| self.age < self.every);
         let report = self.fuser.fuse_in(frame, fused, known, &mut self.memory)?;
         self.age = if known.is_some() { self.age + 1 } else { 1 };
@@ -116,7 +116,7 @@ mod tests {
     use crate::waterbody::{self, EstimateOptions};
 
     fn image(seed: u64, water: usize, width: usize, height: usize) -> Image<u8> {
-        Scene::new(seed, Size { width, height }).seen_through(&waters()[water].water).to_samples()
+        Scene::new(seed, Size { width, height }).seen_through(&waters()[water].water).convert()
     }
 
     fn one_by_one(frame: &Image<u8>, reference: &Estimate, options: &Options) -> (Image<u8>, Clipping) {
@@ -129,8 +129,8 @@ mod tests {
 
     #[test]
     fn a_stream_is_its_fuser_and_that_its_steps_one_by_one_at_any_size() {
-        for model in Model::ALL {
-            for (i, depth_model) in DepthModel::ALL.into_iter().enumerate() {
+        for &model in Model::ALL {
+            for (i, depth_model) in DepthModel::ALL.iter().copied().enumerate() {
                 let (fusion, smoothing) = (fusion::Options::for_model(model), Smoothing::ALL[i % 2]);
                 let options = Options { depth_model, fusion, smoothing, ..Options::default() };
                 let fuser = Fuser::with_options(&image(2, 1, 96, 64), options).unwrap();
@@ -179,7 +179,7 @@ mod tests {
     fn sizes_that_differ_are_an_error() {
         let mut stream = Stream::new(image_estimate().into());
         let error = stream.fuse_into(&image(1, 0, 8, 8), &mut image(1, 0, 8, 9)).unwrap_err();
-        assert_eq!(error, SizeError::Mismatch { left: (8, 8), right: (8, 9) });
+        assert_eq!(error, ImageError::Mismatch { left: (8, 8), right: (8, 9) });
     }
 
     #[cfg(feature = "threads")]

@@ -27,7 +27,7 @@ pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::bands;
 use crate::depth::{DepthMap, DepthModel, Quantised};
-use crate::image::{Encoded, Encoding, ImageRef, SizeError, TopEdge};
+use crate::image::{Encoded, Encoding, ImageError, ImageRef, TopEdge};
 use backscatter::Growth;
 use statistics::Statistics;
 pub(crate) use thumbnail::Scratch;
@@ -54,15 +54,27 @@ use veiling_light::Reading;
 /// # Ok::<(), aquafuse::waterbody::AttenuationError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Waterbody<E: Encoding = Encoded> {
     /// B∞, the colour of the water at infinity, in `[0, 1]`.
     pub veiling_light: VeilingLight<E>,
     /// β_B, how fast backscatter grows, per unit of z, >= 0.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "coefficients"))]
     pub backscatter_coefficient: [f32; 3],
     /// β_D(z), how fast the direct signal fades, per unit of z, >= 0.
     pub attenuation: [Attenuation; 3],
+}
+
+/// β_B of a file: 0 or more.
+#[cfg(feature = "serde")]
+fn coefficients<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<[f32; 3], D::Error> {
+    let beta = <[f32; 3] as serde::Deserialize>::deserialize(deserializer)?;
+    if beta.iter().all(|beta| beta.is_finite() && *beta >= 0.0) {
+        Ok(beta)
+    } else {
+        Err(serde::de::Error::custom(format!("backscatter_coefficient is {beta:?}, but is 0 or more")))
+    }
 }
 
 impl<E: Encoding> Waterbody<E> {
@@ -85,6 +97,7 @@ impl<E: Encoding> Waterbody<E> {
 
 /// An estimated waterbody and how it was come by.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Estimate<E: Encoding = Encoded> {
     /// The water.
     pub water: Waterbody<E>,
@@ -109,6 +122,7 @@ pub struct Estimate<E: Encoding = Encoded> {
 /// truth, not derived.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Intervals {
     /// Of B∞.
     pub veiling_light: [[f32; 2]; 3],
@@ -119,6 +133,7 @@ pub struct Intervals {
 
 /// How to estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct EstimateOptions {
     /// The stored edge that is up as seen: the fallbacks look there for open water. Default: row 0.
     pub top: TopEdge,
@@ -126,6 +141,32 @@ pub struct EstimateOptions {
     pub veiling_light: VeilingLightMethod,
     /// What tells how fast backscatter grows. Default: the dark envelope.
     pub backscatter: BackscatterMethod,
+}
+
+impl EstimateOptions {
+    /// The paper's estimators of veiling light and backscatter.
+    pub fn as_published() -> Self {
+        let veiling_light = VeilingLightMethod::Published;
+        Self { veiling_light, backscatter: BackscatterMethod::Published, ..Self::default() }
+    }
+
+    /// The same with another edge on top.
+    #[must_use]
+    pub fn with_top(self, top: TopEdge) -> Self {
+        Self { top, ..self }
+    }
+
+    /// The same with another way to the veiling light.
+    #[must_use]
+    pub fn with_veiling_light(self, veiling_light: VeilingLightMethod) -> Self {
+        Self { veiling_light, ..self }
+    }
+
+    /// The same with another way to the backscatter.
+    #[must_use]
+    pub fn with_backscatter(self, backscatter: BackscatterMethod) -> Self {
+        Self { backscatter, ..self }
+    }
 }
 
 /// Estimates the water of an image from its 8-bit colours and its depth.
@@ -136,7 +177,7 @@ pub struct EstimateOptions {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size.
+/// [`ImageError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -148,13 +189,13 @@ pub struct EstimateOptions {
 /// let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &Default::default())?;
 /// let [r, g, b] = found.water.veiling_light.rgb();
 /// assert!(r < g && g < b);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn estimate<'a, E: Encoding>(
     image: impl Into<ImageRef<'a, u8>>,
     depth: &DepthMap,
     options: &EstimateOptions,
-) -> Result<Estimate<E>, SizeError> {
+) -> Result<Estimate<E>, ImageError> {
     estimate_in(image.into(), depth, options, &mut Scratch::default())
 }
 
@@ -164,7 +205,7 @@ pub(crate) fn estimate_in<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
     scratch: &mut Scratch,
-) -> Result<Estimate<E>, SizeError> {
+) -> Result<Estimate<E>, ImageError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
     let whole = Seen { image, levels: &quantised.levels };

@@ -34,9 +34,9 @@ fn check(content: &Image<u8>, reference: &Image<u8>, depth: &DepthMap) {
     let other = estimate(reference, &z, &EstimateOptions::default()).unwrap();
     let own = estimate(content, depth, &EstimateOptions::default()).unwrap();
     let floats = content.to_unit();
-    for model in Model::ALL {
+    for &model in Model::ALL {
         for gain in [0.0, 1.0, 1e30] {
-            let options = Options { gain: Gain::new(gain).unwrap(), ..Options::for_model(model) };
+            let options = Options::for_model(model).with_gain(Gain::new(gain).unwrap());
             let bounded = Bounded::new(&own, &other, options);
             let fused = fuse(&floats, depth, bounded.waters(), &bounded.options).unwrap().image;
             assert!(fused.as_raw().iter().all(|value| (0.0..=1.0).contains(value)), "{}", model.name());
@@ -53,7 +53,7 @@ proptest! {
     fn any_supplied_depth_gives_finite_pixels_or_a_named_error(
         [content, reference] in images(),
         values in prop::collection::vec(distance(), PIXELS),
-        kind in prop::sample::select(&SuppliedKind::ALL[..]),
+        kind in prop::sample::select(SuppliedKind::ALL),
     ) {
         let supplied = Supplied::new(SIZE.0, SIZE.1, values, kind).unwrap();
         match supplied.seen_with(&content, TopEdge::First) {
@@ -65,10 +65,10 @@ proptest! {
     #[test]
     fn any_depth_from_colour_gives_finite_pixels(
         [content, reference] in images(),
-        model in prop::sample::select(&DepthModel::ALL[..]),
+        model in prop::sample::select(DepthModel::ALL),
     ) {
         check(&content, &reference, &model.estimate(&content));
-        let fine = content.to_samples::<u16>();
+        let fine = content.convert::<u16>();
         check(&content, &reference, &model.estimate(&fine));
     }
 }

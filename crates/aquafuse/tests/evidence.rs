@@ -19,7 +19,7 @@ fn with_black(seed: u64) -> (Image<u8>, Scene) {
             *pixel = [0.0; 3];
         }
     }
-    let seen = form(&scene.clear, &scene.depth, &waters()[0].water).unwrap().to_samples();
+    let seen = form(&scene.clear, &scene.depth, &waters()[0].water).unwrap().convert();
     (seen, scene)
 }
 

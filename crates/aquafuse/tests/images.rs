@@ -5,23 +5,15 @@
 use aquafuse::depth::{self, DepthKind, DepthMap};
 use aquafuse::formation::restore;
 use aquafuse::fusion::{Bounded, Incidence, Model, Options, Waters, fuse};
-use aquafuse::image::{Encoded, Encoding, Image, Linear, SizeError, TopEdge};
+use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::truth::{NamedWater, OPEN_WATER, Scene, Size, waters};
-use aquafuse::waterbody::{
-    self, BackscatterMethod, EstimateOptions, VeilingLight, VeilingLightMethod, VeilingLightSource, Waterbody,
-};
+use aquafuse::waterbody::{self, EstimateOptions, VeilingLight, VeilingLightSource, Waterbody};
 
 const SIZE: Size = Size { width: 96, height: 64 };
 
 fn picture(seed: u64, water: &NamedWater) -> Image<u8> {
-    Scene::new(seed, SIZE).seen_through(&water.water).to_samples()
+    Scene::new(seed, SIZE).seen_through(&water.water).convert()
 }
-
-const PUBLISHED: EstimateOptions = EstimateOptions {
-    top: TopEdge::First,
-    veiling_light: VeilingLightMethod::Published,
-    backscatter: BackscatterMethod::Published,
-};
 
 fn estimated(image: &Image<u8>) -> (DepthMap, Waterbody) {
     estimated_by(image, &EstimateOptions::default())
@@ -43,7 +35,7 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
     let waters = waters();
     let reference = picture(2, &waters[1]);
     let (_, reference_water) = estimated(&reference);
-    for model in Model::ALL {
+    for &model in Model::ALL {
         let fused = |content: &Image<u8>, options: &EstimateOptions| {
             let (z, water) = estimated_by(content, options);
             fuse(content, &z, Waters::new(&water, &reference_water), &Options::for_model(model))
@@ -52,12 +44,15 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
         };
         for (seed, water) in waters.iter().enumerate() {
             let content = picture(seed as u64, water);
-            for options in [EstimateOptions::default(), PUBLISHED] {
+            for options in [EstimateOptions::default(), EstimateOptions::as_published()] {
                 assert_eq!(fused(&mirrored(&content), &options), mirrored(&fused(&content, &options)));
             }
         }
         let content = water_only_in_the_top_corners();
-        assert_eq!(fused(&mirrored(&content), &PUBLISHED), mirrored(&fused(&content, &PUBLISHED)));
+        assert_eq!(
+            fused(&mirrored(&content), &EstimateOptions::as_published()),
+            mirrored(&fused(&content, &EstimateOptions::as_published()))
+        );
     }
 }
 
@@ -75,7 +70,7 @@ fn the_laws_hold_on_images_whose_depth_factors_are_a_table() {
         let (z, own) = told(content);
         assert!(own.depth_factors.is_some(), "open water is in view");
         let incidence = Incidence::from_degrees(degrees).unwrap();
-        let options = Options { incidence, ..Options::for_model(Model::Physical) };
+        let options = Options::for_model(Model::Physical).with_incidence(incidence);
         let [itself, other] = [&own, &reference].map(|water| Bounded::new(&own, water, options));
         [itself, other].map(|bounded| fuse(content, &z, bounded.waters(), &bounded.options).unwrap().image)
     };
@@ -95,7 +90,9 @@ fn water_only_in_the_top_corners() -> Image<u8> {
     };
     let samples = (0..64).flat_map(|y| (0..96).flat_map(move |x| colour(x, y))).collect();
     let image = Image::from_raw(96, 64, samples).unwrap();
-    let found = waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &PUBLISHED).unwrap();
+    let found =
+        waterbody::estimate::<Encoded>(&image, &depth::estimate(&image), &EstimateOptions::as_published())
+            .unwrap();
     assert_eq!(found.veiling_light_source, VeilingLightSource::TopCorners);
     image
 }
@@ -105,10 +102,10 @@ fn an_image_fused_with_itself_or_at_ninety_degrees_is_the_image() {
     let waters = waters();
     let (content, reference) = (picture(1, &waters[0]), picture(2, &waters[2]));
     let ((z, water), (_, other)) = (estimated(&content), estimated(&reference));
-    for model in Model::ALL {
+    for &model in Model::ALL {
         let options = Options::for_model(model);
         assert_eq!(fuse(&content, &z, Waters::new(&water, &water), &options).unwrap().image, content);
-        let options = Options { incidence: Incidence::from_degrees(90.0).unwrap(), ..options };
+        let options = options.with_incidence(Incidence::from_degrees(90.0).unwrap());
         assert_eq!(fuse(&content, &z, Waters::new(&water, &other), &options).unwrap().image, content);
     }
 }
@@ -151,7 +148,7 @@ fn with_everything_given_exchange_is_the_scene_in_the_whole_other_water() {
         let (own, other) = (waters[from].water, waters[to].water);
         let truth_b = scene.seen_through(&other);
         let exchanged = Waters::new(&own, &other);
-        let options = Options { max_gain: 8.0, ..Options::for_model(Model::Exchange) };
+        let options = Options::for_model(Model::Exchange).with_max_gain(8.0);
         let fused = fuse(&scene.seen_through(&own), &scene.depth, exchanged, &options).unwrap().image;
         let mut bounded = 0;
         for ((found, truth), z) in fused.pixels().iter().zip(truth_b.pixels()).zip(scene.depth.distances()) {
@@ -176,12 +173,11 @@ fn bytes_are_the_exact_fusion_rounded_once() {
     let waters = waters();
     let scene = Scene::new(5, SIZE);
     let (own, other) = (waters[1].water, waters[0].water);
-    let bytes: Image<u8> = scene.seen_through(&own).to_samples();
-    for model in Model::ALL {
+    let bytes: Image<u8> = scene.seen_through(&own).convert();
+    for &model in Model::ALL {
         let options = Options::for_model(model);
-        let exact = fuse(&bytes.to_samples::<f32>(), &scene.depth, Waters::new(&own, &other), &options)
-            .unwrap()
-            .image;
+        let exact =
+            fuse(&bytes.convert::<f32>(), &scene.depth, Waters::new(&own, &other), &options).unwrap().image;
         let fused = fuse(&bytes, &scene.depth, Waters::new(&own, &other), &options).unwrap().image;
         for (byte, exact) in fused.as_raw().iter().zip(exact.as_raw()) {
             assert!((f32::from(*byte) - 255.0 * exact).abs() <= 0.5 + 1e-3);
@@ -211,7 +207,7 @@ fn sizes_that_differ_are_an_error() {
     let z = DepthMap::from_levels(1, 1, vec![0]).unwrap();
     assert!(matches!(
         waterbody::estimate::<Encoded>(&content, &z, &EstimateOptions::default()),
-        Err(SizeError::Mismatch { left: (96, 64), right: (1, 1) })
+        Err(ImageError::Mismatch { left: (96, 64), right: (1, 1) })
     ));
     let water = waters()[0].water;
     assert!(fuse(&content, &z, Waters::new(&water, &water), &Options::default()).is_err());
@@ -232,7 +228,7 @@ fn with_depth_given_the_veil_is_read_and_the_growth_where_it_shows() {
     for named in waters() {
         for seed in 0..4 {
             let scene = Scene::new(seed, SIZE);
-            let image: Image<u8> = scene.seen_through(&named.water).to_samples();
+            let image: Image<u8> = scene.seen_through(&named.water).convert();
             let found = waterbody::estimate::<Encoded>(&image, &scene.depth, &EstimateOptions::default())
                 .unwrap()
                 .water;
@@ -251,7 +247,7 @@ fn with_depth_given_the_veil_is_read_and_the_growth_where_it_shows() {
 fn the_unit_of_depth_cancels_from_estimation_to_image() {
     let waters = waters();
     let scene = Scene::new(2, SIZE);
-    let image: Image<u8> = scene.seen_through(&waters[1].water).to_samples();
+    let image: Image<u8> = scene.seen_through(&waters[1].water).convert();
     let made = |unit: f32| {
         let distances = scene.depth.distances().into_iter().map(|z| z * unit).collect();
         let z = DepthMap::from_distances(SIZE.width, SIZE.height, DepthKind::Metres, distances).unwrap();
@@ -274,7 +270,7 @@ fn the_unit_of_depth_cancels_from_estimation_to_image() {
 fn linear_light_has_its_own_water_and_its_own_truth() {
     let waters = waters();
     let scene = Scene::new(1, SIZE);
-    let image: Image<u8> = scene.seen_through(&waters[0].water).to_samples();
+    let image: Image<u8> = scene.seen_through(&waters[0].water).convert();
     let encoded =
         waterbody::estimate::<Encoded>(&image, &scene.depth, &EstimateOptions::default()).unwrap().water;
     let linear =

@@ -7,7 +7,7 @@
 
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::formation::{RestoreOptions, form, restore};
-use aquafuse::fusion::{Gain, Incidence, Law, Model, Options, Waters, fuse};
+use aquafuse::fusion::{Gain, Incidence, Model, Options, TransferLaw, Waters, fuse};
 use aquafuse::image::Image;
 use aquafuse::waterbody::{Attenuation, DepthFactors, VeilingLight, Waterbody};
 use proptest::prelude::*;
@@ -54,12 +54,12 @@ fn depth_factors() -> impl Strategy<Value = DepthFactors> {
 }
 
 fn model() -> impl Strategy<Value = Model> {
-    prop::sample::select(&Model::ALL[..])
+    prop::sample::select(Model::ALL)
 }
 
 /// A model that adds to all pixels of one depth the same.
 fn shift_model() -> impl Strategy<Value = Model> {
-    let shifts: Vec<Model> = Model::ALL.into_iter().filter(|model| model.is_shift()).collect();
+    let shifts: Vec<Model> = Model::ALL.iter().copied().filter(|model| model.is_shift()).collect();
     prop::sample::select(shifts)
 }
 
@@ -68,15 +68,12 @@ fn degrees() -> impl Strategy<Value = f32> {
 }
 
 fn options(model: Model, degrees: f32, gain: f32) -> Options {
-    Options {
-        incidence: Incidence::from_degrees(degrees).unwrap(),
-        gain: Gain::new(gain).unwrap(),
-        ..Options::for_model(model)
-    }
+    let incidence = Incidence::from_degrees(degrees).unwrap();
+    Options::for_model(model).with_incidence(incidence).with_gain(Gain::new(gain).unwrap())
 }
 
-fn law(content: &Waterbody, reference: &Waterbody, options: &Options) -> Law {
-    Law::new(Waters::new(content, reference), options)
+fn law(content: &Waterbody, reference: &Waterbody, options: &Options) -> TransferLaw {
+    TransferLaw::new(Waters::new(content, reference), options)
 }
 
 /// What a model that is a shift adds at `z`.
@@ -144,8 +141,8 @@ proptest! {
         gain in 0.0..4.0_f32, z in 0.0..20.0_f32, seen in colour(),
     ) {
         let at = |reference: &Waterbody, degrees: f32, gain: f32, z: f32| {
-            let waters = Waters { depth_factors: Some(&factors), ..Waters::new(&scene, reference) };
-            Law::new(waters, &options(Model::Physical, degrees, gain)).at(z)
+            let waters = Waters::new(&scene, reference).with_depth_factors(Some(&factors));
+            TransferLaw::new(waters, &options(Model::Physical, degrees, gain)).at(z)
         };
         prop_assert_eq!(at(&other, degrees, gain, 0.0).of(seen), seen);
         prop_assert_eq!(at(&other, 90.0, gain, z).of(seen), seen);
@@ -170,9 +167,9 @@ proptest! {
     ) {
         for model in [Model::Aquafuse, Model::Exchange] {
             let waters = Waters::new(&scene, &other);
-            let with = Waters { depth_factors: Some(&factors), ..waters };
+            let with = waters.with_depth_factors(Some(&factors));
             let options = options(model, degrees, 1.0);
-            prop_assert_eq!(Law::new(with, &options).at(z), Law::new(waters, &options).at(z));
+            prop_assert_eq!(TransferLaw::new(with, &options).at(z), TransferLaw::new(waters, &options).at(z));
         }
     }
 
@@ -316,7 +313,7 @@ proptest! {
         let bound = RestoreOptions::default();
         let clear = restore(&image, &depth, &scene, &bound).unwrap();
         let expected = form(&clear, &depth, &brighter).unwrap().pixels()[0];
-        let options = Options { max_gain: bound.max_gain[0], ..options(Model::Exchange, 0.0, gain) };
+        let options = options(Model::Exchange, 0.0, gain).with_max_gain(bound.max_gain[0]);
         let found = law(&scene, &other, &options).at(z).of(seen);
         for c in 0..3 {
             // Where e^τ1 is within its bound, so is e^(τ1 - τ2).
@@ -343,7 +340,7 @@ proptest! {
         scene in waterbody(), other in waterbody(), model in model(), degrees in degrees(), gain in 0.0..4.0_f32,
         max_gain in 0.0..10.0_f32, z in 0.0..1e4_f32,
     ) {
-        let options = Options { max_gain, ..options(model, degrees, gain) };
+        let options = options(model, degrees, gain).with_max_gain(max_gain);
         let bound = max_gain.max(1.0);
         let change = law(&scene, &other, &options).at(z);
         prop_assert!(change.gain.iter().all(|gain| (0.0..=bound + ROUNDING * bound).contains(gain)), "{:?}", change.gain);

@@ -13,7 +13,7 @@ use proptest::prelude::*;
 const OCEAN: [Preset; 5] = [Preset::I, Preset::IA, Preset::IB, Preset::II, Preset::III];
 
 fn preset() -> impl Strategy<Value = Preset> {
-    prop::sample::select(&Preset::ALL[..])
+    prop::sample::select(Preset::ALL)
 }
 
 fn white() -> impl Strategy<Value = White> {
@@ -112,7 +112,8 @@ proptest! {
 #[test]
 fn from_i_to_9c_the_water_gets_murkier_in_green() {
     let conditions = Conditions::default();
-    let left = Preset::ALL.map(|preset| preset.water::<Linear>(&conditions).illumination(2.0)[1]);
+    let left = |preset: &Preset| preset.water::<Linear>(&conditions).illumination(2.0)[1];
+    let left: Vec<f32> = Preset::ALL.iter().map(left).collect();
     assert!(left.is_sorted_by(|clear, murky| clear > murky), "{left:?}");
 }
 
@@ -126,7 +127,7 @@ fn in_the_ocean_red_goes_first() {
 
 #[test]
 fn what_goes_first_leaves_what_stays() {
-    for preset in Preset::ALL {
+    for &preset in Preset::ALL {
         for curve in preset.water::<Linear>(&Conditions::default()).attenuation {
             assert!(
                 curve.coefficient(0.0) >= curve.coefficient(curve.held_beyond()),
@@ -155,7 +156,7 @@ fn the_veil_turns_from_blue_over_green_to_yellow() {
 
 #[test]
 fn what_is_balanced_is_white() {
-    for preset in Preset::ALL {
+    for &preset in Preset::ALL {
         let balanced = preset.derive::<Encoded>(&at_depth(8.0, White::AtDepth)).white;
         let exposed = preset.derive::<Encoded>(&at_depth(8.0, White::Daylight)).white;
         assert!(balanced.iter().all(|value| (value - 0.9).abs() < 1e-5), "{balanced:?}");
@@ -168,7 +169,7 @@ fn for_one_colour_of_light_the_water_is_the_formula() {
     // 550 nm is a wavelength of every table; a camera this narrow sees a tenth of the light beside it.
     let camera = Camera::new("narrow", "made up", [550.0; 3], [5.0; 3]).unwrap();
     let conditions = at_depth(4.0, White::AtDepth).with_camera(camera);
-    for preset in Preset::ALL {
+    for &preset in Preset::ALL {
         let assumed = preset.assumptions(&conditions);
         let [a, b, _, _] = assumed.spectra.each_ref().map(|spectrum| {
             let at = spectrum.wavelengths_nm.iter().position(|&wavelength| wavelength == 550.0);
@@ -202,11 +203,11 @@ fn all_that_is_assumed_is_data() {
 
 #[test]
 fn names_are_read_back() {
-    for preset in Preset::ALL {
-        assert_eq!(Preset::from_name(preset.name()), Some(preset));
+    for &preset in Preset::ALL {
+        assert_eq!(preset.to_string().parse(), Ok(preset));
     }
-    assert_eq!(Preset::from_name("JERLOV-1c"), Some(Preset::Coastal1C));
-    assert_eq!(Preset::from_name("jerlov-11C"), None);
+    assert_eq!("JERLOV-1c".parse(), Ok(Preset::Coastal1C));
+    assert!("jerlov-11C".parse::<Preset>().is_err());
 }
 
 #[test]
@@ -248,7 +249,7 @@ fn the_tables_are_those_of_the_package_jerlov() {
         eprintln!("skipped: AQUAFUSE_PYTHON names no Python with jerlov; `cargo xtask test` sets one up");
         return;
     };
-    for preset in Preset::ALL {
+    for &preset in Preset::ALL {
         let assumed = preset.assumptions(&Conditions::default());
         for (spectrum, quantity) in assumed.spectra.iter().zip(["a", "b", "kd"]) {
             let source = match spectrum.source.split(' ').next() {

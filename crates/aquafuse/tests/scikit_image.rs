@@ -97,8 +97,8 @@ fn new_folder() -> std::path::PathBuf {
 fn psnr_and_ssim_equal_those_of_scikit_image() {
     let Some(python) = python() else { return };
     let scene = Scene::new(1, Size { width: 97, height: 61 });
-    let [blue, green, turbid, ..] = waters().map(|named| scene.seen_through(&named.water).to_samples::<u8>());
-    for (a, b) in [(&blue, &green), (&green, &turbid), (&blue, &scene.clear.to_samples())] {
+    let [blue, green, turbid, ..] = waters().map(|named| scene.seen_through(&named.water).convert::<u8>());
+    for (a, b) in [(&blue, &green), (&green, &turbid), (&blue, &scene.clear.convert())] {
         let theirs = scores(&python, SCRIPT, &[a, b]);
         assert!((psnr(a, b).unwrap() - theirs[0]).abs() < 1e-5, "PSNR is {}", theirs[0]);
         assert!((ssim(a, b).unwrap().unwrap() - theirs[1]).abs() < 1e-6, "SSIM is {}", theirs[1]);
@@ -109,8 +109,8 @@ fn psnr_and_ssim_equal_those_of_scikit_image() {
 fn uciqe_and_uiqm_equal_their_definitions_in_numpy() {
     let Some(python) = python() else { return };
     let scene = Scene::new(1, Size { width: 97, height: 61 });
-    let seen = waters().map(|named| scene.seen_through(&named.water).to_samples::<u8>());
-    let clear = scene.clear.to_samples();
+    let seen = waters().map(|named| scene.seen_through(&named.water).convert::<u8>());
+    let clear = scene.clear.convert();
     // The clear image has black open water: blocks without a logarithm, colours without saturation.
     for image in seen.iter().chain([&clear]) {
         let theirs = scores(&python, QUALITY, &[image]);

@@ -4,7 +4,7 @@
 
 use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
 use aquafuse::formation::form;
-use aquafuse::fusion::{Bounded, Law, Model, Options};
+use aquafuse::fusion::{Bounded, Model, Options, TransferLaw};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::truth::{Gaze, OPEN_WATER, Scene, Size, View, waters};
 use aquafuse::waterbody::{Attenuation, Estimate, Reason, VeilingLight, Verdict, Waterbody, estimate};
@@ -43,7 +43,7 @@ impl Made {
     }
 
     fn seen(&self, water: &Waterbody) -> Image<u8> {
-        form(&self.clear, &self.depth, water).unwrap().to_samples()
+        form(&self.clear, &self.depth, water).unwrap().convert()
     }
 
     fn found(&self, water: &Waterbody) -> Estimate {
@@ -165,7 +165,7 @@ fn a_dead_red_channel_gets_no_red_cast() {
         for model in [Model::Physical, Model::Exchange] {
             let bounded = Bounded::new(&content, &reference, Options::for_model(model));
             assert!(bounded.bounds.any());
-            let law = Law::new(bounded.waters(), &bounded.options);
+            let law = TransferLaw::new(bounded.waters(), &bounded.options);
             let distances = z.distances();
             let mut sums = [0.0_f64; 3];
             for (pixel, z) in image.pixels().iter().zip(distances) {

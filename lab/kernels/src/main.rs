@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "fusion" => {
             let waters = Waters::new(&estimate.water, &estimate.water);
             // Twice one's own veil: something to add.
-            let options = Options { gain: Gain::new(2.0)?, ..Options::default() };
+            let options = Options::default().with_gain(Gain::new(2.0)?);
             let mut fused = image.clone();
             for _ in times {
                 fuse_into(&image, &z, waters, &options, &mut fused)?;

@@ -21,7 +21,7 @@ pub(crate) fn copy(folder: &Path, out: &Path) -> Result<()> {
 /// `lab frame-memory FILE`: MiB that a frame in place takes at most, above the image itself (Linux).
 pub(crate) fn memory(file: &Path) -> Result<()> {
     // A small image's water: what is measured is the frame.
-    let small = Scene::new(2, Size { width: 96, height: 64 }).seen_through(&waters()[1].water).to_samples();
+    let small = Scene::new(2, Size { width: 96, height: 64 }).seen_through(&waters()[1].water).convert();
     let reference = waterbody::estimate(&small, &depth::estimate(&small), &Default::default())?;
     let Pixels::Bytes(mut frame) = ImageFile::read(file)?.pixels else {
         bail!("give an image of bytes");

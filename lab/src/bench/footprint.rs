@@ -101,7 +101,7 @@ fn photos(folder: &Path) -> Result<(f64, f64)> {
 fn made(folder: &Path, name: &str, (width, height): Size) -> Result<String> {
     let path = folder.join(name);
     let seen = Scene::new(1, SceneSize { width, height }).seen_through(&waters()[0].water);
-    ImageFile::new(seen.to_samples::<u8>()).write(&path, &WriteOptions::default())?;
+    ImageFile::new(seen.convert::<u8>()).write(&path, &WriteOptions::default())?;
     Ok(text(&path))
 }
 

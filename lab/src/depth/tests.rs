@@ -34,7 +34,7 @@ fn each_way_orders_measured_depth_as_well_as_is_said_of_it() {
 fn fitted_to_other_places_eq3_orders_this_one_well() {
     let Some(pairs) = measured() else { return };
     let elsewhere = |pair: &Pair| {
-        let mut fitter = Fitter::new(Options { target: Target::Order, ..Options::default() });
+        let mut fitter = Fitter::new(Options::default().with_target(Target::Order));
         for other in pairs.iter().filter(|other| other.place() != pair.place()) {
             let weight = other.share_of_place(&pairs);
             fitter.add_weighted(&other.image, &other.distances, weight).unwrap();

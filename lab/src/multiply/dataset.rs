@@ -24,7 +24,7 @@ pub(super) fn make(folder: &Path, count: usize) -> Result<()> {
     let seen: Vec<Image<u8>> = (0..PLACES)
         .flat_map(|seed| {
             let scene = Scene::new(seed as u64, Size { width: 2 * WIDTH, height: 2 * HEIGHT });
-            waters().into_iter().map(move |known| scene.seen_through(&known.water).to_samples())
+            waters().into_iter().map(move |known| scene.seen_through(&known.water).convert())
         })
         .collect();
     for (image, name) in seen.iter().zip(["a.jpg", "b.jpg"]) {

@@ -1,8 +1,8 @@
 //! Everything in the paper that can be read in more than one way.
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::fusion::{Bounded, Incidence, Law, Model, Options};
-use aquafuse::image::{Encoding, Image, SizeError};
+use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw};
+use aquafuse::image::{Encoding, Image, ImageError};
 use aquafuse::smooth::Smoothing;
 use aquafuse::truth::Case;
 use aquafuse::waterbody::{EstimateOptions, estimate};
@@ -60,7 +60,7 @@ impl Reading {
 
     pub(crate) fn at(self, degrees: f32) -> Self {
         let incidence = Incidence::from_degrees(degrees).expect("in range");
-        Self { options: Options { incidence, ..self.options }, ..self }
+        Self { options: self.options.with_incidence(incidence), ..self }
     }
 
     /// The content in the reference's water: fused in the encoding `F`, handed back encoded and not clipped.
@@ -70,12 +70,12 @@ impl Reading {
         &self,
         content: &Case<E>,
         reference: &Case<E>,
-    ) -> Result<Image<f32>, SizeError> {
+    ) -> Result<Image<f32>, ImageError> {
         let z = self.depth.of(content);
         let own = estimate::<F>(&content.image, &z, &self.water)?;
         let other = estimate::<F>(&reference.image, &self.depth.of(reference), &self.water)?;
         let bounded = Bounded::new(&own, &other, self.options);
-        let law = Law::new(bounded.waters(), &bounded.options);
+        let law = TransferLaw::new(bounded.waters(), &bounded.options);
         let mut fused = content.image.to_unit();
         for (pixel, z) in fused.pixels_mut().iter_mut().zip(z.distances()) {
             let mut out = law.at(z).of(pixel.map(F::from_encoded));
@@ -89,7 +89,7 @@ impl Reading {
         }
         Ok(match self.smoothing {
             Smoothing::None => fused,
-            way => way.apply(fused.to_samples::<u8>()).to_unit(),
+            way => way.apply(fused.convert::<u8>()).to_unit(),
         })
     }
 }

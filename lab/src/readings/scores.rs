@@ -1,7 +1,7 @@
 //! The paper's scores of a fused image, and how much of the true change it makes.
 
 use aquafuse::depth::DepthModel;
-use aquafuse::image::{Encoding, Image, SizeError};
+use aquafuse::image::{Encoding, Image, ImageError};
 use aquafuse::metrics::{depth_rmse, psnr, ssim};
 use aquafuse::truth::Exchange;
 
@@ -23,10 +23,10 @@ impl Scores {
     pub(crate) fn of<E: Encoding, F: Encoding>(
         exchange: &Exchange<E>,
         reading: &Reading,
-    ) -> Result<Self, SizeError> {
+    ) -> Result<Self, ImageError> {
         let content = &exchange.content.image;
         let fused = reading.fuse::<E, F>(&exchange.content, &exchange.reference)?;
-        let bytes: Image<u8> = fused.to_samples();
+        let bytes: Image<u8> = fused.convert();
         let truth = exchange.truths[0].as_raw().iter().map(|&value| E::to_encoded(value));
         let truth: Vec<f32> = truth.collect();
         let missing = rms(fused.as_raw(), &truth);

@@ -35,11 +35,6 @@ pub(super) const TABLES: [(&str, Table); 9] = [
 const SHIFTS: [Model; 2] = [Model::Aquafuse, Model::Physical];
 const DIRECT: [(&str, Direct); 2] =
     [("U1* of Eq. 10 (ours)", Direct::Modulated), ("U1 − B1", Direct::WithoutBackscatter)];
-const PAPERS: EstimateOptions = EstimateOptions {
-    top: aquafuse::image::TopEdge::First,
-    veiling_light: VeilingLightMethod::Published,
-    backscatter: BackscatterMethod::Published,
-};
 
 pub(super) fn exchanges<E: Encoding>() -> Vec<Exchange<E>> {
     let trials = Trials::default();
@@ -92,7 +87,9 @@ fn water(exchanges: &[Exchange<Encoded>]) -> Result<String> {
         for (z, depth) in depths {
             for (veil, veiling_light) in veils {
                 for (growth, backscatter) in growths {
-                    let water = EstimateOptions { veiling_light, backscatter, ..Default::default() };
+                    let water = EstimateOptions::default()
+                        .with_veiling_light(veiling_light)
+                        .with_backscatter(backscatter);
                     let name = format!("{z}; {veil}; {growth}");
                     table += &row::<_, Encoded>(
                         &name,
@@ -124,7 +121,7 @@ fn depth(exchanges: &[Exchange<Encoded>]) -> Result<String> {
 fn smoothing(exchanges: &[Exchange<Encoded>]) -> Result<String> {
     let mut table = header("last step");
     for model in SHIFTS {
-        for smoothing in Smoothing::ALL {
+        for &smoothing in Smoothing::ALL {
             let name = smoothing.name();
             table += &row::<_, Encoded>(name, exchanges, &Reading { smoothing, ..Reading::ours(model) })?;
         }
@@ -136,7 +133,7 @@ fn gain(exchanges: &[Exchange<Encoded>]) -> Result<String> {
     let mut table = header("α");
     for model in SHIFTS {
         for gain in [1.0, 1.5] {
-            let options = Options { gain: Gain::new(gain).expect("in range"), ..Options::for_model(model) };
+            let options = Options::for_model(model).with_gain(Gain::new(gain).expect("in range"));
             table += &row::<_, Encoded>(
                 &gain.to_string(),
                 exchanges,
@@ -173,7 +170,7 @@ fn light(exchanges: &[Exchange<Encoded>]) -> Result<String> {
 
 fn together(exchanges: &[Exchange<Encoded>]) -> Result<String> {
     let mut table = header("settings");
-    for model in Model::ALL {
+    for &model in Model::ALL {
         table += &row::<_, Encoded>("our defaults", exchanges, &Reading::ours(model))?;
     }
     let published = Reading {
@@ -182,7 +179,7 @@ fn together(exchanges: &[Exchange<Encoded>]) -> Result<String> {
         ..Reading::ours(Model::Aquafuse)
     };
     table += &row::<_, Encoded>("`--as-published`", exchanges, &published)?;
-    let papers = Reading { water: PAPERS, ..published };
+    let papers = Reading { water: EstimateOptions::as_published(), ..published };
     table += &row::<_, Encoded>("the same, B∞ and β_B the paper's way", exchanges, &papers)?;
     let other = Reading { direct: Direct::WithoutBackscatter, ..papers };
     table += &row::<_, Encoded>("the same, U1 − B1 in Eq. 11", exchanges, &other)?;

@@ -164,7 +164,7 @@ fn save(folder: Option<&Path>, name: &str, images: &[Image<f32>]) -> Result<(), 
     let writing = WriteOptions { overwrite: true, ..WriteOptions::default() };
     for (i, image) in folder.into_iter().flat_map(|_| images.iter().enumerate()) {
         let path = folder.unwrap_or(Path::new(".")).join(format!("{i}_{name}.png"));
-        ImageFile::new(image.to_samples::<u8>()).write(&path, &writing)?;
+        ImageFile::new(image.convert::<u8>()).write(&path, &writing)?;
     }
     Ok(())
 }

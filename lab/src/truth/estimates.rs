@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use anyhow::Result;
 use aquafuse::depth::DepthModel;
-use aquafuse::image::{Encoded, SizeError};
+use aquafuse::image::{Encoded, ImageError};
 use aquafuse::truth::{Case, Trials};
 use aquafuse::waterbody::{Estimate, Reason, Verdict, estimate};
 
@@ -44,7 +44,7 @@ pub(super) fn table() -> Result<String> {
     Ok(table + &verdicts(&given)?)
 }
 
-fn found(trials: &Trials, model: Option<DepthModel>) -> Result<Vec<Found>, SizeError> {
+fn found(trials: &Trials, model: Option<DepthModel>) -> Result<Vec<Found>, ImageError> {
     (0..SCENES)
         .map(|number| {
             let case = trials.case::<Encoded>(number);

@@ -26,9 +26,8 @@ pub(crate) struct DepthArguments {
 
 /// Every kind of depth by its name.
 pub(crate) fn kind() -> impl TypedValueParser<Value = SuppliedKind> {
-    PossibleValuesParser::new(SuppliedKind::ALL.map(SuppliedKind::name)).try_map(|name| {
-        SuppliedKind::from_name(&name).ok_or_else(|| anyhow!("there is no kind of that name"))
-    })
+    PossibleValuesParser::new(SuppliedKind::ALL.iter().map(|one| one.name()))
+        .try_map(|name| name.parse::<SuppliedKind>().map_err(|_| anyhow!("there is no kind of that name")))
 }
 
 impl DepthArguments {

@@ -27,11 +27,11 @@ impl DepthModelArg {
 }
 
 fn model(name: &str) -> anyhow::Result<DepthModel> {
-    if let Some(model) = DepthModel::from_name(name) {
+    if let Ok(model) = name.parse() {
         return Ok(model);
     }
     if model_file::check_name(Path::new(name)).is_err() {
-        let names = DepthModel::ALL.map(|model| model.name()).join(", ");
+        let names = DepthModel::ALL.iter().map(DepthModel::name).collect::<Vec<_>>().join(", ");
         return Err(anyhow!(
             "there is no such model; give one of {names}, or a FILE.toml made by `aquafuse fit`"
         ));

@@ -34,6 +34,6 @@ impl EnhanceSettings {
 
     pub(crate) fn options(&self) -> Result<Options, Failure> {
         let incidence = self.theta.unwrap_or(Incidence::from_degrees(0.0).map_err(Failure::usage)?);
-        Ok(Options { incidence, gain: self.alpha, ..Options::for_model(self.model) })
+        Ok(Options::for_model(self.model).with_incidence(incidence).with_gain(self.alpha))
     }
 }

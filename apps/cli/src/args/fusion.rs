@@ -75,11 +75,9 @@ impl SettingsArgs {
         let defaults = Options::for_model(self.model);
         Settings {
             depth_model: self.depth_model.get(),
-            options: Options {
-                incidence: self.theta.unwrap_or(defaults.incidence),
-                gain: self.alpha.unwrap_or(defaults.gain),
-                ..defaults
-            },
+            options: defaults
+                .with_incidence(self.theta.unwrap_or(defaults.incidence))
+                .with_gain(self.alpha.unwrap_or(defaults.gain)),
             smoothing: self.smooth,
             ..Settings::default()
         }
@@ -87,13 +85,13 @@ impl SettingsArgs {
 }
 
 pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
-    PossibleValuesParser::new(Model::ALL.map(Model::name))
-        .map(|name| Model::from_name(&name).unwrap_or_default())
+    PossibleValuesParser::new(Model::ALL.iter().map(|one| one.name()))
+        .map(|name| name.parse::<Model>().unwrap_or_default())
 }
 
 pub(crate) fn smoothing() -> impl TypedValueParser<Value = Smoothing> {
-    PossibleValuesParser::new(Smoothing::ALL.map(Smoothing::name))
-        .map(|name| Smoothing::from_name(&name).unwrap_or_default())
+    PossibleValuesParser::new(Smoothing::ALL.iter().map(|one| one.name()))
+        .map(|name| name.parse::<Smoothing>().unwrap_or_default())
 }
 
 pub(crate) fn incidence(text: &str) -> anyhow::Result<Incidence> {

@@ -51,7 +51,7 @@ impl WaterSource {
     /// Reads what is said on the command line.
     pub(crate) fn parse(said: &Path) -> Result<Self, Failure> {
         let Some(name) = said.to_str().and_then(|text| text.strip_prefix("preset:")) else {
-            let named = said.to_str().and_then(Preset::from_name).filter(|_| !said.exists());
+            let named = said.to_str().and_then(|name| name.parse::<Preset>().ok()).filter(|_| !said.exists());
             if let Some(preset) = named {
                 let name = preset.name();
                 return Err(Failure::usage(anyhow!("there is no file {name}; did you mean preset:{name}?")));
@@ -59,8 +59,8 @@ impl WaterSource {
             let path = said.to_owned();
             return Ok(if has_suffix(said) { Self::File(path) } else { Self::Image(path) });
         };
-        Preset::from_name(name).map(Self::Preset).ok_or_else(|| {
-            let names = Preset::ALL.map(Preset::name).join(", ");
+        name.parse().map(Self::Preset).map_err(|_| {
+            let names = Preset::ALL.iter().map(|one| one.name()).collect::<Vec<_>>().join(", ");
             Failure::usage(anyhow!(
                 "there is no preset {name:?}; the presets are {names} (`aquafuse water list`)"
             ))

@@ -8,7 +8,6 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use anyhow::anyhow;
-use aquafuse::fusion::Options;
 use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Shard};
 use aquafuse_data::dataset::{Dataset, Layout};
 use aquafuse_data::files::{display, make_folder};
@@ -307,7 +306,7 @@ impl Augment {
             encoding,
             per_image: self.per_image,
             draws,
-            options: Options { ..options },
+            options,
             smoothing,
             depth: self.depth.plan(depth_model).map_err(Failure::usage)?,
             on_doubtful,

@@ -89,7 +89,8 @@ impl Bench {
     /// The cases of one size on so many threads, which this is called on.
     fn measure(&self, images: &Images, threads: usize, report: &mut Report) -> Result<(), Failure> {
         let stages = images.stages(self.frames).map_err(Failure::work)?;
-        for smooth in Smoothing::ALL.into_iter().filter(|one| self.smooth.is_none_or(|only| only == *one)) {
+        for smooth in Smoothing::ALL.iter().copied().filter(|one| self.smooth.is_none_or(|only| only == *one))
+        {
             for reference in
                 Reference::ALL.into_iter().filter(|one| self.reference.is_none_or(|only| only == *one))
             {

@@ -101,7 +101,7 @@ struct Made {
 
 impl Made {
     fn new(scene: &Scene, water: NamedWater) -> Result<Self, Failure> {
-        let image_file = ImageFile::new(scene.seen_through(&water.water).to_samples::<u8>());
+        let image_file = ImageFile::new(scene.seen_through(&water.water).convert::<u8>());
         let found = analyse(&image_file, &DepthSource::default())?;
         Ok(Self { image_file, water, found })
     }

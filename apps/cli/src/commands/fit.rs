@@ -116,7 +116,7 @@ impl Fit {
     }
 
     fn gather(&self, pairs: &[pairs::Pair], common: &Common) -> Result<Gathered, Failure> {
-        let options = Options { scale: self.scale.into(), target: self.target.into(), ..Options::default() };
+        let options = Options::default().with_scale(self.scale.into()).with_target(self.target.into());
         let progress = Progress::new(common.quiet);
         let gathered = pairs::gather(pairs, self.depth_kind, options, &common.run_options(), &|event| {
             progress.show(&event, |pair| pair.name.clone());

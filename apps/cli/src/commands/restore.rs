@@ -45,7 +45,7 @@ impl Restore {
         let encoding = self.batch.encoding();
         let depth_model = self.depth_model.get();
         let plan = self.batch.plan(&self.content, &[], depth_model, false)?;
-        let options = RestoreOptions { max_gain: [self.max_gain; 3] };
+        let options = RestoreOptions::default().with_max_gain([self.max_gain; 3]);
         let operation = Operation::Restore { options, encoding };
         let recipe =
             Recipe { upright: self.batch.upright, quality: self.batch.quality, ..Recipe::new(operation) };

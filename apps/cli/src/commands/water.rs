@@ -118,14 +118,15 @@ impl List {
     fn run(&self) -> Result<(), Failure> {
         let conditions = self.waters.conditions()?;
         if self.json {
-            let all = Preset::ALL.map(|preset| show::preset_json(preset, &conditions));
+            let all =
+                Preset::ALL.iter().map(|preset| show::preset_json(*preset, &conditions)).collect::<Vec<_>>();
             return output::print(&format!("{:#}\n", serde_json::json!({ "schema": 1, "presets": all })));
         }
         let mut text = format!(
             "{:<20}{:<10}{:<20}{:<20}\n",
             "name", "colour", "veiling light B_inf", "beta_B per metre"
         );
-        for preset in Preset::ALL {
+        for &preset in Preset::ALL {
             let water = preset.water::<Encoded>(&conditions);
             let ([r, g, b], [x, y, z]) = (water.veiling_light.rgb(), water.backscatter_coefficient);
             let name = format!("preset:{}", preset.name());

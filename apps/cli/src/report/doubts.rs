@@ -10,7 +10,7 @@ pub(crate) fn explained() -> String {
         "The verdict is good, doubtful (it may be right: look at the image) or failed (the numbers are a guess).\n\
          What may speak against an estimate, and what helps:\n",
     );
-    for reason in Reason::ALL {
+    for &reason in Reason::ALL {
         let _ = write!(text, "\n  {}:\n      {}", reason.describe(), meant(reason));
     }
     text
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn every_reason_is_explained() {
-        assert!(Reason::ALL.into_iter().all(|reason| !meant(reason).is_empty()));
+        assert!(Reason::ALL.iter().copied().all(|reason| !meant(reason).is_empty()));
         assert!(explained().ends_with(meant(Reason::ALL[Reason::ALL.len() - 1])));
     }
 }

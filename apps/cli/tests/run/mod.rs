@@ -87,7 +87,7 @@ pub(crate) fn killed_after(mut command: Command, wait: std::time::Duration) -> b
 /// Writes the image of a truth scene in a water known by its name.
 pub(crate) fn scene(path: &Path, seed: u64, water: &str) {
     let water = waters().into_iter().find(|known| known.name == water).unwrap().water;
-    let image = Scene::new(seed, Size { width: 96, height: 64 }).seen_through(&water).to_samples::<u8>();
+    let image = Scene::new(seed, Size { width: 96, height: 64 }).seen_through(&water).convert::<u8>();
     ImageFile::new(image).write(path, &WriteOptions::default()).unwrap();
 }
 

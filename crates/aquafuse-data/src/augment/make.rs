@@ -3,7 +3,7 @@
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
-use aquafuse::fusion::{Gain, Incidence, Options};
+use aquafuse::fusion::{Gain, Incidence};
 use aquafuse::waterbody::{Quality, Reason, Verdict};
 
 use super::depth::Maps;
@@ -105,11 +105,10 @@ impl Recipe {
         draw: Draw,
         output: &Path,
     ) -> Result<(Vec<u8>, Outcome), FileError> {
-        let options = Options {
-            incidence: Incidence::from_degrees(draw.theta).unwrap_or(self.options.incidence),
-            gain: Gain::new(draw.alpha).unwrap_or(self.options.gain),
-            ..self.options
-        };
+        let options = self
+            .options
+            .with_incidence(Incidence::from_degrees(draw.theta).unwrap_or(self.options.incidence))
+            .with_gain(Gain::new(draw.alpha).unwrap_or(self.options.gain));
         let mut image = read.image.clone();
         let operation = Operation::Fuse { reference: water.file.estimate, options };
         let outcome = operation.apply(&mut image.pixels, &read.found).expect("the depth map is this image's");

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::{DepthModel, Eq3, SuppliedKind};
-use aquafuse::fusion::{Model, Options};
-use aquafuse::smooth::Smoothing;
+use aquafuse::fusion::Options;
 
 use super::header::{Header, StoredDepth};
 use super::line::Variant;
@@ -116,7 +115,7 @@ impl Header {
                 WaterFileError::Encoding { path: manifest.to_owned(), found: encoding, wanted }.into()
             );
         }
-        let model = Model::from_name(&settings.model).ok_or_else(unknown)?;
+        let model = settings.model.parse().map_err(|_| unknown())?;
         let waters: Vec<Water> =
             self.waters.iter().map(|water| water.restored(manifest, encoding)).collect::<Result<_, _>>()?;
         let instead = self.instead.as_ref().map(|water| water.restored(manifest, encoding)).transpose()?;
@@ -130,8 +129,8 @@ impl Header {
                 theta: settings.theta_range,
                 alpha: settings.alpha_range,
             },
-            options: Options { max_gain: settings.most_gain, ..Options::for_model(model) },
-            smoothing: Smoothing::from_name(&settings.smooth).ok_or_else(unknown)?,
+            options: Options::for_model(model).with_max_gain(settings.most_gain),
+            smoothing: settings.smooth.parse().map_err(|_| unknown())?,
             depth: settings.depth.plan().ok_or_else(unknown)?,
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
@@ -145,9 +144,9 @@ impl StoredDepth {
     fn plan(&self) -> Option<DepthPlan> {
         Some(match self {
             Self::Eq3(mu) => DepthPlan::Estimated(DepthModel::Eq3(Eq3::new(*mu).ok()?)),
-            Self::Model(name) => DepthPlan::Estimated(DepthModel::from_name(name)?),
+            Self::Model(name) => DepthPlan::Estimated(name.parse::<DepthModel>().ok()?),
             Self::Maps { folder, kind } => {
-                DepthPlan::Maps { folder: folder.into(), kind: SuppliedKind::from_name(kind)? }
+                DepthPlan::Maps { folder: folder.into(), kind: kind.parse::<SuppliedKind>().ok()? }
             }
         })
     }

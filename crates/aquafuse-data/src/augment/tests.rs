@@ -23,7 +23,7 @@ fn dataset(root: &Path) {
     }
     for (seed, name) in ["a.png", "b.jpg", "c.png", "d.tif"].into_iter().enumerate() {
         let scene = Scene::new(seed as u64, Size { width: 48, height: 32 });
-        let image = scene.seen_through(&waters()[seed % 3].water).to_samples::<u8>();
+        let image = scene.seen_through(&waters()[seed % 3].water).convert::<u8>();
         ImageFile::new(image)
             .write(
                 &root.join("images/train").join(name),
@@ -294,7 +294,7 @@ fn outputs_that_are_not_ours_to_fill_are_refused() {
 /// An image as a file of JPEG holds it.
 fn image_file(seed: u64) -> Vec<u8> {
     let scene = Scene::new(seed, Size { width: 48, height: 32 });
-    let image = scene.seen_through(&waters()[1].water).to_samples::<u8>();
+    let image = scene.seen_through(&waters()[1].water).convert::<u8>();
     ImageFile::new(image).encode("a.jpg".as_ref(), 95).unwrap()
 }
 

@@ -70,7 +70,7 @@ impl Rival {
     /// let light = Image::<u8>::from_raw(2, 1, vec![110, 120, 130, 130, 140, 150])?;
     /// let made = Rival::Histogram.transfer(&dark, &Palette::of(&dark), &Palette::of(&light));
     /// assert_eq!(made[0], [110.0 / 255.0, 120.0 / 255.0, 130.0 / 255.0]);
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
     pub fn transfer(self, content: &Image<u8>, own: &Palette, other: &Palette) -> Vec<[f32; 3]> {
         match self {
@@ -85,7 +85,7 @@ impl Rival {
     pub fn image(self, content: &Image<u8>, own: &Palette, other: &Palette) -> Image<u8> {
         let made = self.transfer(content, own, other).into_flattened();
         let (width, height) = content.size();
-        Image::<f32>::from_raw(width, height, made).expect("a colour for each pixel").to_samples()
+        Image::<f32>::from_raw(width, height, made).expect("a colour for each pixel").convert()
     }
 }
 

@@ -152,7 +152,7 @@ fn all<E: Encoding>(exchange: &Exchange<E>) -> Vec<Found> {
 
 fn lines() -> Vec<Line> {
     let model = |model: Model| format!("`{}`", model.name());
-    let of_way = |way: ways::Way| Model::ALL.map(|of| Line { way: way.name, method: model(of) });
+    let of_way = |way: ways::Way| Model::ALL.iter().map(move |of| Line { way: way.name, method: model(*of) });
     let rivals = Rival::ALL.map(|rival| Line { way: "colours alone", method: rival.name().to_owned() });
     let truths = ["A", "B"].map(|truth| Line { way: "the truth itself", method: truth.to_owned() });
     ways().into_iter().flat_map(of_way).chain(rivals).chain(truths).collect()

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::image::{Image, Sample, SizeError, TopEdge};
+use aquafuse::image::{Image, ImageError, Sample, TopEdge};
 use aquafuse::smooth::Smoothing;
 
 /// Pixels of 8 or 16 bits or in floats, encoded; fused as they are, so that nothing of 16 bits is lost.
@@ -70,8 +70,8 @@ impl Pixels {
     pub fn bytes(&self) -> Cow<'_, Image<u8>> {
         match self {
             Self::Bytes(layers) => Cow::Borrowed(&layers.image),
-            Self::Words(layers) => Cow::Owned(layers.image.to_samples()),
-            Self::Floats(layers) => Cow::Owned(layers.image.to_samples()),
+            Self::Words(layers) => Cow::Owned(layers.image.convert()),
+            Self::Floats(layers) => Cow::Owned(layers.image.convert()),
         }
     }
 
@@ -85,7 +85,7 @@ impl Pixels {
 
     /// Depth from colour, as fine as the samples.
     pub fn depth(&self, model: &DepthModel, top: TopEdge) -> DepthMap {
-        each!(self, layers => model.estimate_seen(&layers.image, top))
+        each!(self, layers => model.estimate_oriented(&layers.image, top))
     }
 
     /// The image, smoothed; opacity is left as it is.
@@ -112,7 +112,7 @@ impl Pixels {
 
 impl<T: Sample> Layers<T> {
     /// Colour and opacity taken apart.
-    pub(super) fn of_rgba(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
+    pub(super) fn of_rgba(width: usize, height: usize, all: &[T]) -> Result<Self, ImageError> {
         let pixels = all.as_chunks().0;
         let colours = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         let image = Image::from_raw(width, height, colours)?;
@@ -120,13 +120,13 @@ impl<T: Sample> Layers<T> {
     }
 
     /// Grey as colour.
-    pub(super) fn of_grey(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
+    pub(super) fn of_grey(width: usize, height: usize, all: &[T]) -> Result<Self, ImageError> {
         let colours = all.iter().flat_map(|&grey| [grey; 3]).collect();
         Ok(Self { image: Image::from_raw(width, height, colours)?, alpha: None })
     }
 
     /// Grey as colour, and opacity.
-    pub(super) fn of_grey_alpha(width: usize, height: usize, all: &[T]) -> Result<Self, SizeError> {
+    pub(super) fn of_grey_alpha(width: usize, height: usize, all: &[T]) -> Result<Self, ImageError> {
         let pixels = all.as_chunks().0;
         let colours = pixels.iter().flat_map(|&[grey, _]| [grey; 3]).collect();
         let image = Image::from_raw(width, height, colours)?;
@@ -145,9 +145,9 @@ impl<T: Sample> Layers<T> {
     }
 
     /// The same in other samples.
-    pub(super) fn to_samples<U: Sample>(&self) -> Layers<U> {
+    pub(super) fn convert<U: Sample>(&self) -> Layers<U> {
         let alpha = |alpha: &Vec<T>| alpha.iter().map(|value| U::from_unit(value.to_unit())).collect();
-        Layers { image: self.image.to_samples(), alpha: self.alpha.as_ref().map(alpha) }
+        Layers { image: self.image.convert(), alpha: self.alpha.as_ref().map(alpha) }
     }
 
     fn turned(self, orientation: u8) -> Self {

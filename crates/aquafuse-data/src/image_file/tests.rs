@@ -66,7 +66,7 @@ fn kinds() -> Vec<ImageFile> {
     let words: Vec<u16> = (0..16 * 8 * 3).map(|i| (i * 170) as u16).collect();
     let words = Layers { image: Image::from_raw(16, 8, words).unwrap(), alpha: None };
     let alpha = Some((0..128).map(|i| i * 511).collect());
-    let floats = words.to_samples::<f32>();
+    let floats = words.convert::<f32>();
     [
         gradient().into(),
         Pixels::Bytes(Layers { image: gradient(), alpha: Some((0..128).collect()) }),
@@ -94,8 +94,8 @@ fn every_kind_of_pixels_comes_back_from_tiff_and_the_others_hold_what_they_can()
         assert_eq!(back(&image_file, "a.tif"), image_file.pixels);
         let (bytes, words) = match &image_file.pixels {
             Pixels::Bytes(layers) => (layers.clone(), None),
-            Pixels::Words(layers) => (layers.to_samples(), Some(layers.clone())),
-            Pixels::Floats(layers) => (layers.to_samples(), Some(layers.to_samples())),
+            Pixels::Words(layers) => (layers.convert(), Some(layers.clone())),
+            Pixels::Floats(layers) => (layers.convert(), Some(layers.convert())),
         };
         assert_eq!(back(&image_file, "a.webp"), Pixels::Bytes(bytes.clone()));
         assert_eq!(back(&image_file, "a.png"), words.map_or(Pixels::Bytes(bytes), Pixels::Words));

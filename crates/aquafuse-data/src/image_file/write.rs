@@ -129,7 +129,7 @@ fn png(out: &mut dyn Write, image: &ImageFile, metadata: &Metadata) -> io::Resul
     let (depth, samples) = match &image.pixels {
         Pixels::Bytes(layers) => (BitDepth::Eight, layers.interleaved()),
         Pixels::Words(layers) => (BitDepth::Sixteen, big_endian(layers).into()),
-        Pixels::Floats(layers) => (BitDepth::Sixteen, big_endian(&layers.to_samples()).into()),
+        Pixels::Floats(layers) => (BitDepth::Sixteen, big_endian(&layers.convert()).into()),
     };
     info.bit_depth = depth;
     encode_png(out, info, &samples)
@@ -186,8 +186,8 @@ fn refusal(error: EncodingError) -> io::Error {
 fn as_bytes(pixels: &Pixels) -> Cow<'_, Layers<u8>> {
     match pixels {
         Pixels::Bytes(layers) => Cow::Borrowed(layers),
-        Pixels::Words(layers) => Cow::Owned(layers.to_samples()),
-        Pixels::Floats(layers) => Cow::Owned(layers.to_samples()),
+        Pixels::Words(layers) => Cow::Owned(layers.convert()),
+        Pixels::Floats(layers) => Cow::Owned(layers.convert()),
     }
 }
 

@@ -108,7 +108,7 @@ fn pairs_are_gathered_in_their_order_within_memory_for_one() {
         .map(|seed| {
             let (scene, path) =
                 (Scene::new(seed, size), |name: &str| folder.path().join(format!("{seed}{name}")));
-            let image = scene.seen_through(&waters()[0].water).to_samples::<u8>();
+            let image = scene.seen_through(&waters()[0].water).convert::<u8>();
             let image_file = ImageFile::new(image);
             image_file.write(&path(".png"), &crate::image_file::WriteOptions::default()).unwrap();
             tiff_of_floats(&path(".tiff"), 512, &scene.depth.distances());

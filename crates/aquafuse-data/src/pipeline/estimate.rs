@@ -158,5 +158,5 @@ pub fn analyse_with_evidence(
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {
-    EstimateOptions { top: image.top_edge(), ..EstimateOptions::default() }
+    EstimateOptions::default().with_top(image.top_edge())
 }

@@ -56,7 +56,7 @@ fn seen<E: Encoding>(value: f32, depth: &DepthMap, water: &Waterbody<E>) -> Imag
     let (width, height) = depth.size();
     let flat = Image::<f32, E>::from_raw(width, height, [value; 3].repeat(width.saturating_mul(height)));
     let flat = flat.expect("a depth map has places");
-    form(&flat, depth, water).expect("it was made for this depth map").to_encoded().to_samples()
+    form(&flat, depth, water).expect("it was made for this depth map").to_encoded().convert()
 }
 
 /// The difference that an operation makes, about mid grey.

@@ -3,7 +3,7 @@
 use aquafuse::depth::DepthMap;
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
 use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
-use aquafuse::image::{Encoding, Image, Sample, SizeError};
+use aquafuse::image::{Encoding, Image, ImageError, Sample};
 use aquafuse::waterbody::Estimate;
 
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
@@ -36,7 +36,7 @@ pub enum Operation {
 pub enum OperationError {
     /// Image and depth map differ in size.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] ImageError),
     /// The water of the operation is of another encoding than the analysis.
     #[error("a water of {operation} values cannot meet an image that was analysed in {analysis} ones")]
     Encodings {
@@ -123,7 +123,7 @@ impl Operation {
             WaterEstimate::Linear(own) => {
                 let mut light = image.to_linear();
                 let outcome = self.on(&mut light, &found.depth, own)?;
-                *image = light.to_encoded().to_samples();
+                *image = light.to_encoded().convert();
                 Ok(outcome)
             }
         }
@@ -192,7 +192,7 @@ mod tests {
     fn image_files() -> [ImageFile; 2] {
         [0, 1].map(|i| {
             let scene = Scene::new(i as u64, Size { width: 64, height: 48 });
-            ImageFile::new(scene.seen_through(&waters()[i].water).to_samples::<u8>())
+            ImageFile::new(scene.seen_through(&waters()[i].water).convert::<u8>())
         })
     }
 
@@ -200,11 +200,9 @@ mod tests {
         let [content, reference] = image_files();
         let found = analyse_in(encoding, &content, &DepthSource::default()).unwrap();
         let reference = analyse_in(encoding, &reference, &DepthSource::default()).unwrap().estimate;
-        let options = Options {
-            incidence: Incidence::from_degrees(theta).unwrap(),
-            gain: Gain::new(1.0).unwrap(),
-            ..Options::for_model(Model::Physical)
-        };
+        let options = Options::for_model(Model::Physical)
+            .with_incidence(Incidence::from_degrees(theta).unwrap())
+            .with_gain(Gain::new(1.0).unwrap());
         let mut pixels = content.pixels.clone();
         Operation::Fuse { reference, options }.apply(&mut pixels, &found).unwrap();
         [content.pixels.into_bytes(), pixels.into_bytes()]

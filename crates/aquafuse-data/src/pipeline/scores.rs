@@ -15,7 +15,7 @@ use serde::Serialize;
 /// let flat: Image<u8> = Image::from_raw(10, 10, [90, 90, 90].repeat(100))?;
 /// let found = Scores::of(&flat);
 /// assert_eq!((found.contrast, found.sharpness, found.lightness), (0.0, Some(0.0), 90.0 / 255.0));
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Scores {

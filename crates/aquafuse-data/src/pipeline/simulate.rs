@@ -2,7 +2,7 @@
 
 use aquafuse::depth::DepthMap;
 use aquafuse::formation::form;
-use aquafuse::image::{Encoding, Image, SizeError};
+use aquafuse::image::{Encoding, Image, ImageError};
 use aquafuse::waterbody::Waterbody;
 
 use super::{WaterEstimate, with_estimate};
@@ -19,19 +19,19 @@ pub const SIMULATED: u64 = 56;
 ///
 /// # Errors
 ///
-/// [`SizeError`] when pixels and depth map differ in size; the pixels are then unchanged.
+/// [`ImageError`] when pixels and depth map differ in size; the pixels are then unchanged.
 pub fn simulate(
     pixels: &mut Pixels,
     depth: &DepthMap,
     water: &WaterEstimate,
     light: [f32; 3],
-) -> Result<(), SizeError> {
+) -> Result<(), ImageError> {
     let lit = lit(pixels, light);
     let formed = with_estimate!(water, estimate => formed(&lit, depth, &estimate.water))?;
     match pixels {
-        Pixels::Bytes(layers) => layers.image = formed.to_samples(),
-        Pixels::Words(layers) => layers.image = formed.to_samples(),
-        Pixels::Floats(layers) => layers.image = formed.to_samples(),
+        Pixels::Bytes(layers) => layers.image = formed.convert(),
+        Pixels::Words(layers) => layers.image = formed.convert(),
+        Pixels::Floats(layers) => layers.image = formed.convert(),
     }
     Ok(())
 }
@@ -40,7 +40,7 @@ fn formed<E: Encoding>(
     lit: &Image<f32>,
     depth: &DepthMap,
     water: &Waterbody<E>,
-) -> Result<Image<f32>, SizeError> {
+) -> Result<Image<f32>, ImageError> {
     let (width, height) = lit.size();
     let clear = lit.as_raw().iter().map(|&value| E::from_encoded(value)).collect();
     let clear = Image::<f32, E>::from_raw(width, height, clear)?;

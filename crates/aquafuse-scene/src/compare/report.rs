@@ -181,7 +181,7 @@ impl Comparison {
     ) -> Result<Scores, EvaluateError> {
         let seen = image(rendered);
         let lpips = match &self.lpips {
-            Some(network) => Some(network.distance(&seen.to_samples(), &held.image.to_samples())?),
+            Some(network) => Some(network.distance(&seen.convert(), &held.image.convert())?),
             None => None,
         };
         let deviation = against.map(|original| normal_deviation(&held.camera, original, rendered));
@@ -272,7 +272,7 @@ impl Comparison {
             .iter()
             .map(|side| {
                 let seen = image(&rendering_of(side.model, &camera));
-                (side.label.clone(), thumbnail(&seen.to_samples()))
+                (side.label.clone(), thumbnail(&seen.convert()))
             })
             .collect();
         Some(Strip { caption: "from above, where no camera was".into(), images })
@@ -305,7 +305,7 @@ fn strips(sides: &[Named<'_>], view: usize, rendered: &[Rendering<f32>]) -> [Str
         images: sides
             .iter()
             .enumerate()
-            .map(|(place, side)| (side.label.clone(), thumbnail(&of(place).to_samples())))
+            .map(|(place, side)| (side.label.clone(), thumbnail(&of(place).convert())))
             .collect(),
     };
     [

@@ -18,7 +18,7 @@ mod terms;
 pub use doubt::Doubt;
 
 use super::Eq3;
-use crate::image::{ImageRef, Sample, SizeError};
+use crate::image::{ImageError, ImageRef, Sample};
 use cells::LabelledImage;
 use search::Search;
 
@@ -53,6 +53,7 @@ pub struct Fitter {
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// What the labels of different images have in common. Default: nothing but the kind of number.
     pub scale: Scale,
@@ -69,8 +70,29 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// The same with another kind of scale.
+    #[must_use]
+    pub fn with_scale(self, scale: Scale) -> Self {
+        Self { scale, ..self }
+    }
+
+    /// The same with another target.
+    #[must_use]
+    pub fn with_target(self, target: Target) -> Self {
+        Self { target, ..self }
+    }
+
+    /// The same with another residual from which on the loss grows linearly.
+    #[must_use]
+    pub fn with_huber(self, huber: f64) -> Self {
+        Self { huber, ..self }
+    }
+}
+
 /// What the labels of different images have in common.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Scale {
     /// Each image has a scale and a shift of its own: relative labels, or metres in different waters.
     #[default]
@@ -81,6 +103,7 @@ pub enum Scale {
 
 /// What of the labels is fitted to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Target {
     /// Their distances: depth becomes as even as it can be.
     #[default]
@@ -96,7 +119,7 @@ pub enum Target {
 pub enum LabelError {
     /// Image and labels differ in size.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] ImageError),
     /// Hardly any pixel has a label.
     #[error("only {found} pixels have a depth; at least {least} are needed")]
     Few {
@@ -134,6 +157,7 @@ pub enum FitError {
 
 /// A fitted model and how far to trust it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fit {
     /// The coefficients.
     pub eq3: Eq3,
@@ -152,6 +176,7 @@ pub struct Fit {
 
 /// One search for (μ2, μ4).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Start {
     /// (μ2, μ4) at which it began.
     pub from: [f64; 2],

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::DepthModel;
 use crate::bands;
-use crate::image::{Encoding, ImageMut, Sample, SizeError, check_same_size, check_size, runs_mut};
+use crate::image::{Encoding, ImageError, ImageMut, Sample, check_same_size, check_size, runs_mut};
 use crate::simd;
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
@@ -23,7 +23,7 @@ pub struct DepthMap {
 
 /// What the numbers of a [`DepthMap`] are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum DepthKind {
     /// In `[0, 1]`, without a unit and on its own scale in each image.
@@ -38,7 +38,7 @@ pub enum DepthKind {
 pub enum DepthError {
     /// The buffer and the size disagree.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] ImageError),
     /// A distance is negative, not a number, or beyond what its kind can be.
     #[error("depth at column {x}, row {y} is {value}; it lies between 0 and {most}")]
     Value {
@@ -134,8 +134,8 @@ impl DepthMap {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn from_levels(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn from_levels(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, ImageError> {
         check_size(width, height, 1, levels.len())?;
         Ok(Self { width, height, kind: DepthKind::Relative, model: None, values: Values::Levels(levels) })
     }
@@ -144,8 +144,8 @@ impl DepthMap {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn from_fine_levels(width: usize, height: usize, levels: Vec<u16>) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn from_fine_levels(width: usize, height: usize, levels: Vec<u16>) -> Result<Self, ImageError> {
         check_size(width, height, 1, levels.len())?;
         Ok(Self { width, height, kind: DepthKind::Relative, model: None, values: Values::FineLevels(levels) })
     }
@@ -241,7 +241,7 @@ impl DepthMap {
     }
 
     /// Checks that an image of `size` can be seen through this map.
-    pub(crate) fn check_fits(&self, size: (usize, usize)) -> Result<(), SizeError> {
+    pub(crate) fn check_fits(&self, size: (usize, usize)) -> Result<(), ImageError> {
         check_same_size(size, self.size())
     }
 
@@ -321,7 +321,7 @@ impl DepthMap {
     ///
     /// let z = DepthMap::from_levels(4, 1, vec![0, 51, 102, 255])?;
     /// assert!((z.percentile(0.5) - 0.2).abs() < 1e-6);
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
     pub fn percentile(&self, share: f32) -> f32 {
         let mut distances = self.distances();

@@ -40,7 +40,7 @@ pub enum DepthModel {
     /// the bottom; `n` takes mean and deviation over the image away.
     ///
     /// **Wrong for a rolled camera and for one that looks down or up**: it takes for granted that what is
-    /// higher in the image is farther. [`DepthModel::estimate_seen`] is told which edge is the top.
+    /// higher in the image is farther. [`DepthModel::estimate_oriented`] is told which edge is the top.
     Layout,
 }
 
@@ -52,7 +52,8 @@ impl Default for DepthModel {
 
 impl DepthModel {
     /// All models with our coefficients, in the order of the table above.
-    pub const ALL: [Self; 5] = [Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
+    pub const ALL: &'static [Self] =
+        &[Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
 
     /// The name used on the command line and in reports; Eq. 3 with other coefficients than ours is `fitted`,
     /// which the command line calls by its file.
@@ -67,11 +68,6 @@ impl DepthModel {
         }
     }
 
-    /// The model of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|model| model.name() == name)
-    }
-
     /// Depth of an image whose first row is up: the model at each pixel, then the paper's 7x7 median.
     ///
     /// # Examples
@@ -82,10 +78,11 @@ impl DepthModel {
     /// // Grey is at the camera for `Ratio`, whatever its brightness.
     /// let image = Image::<u8>::from_raw(2, 1, vec![30, 30, 30, 200, 200, 200])?;
     /// assert_eq!(DepthModel::Ratio.estimate(&image).distances(), [0.0, 0.0]);
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
+    #[must_use]
     pub fn estimate<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
-        self.estimate_seen(image, TopEdge::First)
+        self.estimate_oriented(image, TopEdge::First)
     }
 
     /// Depth of an image whose edge `top` is up as seen. Only [`DepthModel::Layout`] asks which it is.
@@ -97,15 +94,20 @@ impl DepthModel {
     ///
     /// // One colour tells nothing: what is left is height, here from the right to the left.
     /// let image = Image::<u8>::from_raw(64, 8, vec![90; 64 * 8 * 3])?;
-    /// let z = DepthModel::Layout.estimate_seen(&image, TopEdge::Right);
+    /// let z = DepthModel::Layout.estimate_oriented(&image, TopEdge::Right);
     /// assert!(z.at(60, 4) > 0.9 && z.at(3, 4) < 0.1);
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
-    pub fn estimate_seen<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>, top: TopEdge) -> DepthMap {
+    #[must_use]
+    pub fn estimate_oriented<'a, T: Sample>(
+        &self,
+        image: impl Into<ImageRef<'a, T>>,
+        top: TopEdge,
+    ) -> DepthMap {
         self.estimate_in(image.into(), top, Vec::new())
     }
 
-    /// [`DepthModel::estimate_seen`] in the memory of `levels`, as far as depth has 256 levels.
+    /// [`DepthModel::estimate_oriented`] in the memory of `levels`, as far as depth has 256 levels.
     pub(crate) fn estimate_in<T: Sample>(
         &self,
         image: ImageRef<'_, T>,
@@ -131,6 +133,7 @@ impl DepthModel {
     }
 
     /// Depth of an image whose first row is up, before the median.
+    #[must_use]
     pub fn estimate_unfiltered<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
         let image = image.into();
         let (width, height) = image.size();
@@ -182,10 +185,12 @@ impl DepthModel {
     }
 }
 
+crate::names::named!(DepthModel, "depth model");
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Image;
+    use crate::image::{Image, Kernels as _};
     use proptest::prelude::*;
 
     fn levels_of(model: DepthModel, pixels: &[[u8; 3]]) -> Vec<u8> {
@@ -194,7 +199,7 @@ mod tests {
     }
 
     fn model() -> impl Strategy<Value = DepthModel> {
-        let pixelwise = DepthModel::ALL.into_iter().filter(|model| model.tables().is_some());
+        let pixelwise = DepthModel::ALL.iter().copied().filter(|model| model.tables().is_some());
         prop::sample::select(pixelwise.collect::<Vec<_>>())
     }
 

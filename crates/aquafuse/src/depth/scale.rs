@@ -17,9 +17,25 @@
 /// # Ok::<(), aquafuse::depth::ScaleError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredScale"))]
 pub struct RelativeScale {
     metres_at_one: f32,
+}
+
+/// As it stands in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredScale {
+    metres_at_one: f32,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredScale> for RelativeScale {
+    type Error = ScaleError;
+
+    fn try_from(stored: StoredScale) -> Result<Self, ScaleError> {
+        Self::new(stored.metres_at_one)
+    }
 }
 
 /// Not a scale of depth.

@@ -10,7 +10,7 @@ mod kind;
 pub use kind::SuppliedKind;
 
 use super::{DepthKind, DepthMap, DepthModel};
-use crate::image::{ImageRef, SizeError, TopEdge, check_size};
+use crate::image::{ImageError, ImageRef, TopEdge, check_size};
 
 /// Raw values of a depth map, as a file or a sensor gives them, and what they are declared to be.
 ///
@@ -39,6 +39,7 @@ pub struct Supplied {
 
 /// Supplied depth, ready for use, and what had to be done to it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SuppliedDepth {
     /// Distances: metres for metric kinds, relative for the others.
     pub depth: DepthMap,
@@ -48,7 +49,8 @@ pub struct SuppliedDepth {
 
 /// What is worth knowing about supplied depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SuppliedReport {
     /// What the values were declared to be.
     pub kind: SuppliedKind,
@@ -129,8 +131,13 @@ impl Supplied {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn new(width: usize, height: usize, values: Vec<f32>, kind: SuppliedKind) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn new(
+        width: usize,
+        height: usize,
+        values: Vec<f32>,
+        kind: SuppliedKind,
+    ) -> Result<Self, ImageError> {
         check_size(width, height, 1, values.len())?;
         Ok(Self { width, height, values, kind, full_range: 1.0 })
     }

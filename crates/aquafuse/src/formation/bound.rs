@@ -2,11 +2,13 @@
 
 use super::RestoreOptions;
 use crate::depth::DepthMap;
-use crate::image::{Encoding, ImageRef, Sample, SizeError};
+use crate::image::{Encoding, ImageError, ImageRef, Sample};
 use crate::waterbody::{Estimate, VeilingLight, Waterbody};
 
 /// Water and options of a restoration after the safety bounds, and which of these acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct BoundedRestoration<E: Encoding> {
     /// The water to take out.
     pub water: Waterbody<E>,
@@ -18,6 +20,7 @@ pub struct BoundedRestoration<E: Encoding> {
 
 /// Which safety bounds acted on a restoration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RestoreBounds {
     /// Less backscatter is taken off than the estimate says: more of it than there is light.
     pub backscatter: bool,
@@ -48,7 +51,7 @@ impl<E: Encoding> BoundedRestoration<E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when image and depth map differ in size.
+    /// [`ImageError`] when image and depth map differ in size.
     ///
     /// # Examples
     ///
@@ -63,14 +66,14 @@ impl<E: Encoding> BoundedRestoration<E> {
     /// let options = RestoreOptions::default();
     /// let right = BoundedRestoration::new(&seen, &scene.depth, &Estimate::given(water), &options)?;
     /// assert_eq!(right.bounds, RestoreBounds::default());
-    /// # Ok::<(), aquafuse::image::SizeError>(())
+    /// # Ok::<(), aquafuse::image::ImageError>(())
     /// ```
     pub fn new<'a, T: Sample>(
         image: impl Into<ImageRef<'a, T, E>>,
         depth: &DepthMap,
         estimate: &Estimate<E>,
         options: &RestoreOptions,
-    ) -> Result<Self, SizeError> {
+    ) -> Result<Self, ImageError> {
         let image = image.into();
         depth.check_fits(image.size())?;
         let mut found = Self { water: estimate.water, options: *options, bounds: RestoreBounds::default() };
@@ -183,7 +186,7 @@ mod tests {
 
     fn burnt(water: Waterbody) -> (RestoreBounds, f64) {
         let scene = Scene::new(3, Size { width: 96, height: 64 });
-        let mut seen = scene.seen_through(&waters()[1].water).to_samples::<u8>();
+        let mut seen = scene.seen_through(&waters()[1].water).convert::<u8>();
         let mut estimate = Estimate::given(water);
         estimate.depth_model = Some(crate::depth::DepthModel::default());
         let options = RestoreOptions::default();

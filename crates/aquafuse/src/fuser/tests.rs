@@ -13,7 +13,7 @@ fn scene(seed: u64, water: usize) -> (Image<f32>, DepthMap) {
 fn by_steps<T: Sample>(content: &Image<T>, depth: Option<&DepthMap>, fuser: &Fuser<'_>) -> Outcome<T> {
     let options = fuser.options();
     let depth = depth.cloned().unwrap_or_else(|| options.depth_model.estimate(content));
-    let own = waterbody::estimate(&content.to_samples(), &depth, &options.estimate).unwrap();
+    let own = waterbody::estimate(&content.convert(), &depth, &options.estimate).unwrap();
     let bounded = Bounded::new(&own, fuser.reference(), options.fusion);
     let fused = fusion::fuse(content, &depth, bounded.waters(), &bounded.options).unwrap();
     let report = Report { content: own, bounds: bounded.bounds, clipping: fused.clipping };
@@ -21,12 +21,12 @@ fn by_steps<T: Sample>(content: &Image<T>, depth: Option<&DepthMap>, fuser: &Fus
 }
 
 fn check<T: Sample>(content: &Image<T>, z: &DepthMap, reference: &Image<T>) {
-    for (model, smoothing) in Model::ALL.into_iter().zip(Smoothing::ALL.into_iter().cycle()) {
-        for depth_model in DepthModel::ALL {
+    for (model, smoothing) in Model::ALL.iter().copied().zip(Smoothing::ALL.iter().copied().cycle()) {
+        for &depth_model in DepthModel::ALL {
             let options = Options { depth_model, smoothing, ..Options::default() };
             let fuser = Fuser::with_options(reference, options).unwrap().model(model);
             let depth = depth_model.estimate(reference);
-            let water = waterbody::estimate(&reference.to_samples(), &depth, &options.estimate).unwrap();
+            let water = waterbody::estimate(&reference.convert(), &depth, &options.estimate).unwrap();
             assert_eq!(*fuser.reference(), water);
             let expected = by_steps(content, None, &fuser);
             assert_eq!(fuser.fuse(content).unwrap(), expected);
@@ -44,15 +44,15 @@ fn check<T: Sample>(content: &Image<T>, z: &DepthMap, reference: &Image<T>) {
 fn the_front_door_gives_what_the_steps_give_for_every_sample_model_and_depth() {
     let ((content, z), (reference, _)) = (scene(1, 0), scene(2, 1));
     check(&content, &z, &reference);
-    check::<u16>(&content.to_samples(), &z, &reference.to_samples());
-    check::<u8>(&content.to_samples(), &z, &reference.to_samples());
+    check::<u16>(&content.convert(), &z, &reference.convert());
+    check::<u8>(&content.convert(), &z, &reference.convert());
 }
 
 #[test]
 fn a_depth_map_of_the_reference_is_what_its_water_is_estimated_from() {
     let (reference, z) = scene(2, 1);
     let fuser = Fuser::with_depth(&reference, &z, Options::default()).unwrap();
-    let expected = waterbody::estimate(&reference.to_samples(), &z, &Default::default()).unwrap();
+    let expected = waterbody::estimate(&reference.convert(), &z, &Default::default()).unwrap();
     assert_eq!((*fuser.reference(), fuser.reference().depth_model), (expected, None));
 }
 
@@ -82,7 +82,7 @@ fn theta_stays_whether_it_comes_before_the_model_or_after() {
 fn sizes_that_differ_are_an_error_and_change_nothing() {
     let (mut content, z) = scene(1, 0);
     let wide = Image::<f32>::from_raw(65, 48, vec![0.5; 3 * 65 * 48]).unwrap();
-    let error = SizeError::Mismatch { left: (65, 48), right: (64, 48) };
+    let error = ImageError::Mismatch { left: (65, 48), right: (64, 48) };
     let fuser = Fuser::from(waters()[0].water);
     assert_eq!(fuser.clone().depth(&z).fuse(&wide).unwrap_err(), error);
     let before = content.clone();

@@ -9,6 +9,8 @@ const BRIGHTEST_WATER: f32 = 0.7;
 
 /// Waters and options of a fusion after the safety bounds, and which of these acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
 pub struct Bounded<E: Encoding> {
     content: Waterbody<E>,
     reference: Waterbody<E>,
@@ -21,7 +23,8 @@ pub struct Bounded<E: Encoding> {
 
 /// Which safety bounds acted on a fusion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Bounds {
     /// The reference's veil is glare: it was darkened to the brightest water, its red to its green or blue.
     pub glare: bool,
@@ -119,7 +122,7 @@ impl<E: Encoding> Bounded<E> {
 mod tests {
     use super::*;
     use crate::depth::DepthModel;
-    use crate::fusion::Law;
+    use crate::fusion::TransferLaw;
     use crate::image::Encoded;
     use crate::truth::waters;
     use crate::waterbody::{Intervals, Quality, VeilingLightSource};
@@ -150,7 +153,7 @@ mod tests {
             estimate(BLUE, [9.0, 1.0, 1.0], Quality::default()),
             estimate([0.2, 0.5, 0.3], [1.0; 3], Quality::default()),
         );
-        for model in Model::ALL {
+        for &model in Model::ALL {
             let options = Options::for_model(model);
             let bounded = Bounded::new(&content, &reference, options);
             assert!(!bounded.bounds.any());
@@ -171,11 +174,11 @@ mod tests {
             assert!(red <= green.max(blue) && green.max(blue) <= 0.7 + 1e-6);
             assert_eq!(waters.content.backscatter_coefficient, [1.2, 1.0, 1.2]);
             assert_eq!(bounded.bounds.gain, model == Model::Exchange);
-            let gain = Law::new(waters, &bounded.options).at(2.0).gain;
+            let gain = TransferLaw::new(waters, &bounded.options).at(2.0).gain;
             assert!(gain.iter().all(|gain| *gain <= 1.0), "{model:?} strengthens the direct signal");
             let by_colour = Estimate { depth_model: Some(DepthModel::Ratio), ..reference };
             let bounded = Bounded::new(&content, &by_colour, Options::for_model(model));
-            let gain = Law::new(bounded.waters(), &bounded.options).at(2.0).gain;
+            let gain = TransferLaw::new(bounded.waters(), &bounded.options).at(2.0).gain;
             assert_eq!(gain, [1.0; 3], "{model:?} changes the direct signal");
         }
         let paper = Bounded::new(&content, &reference, Options::for_model(Model::Aquafuse));

@@ -17,7 +17,7 @@ use crate::waterbody::{DepthFactors, Waterbody};
 /// # Examples
 ///
 /// ```
-/// use aquafuse::fusion::{Law, Options, Waters};
+/// use aquafuse::fusion::{TransferLaw, Options, Waters};
 /// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
 ///
 /// let blue: Waterbody = Waterbody {
@@ -26,7 +26,7 @@ use crate::waterbody::{DepthFactors, Waterbody};
 ///     attenuation: [Attenuation::constant(0.5)?; 3],
 /// };
 /// let green = Waterbody { veiling_light: VeilingLight::new([0.0, 0.6, 0.2]), ..blue };
-/// let law = Law::new(Waters::new(&blue, &green), &Options::default());
+/// let law = TransferLaw::new(Waters::new(&blue, &green), &Options::default());
 /// assert_eq!(law.at(0.0).of([0.1, 0.5, 0.9]), [0.1, 0.5, 0.9]);
 /// // The shift peaks at β_B z = ln 2, at a quarter of the difference times cos 45°.
 /// let peak = law.at(2.0_f32.ln()).offset;
@@ -34,7 +34,7 @@ use crate::waterbody::{DepthFactors, Waterbody};
 /// # Ok::<(), aquafuse::waterbody::AttenuationError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Law<E: Encoding = Encoded> {
+pub struct TransferLaw<E: Encoding = Encoded> {
     model: Model,
     cosine: f32,
     content: Waterbody<E>,
@@ -51,21 +51,21 @@ pub struct Law<E: Encoding = Encoded> {
 ///
 /// A gain of 1 is a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Change {
+pub struct PixelTransform {
     /// Factors, from 0 to [`Options::max_gain`], so that no order of values is inverted.
     pub gain: [f32; 3],
     /// What is added, in units of `[0, 1]`.
     pub offset: [f32; 3],
 }
 
-impl Change {
+impl PixelTransform {
     /// A colour after the change, not clipped.
     pub fn of(&self, rgb: [f32; 3]) -> [f32; 3] {
         std::array::from_fn(|c| self.gain[c] * rgb[c] + self.offset[c])
     }
 }
 
-impl<E: Encoding> Law<E> {
+impl<E: Encoding> TransferLaw<E> {
     /// The law that takes an image from the content's water towards the reference's.
     pub fn new(waters: Waters<'_, E>, options: &Options) -> Self {
         Self {
@@ -81,7 +81,7 @@ impl<E: Encoding> Law<E> {
     }
 
     /// What happens at distance `z`.
-    pub fn at(&self, z: f32) -> Change {
+    pub fn at(&self, z: f32) -> PixelTransform {
         match self.model {
             Model::Aquafuse => self.shift(z, |factor| factor * (1.0 - factor)),
             Model::Physical => self.shift(z, |factor| 1.0 - factor),
@@ -90,12 +90,12 @@ impl<E: Encoding> Law<E> {
     }
 
     /// Adds a share of the veils' difference, which depends on the content's depth factor.
-    fn shift(&self, z: f32, weight: impl Fn(f32) -> f32) -> Change {
+    fn shift(&self, z: f32, weight: impl Fn(f32) -> f32) -> PixelTransform {
         let own = self.content.veiling_light.rgb();
         let factor =
             self.depth_factors.as_ref().map_or_else(|| self.content.depth_factor(z), |table| table.at(z));
         let offset = |c: usize| weight(factor[c]) * (self.cosine * (self.veil[c] - own[c]));
-        Change { gain: [1.0; 3], offset: std::array::from_fn(offset) }
+        PixelTransform { gain: [1.0; 3], offset: std::array::from_fn(offset) }
     }
 
     /// The whole water.
@@ -107,10 +107,10 @@ impl<E: Encoding> Law<E> {
     /// A direct signal U1 - B1 below 0 is noise, or the backscatter was taken too bright. It is kept and
     /// changed as any other: cut off at 0, one's own water would no longer give the image back, and noise
     /// around 0 would lighten the image on average.
-    fn exchange(&self, z: f32) -> Change {
+    fn exchange(&self, z: f32) -> PixelTransform {
         let own = self.content.backscatter(z);
         let factor = self.reference.depth_factor(z);
-        let mut change = Change { gain: [1.0; 3], offset: [0.0; 3] };
+        let mut change = PixelTransform { gain: [1.0; 3], offset: [0.0; 3] };
         for c in 0..3 {
             let other = self.veil[c] * (1.0 - factor[c]);
             let gain = self.net_gain(c, z);

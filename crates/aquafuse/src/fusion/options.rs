@@ -2,7 +2,7 @@
 
 /// Which part of the backscatter is exchanged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum Model {
     /// The paper's: a veil over the middle distance, nothing at the camera nor in open water.
@@ -17,7 +17,7 @@ pub enum Model {
 
 impl Model {
     /// All models, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::Aquafuse, Self::Physical, Self::Exchange];
+    pub const ALL: &'static [Self] = &[Self::Aquafuse, Self::Physical, Self::Exchange];
 
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
@@ -26,11 +26,6 @@ impl Model {
             Self::Physical => "physical",
             Self::Exchange => "exchange",
         }
-    }
-
-    /// The model of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|model| model.name() == name)
     }
 
     /// Whether it adds the same to all pixels of one depth and channel; [`Model::Exchange`] also scales them.
@@ -42,8 +37,11 @@ impl Model {
     }
 }
 
+crate::names::named!(Model, "fusion model");
+
 /// How to fuse.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// Which part of the backscatter is exchanged.
     pub model: Model,
@@ -78,6 +76,24 @@ impl Options {
     /// [`Smoothing::Bilateral`](crate::smooth::Smoothing::Bilateral) belong to it.
     pub fn as_published() -> Self {
         Self { gain: Gain(1.5), ..Self::for_model(Model::Aquafuse) }
+    }
+
+    /// The same with another incidence θ.
+    #[must_use]
+    pub fn with_incidence(self, incidence: Incidence) -> Self {
+        Self { incidence, ..self }
+    }
+
+    /// The same with another gain α.
+    #[must_use]
+    pub fn with_gain(self, gain: Gain) -> Self {
+        Self { gain, ..self }
+    }
+
+    /// The same with another bound on the gain of the direct signal.
+    #[must_use]
+    pub fn with_max_gain(self, max_gain: f32) -> Self {
+        Self { max_gain, ..self }
     }
 }
 

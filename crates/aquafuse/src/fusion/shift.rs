@@ -114,7 +114,7 @@ impl Work for Add<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Sample;
+    use crate::image::Kernels;
 
     fn scattered(count: usize, seed: usize) -> Vec<u8> {
         (0..count).map(|i| ((i + seed).wrapping_mul(2_654_435_761) >> 13) as u8).collect()

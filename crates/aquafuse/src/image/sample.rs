@@ -5,50 +5,55 @@ use std::fmt::Debug;
 /// A colour value as stored: bytes and 16-bit words span `[0, 1]` evenly, floats are that number.
 ///
 /// Sealed: [`u8`], [`u16`] and [`f32`] are all there is.
-pub trait Sample: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + Sync + 'static {
+pub trait Sample: kernels::Kernels + Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     /// The value in `[0, 1]`.
     fn to_unit(self) -> f32;
     /// The nearest storable value; clips to the range, and a NaN becomes 0.
     fn from_unit(value: f32) -> Self;
     /// The nearest byte.
     fn to_byte(self) -> u8;
-    /// The nearest 16-bit word.
-    fn to_word(self) -> u16;
-    /// The value in whole steps, so that sums do not depend on their order: those of the stored type, or 2^-24.
-    fn to_steps(self) -> u64;
-    /// The value of so many steps.
-    fn from_steps(steps: u64) -> Self;
-    /// Whether values lie closer together than bytes.
-    const FINE: bool;
-    /// The values as bytes, if that is what they are: bytes have faster ways.
-    fn bytes_mut(_: &mut [Self]) -> Option<&mut [u8]> {
-        None
-    }
-    /// [`Sample::bytes_mut`] for reading.
-    fn bytes(_: &[Self]) -> Option<&[u8]> {
-        None
-    }
-    /// This value plus `shift`, rounded to the nearest storable value and clipped to `[0, 1]`,
-    /// and whether clipping changed it.
-    fn shifted(self, shift: Self::Shift) -> (Self, bool);
-    /// `gain` times this value plus `offset` in units of `[0, 1]`, rounded to the nearest storable value and
-    /// clipped to `[0, 1]`, and whether clipping changed it.
-    fn changed(self, gain: f32, offset: f32) -> (Self, bool);
-    /// A difference of two values in steps of the stored type, so that adding it is exact.
-    type Shift: Copy + Default + Send + Sync;
-    /// Rounds a difference in units of `[0, 1]` to steps: halves go up, towards positive infinity.
-    fn shift_from_unit(shift: f32) -> Self::Shift;
 }
+
+/// Out of reach from outside the crate, which seals [`Sample`].
+pub(crate) mod kernels {
+    /// What the kernels of this crate do with samples.
+    pub trait Kernels: Sized {
+        /// The nearest 16-bit word.
+        fn to_word(self) -> u16;
+        /// The value in whole steps, so that sums do not depend on their order: those of the stored type, or 2^-24.
+        fn to_steps(self) -> u64;
+        /// The value of so many steps.
+        fn from_steps(steps: u64) -> Self;
+        /// Whether values lie closer together than bytes.
+        const FINE: bool;
+        /// The values as bytes, if that is what they are: bytes have faster ways.
+        fn bytes_mut(_: &mut [Self]) -> Option<&mut [u8]> {
+            None
+        }
+        /// [`Kernels::bytes_mut`] for reading.
+        fn bytes(_: &[Self]) -> Option<&[u8]> {
+            None
+        }
+        /// This value plus `shift`, rounded to the nearest storable value and clipped to `[0, 1]`,
+        /// and whether clipping changed it.
+        fn shifted(self, shift: Self::Shift) -> (Self, bool);
+        /// `gain` times this value plus `offset` in units of `[0, 1]`, rounded to the nearest storable value and
+        /// clipped to `[0, 1]`, and whether clipping changed it.
+        fn changed(self, gain: f32, offset: f32) -> (Self, bool);
+        /// A difference of two values in steps of the stored type, so that adding it is exact.
+        type Shift: Copy + Default + Send + Sync;
+        /// Rounds a difference in units of `[0, 1]` to steps: halves go up, towards positive infinity.
+        fn shift_from_unit(shift: f32) -> Self::Shift;
+    }
+}
+
+use kernels::Kernels;
 
 /// `round(255 (v + s)) = 255 v + round(255 s)`: for whole steps the rounding can be done on the shift
 /// alone, once a table instead of once a pixel.
 macro_rules! integer_sample {
     ($stored:ty, $step:ty, $to_byte:expr, $to_word:expr $(, $more:item)*) => {
         impl Sample for $stored {
-            $($more)*
-
-            type Shift = $step;
-
             fn to_unit(self) -> f32 {
                 f32::from(self) / f32::from(Self::MAX)
             }
@@ -61,6 +66,12 @@ macro_rules! integer_sample {
             fn to_byte(self) -> u8 {
                 $to_byte(self)
             }
+        }
+
+        impl Kernels for $stored {
+            $($more)*
+
+            type Shift = $step;
 
             #[inline]
             fn to_word(self) -> u16 {
@@ -122,8 +133,6 @@ integer_sample!(u16, i32, |word: u16| ((u32::from(word) + 128) / 257) as u8, |wo
 const FLOAT_STEPS: f64 = (1 << 24) as f64;
 
 impl Sample for f32 {
-    type Shift = f32;
-
     fn to_unit(self) -> f32 {
         self
     }
@@ -136,6 +145,10 @@ impl Sample for f32 {
     fn to_byte(self) -> u8 {
         u8::from_unit(self)
     }
+}
+
+impl Kernels for f32 {
+    type Shift = f32;
 
     fn to_word(self) -> u16 {
         u16::from_unit(self)
@@ -164,13 +177,6 @@ impl Sample for f32 {
     fn shift_from_unit(shift: f32) -> f32 {
         shift
     }
-}
-
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for u8 {}
-    impl Sealed for u16 {}
-    impl Sealed for f32 {}
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::marker::PhantomData;
 
-use super::{Encoded, Encoding, Image, Sample, SizeError, check_same_size};
+use super::{Encoded, Encoding, Image, ImageError, Sample, check_same_size};
 
 /// An RGB image in memory that belongs to somebody else, for reading.
 ///
@@ -24,7 +24,7 @@ use super::{Encoded, Encoding, Image, Sample, SizeError, check_same_size};
 /// let buffer: Vec<u8> = vec![1, 2, 3, 4, 5, 6, 0, 0, 7, 8, 9, 10, 11, 12, 0, 0];
 /// let image: ImageRef<'_, u8> = ImageRef::with_stride(2, 2, 8, &buffer)?;
 /// assert_eq!(image.row(1), [[7, 8, 9], [10, 11, 12]]);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct ImageRef<'a, T, E: Encoding = Encoded> {
@@ -48,7 +48,7 @@ pub struct ImageRef<'a, T, E: Encoding = Encoded> {
 /// let mut image: ImageMut<'_, u8> = ImageMut::with_stride(2, 2, 8, &mut buffer)?;
 /// image.row_mut(1)[0] = [7, 8, 9];
 /// assert_eq!(buffer[8..11], [7, 8, 9]);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Debug)]
 pub struct ImageMut<'a, T, E: Encoding = Encoded> {
@@ -68,16 +68,16 @@ struct Shape {
 
 impl Shape {
     /// A shape within `found` samples, and how many it covers: the padding of the last row is not needed.
-    fn new(width: usize, height: usize, stride: usize, found: usize) -> Result<(Self, usize), SizeError> {
+    fn new(width: usize, height: usize, stride: usize, found: usize) -> Result<(Self, usize), ImageError> {
         if width == 0 || height == 0 {
-            return Err(SizeError::Empty { width, height });
+            return Err(ImageError::Empty { width, height });
         }
         let row = width.checked_mul(3).filter(|&row| row <= stride);
-        let row = row.ok_or(SizeError::Stride { width, stride })?;
+        let row = row.ok_or(ImageError::Stride { width, stride })?;
         let above = (height - 1).checked_mul(stride).and_then(|above| above.checked_add(row));
         match above {
             Some(covered) if covered <= found => Ok((Self { width, height, stride }, covered)),
-            _ => Err(SizeError::Buffer { width, height, expected: above.unwrap_or(usize::MAX), found }),
+            _ => Err(ImageError::Buffer { width, height, expected: above.unwrap_or(usize::MAX), found }),
         }
     }
 
@@ -102,8 +102,8 @@ impl<'a, T: Sample, E: Encoding> ImageRef<'a, T, E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn new(width: usize, height: usize, samples: &'a [T]) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn new(width: usize, height: usize, samples: &'a [T]) -> Result<Self, ImageError> {
         super::check_size(width, height, 3, samples.len())?;
         Self::with_stride(width, height, 3 * width, samples)
     }
@@ -113,13 +113,13 @@ impl<'a, T: Sample, E: Encoding> ImageRef<'a, T, E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero, the stride is shorter than a row, or the buffer than the image.
+    /// [`ImageError`] when a side is zero, the stride is shorter than a row, or the buffer than the image.
     pub fn with_stride(
         width: usize,
         height: usize,
         stride: usize,
         samples: &'a [T],
-    ) -> Result<Self, SizeError> {
+    ) -> Result<Self, ImageError> {
         let (shape, covered) = Shape::new(width, height, stride, samples.len())?;
         Ok(Self { shape, samples: &samples[..covered], encoding: PhantomData })
     }
@@ -166,6 +166,7 @@ impl<'a, T: Sample, E: Encoding> ImageRef<'a, T, E> {
     }
 
     /// A copy without padding.
+    #[must_use]
     pub fn to_image(&self) -> Image<T, E> {
         let mut samples = Vec::with_capacity(self.shape.row() * self.shape.height);
         self.runs().for_each(|run| samples.extend_from_slice(run.as_flattened()));
@@ -209,8 +210,8 @@ impl<'a, T: Sample, E: Encoding> ImageMut<'a, T, E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero or the buffer has another length.
-    pub fn new(width: usize, height: usize, samples: &'a mut [T]) -> Result<Self, SizeError> {
+    /// [`ImageError`] when a side is zero or the buffer has another length.
+    pub fn new(width: usize, height: usize, samples: &'a mut [T]) -> Result<Self, ImageError> {
         super::check_size(width, height, 3, samples.len())?;
         Self::with_stride(width, height, 3 * width, samples)
     }
@@ -220,13 +221,13 @@ impl<'a, T: Sample, E: Encoding> ImageMut<'a, T, E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when a side is zero, the stride is shorter than a row, or the buffer than the image.
+    /// [`ImageError`] when a side is zero, the stride is shorter than a row, or the buffer than the image.
     pub fn with_stride(
         width: usize,
         height: usize,
         stride: usize,
         samples: &'a mut [T],
-    ) -> Result<Self, SizeError> {
+    ) -> Result<Self, ImageError> {
         let (shape, covered) = Shape::new(width, height, stride, samples.len())?;
         Ok(Self { shape, samples: &mut samples[..covered], encoding: PhantomData })
     }
@@ -280,8 +281,8 @@ impl<'a, T: Sample, E: Encoding> ImageMut<'a, T, E> {
     ///
     /// # Errors
     ///
-    /// [`SizeError`] when the two differ in size; this image is then unchanged.
-    pub fn copy_from<'b>(&mut self, image: impl Into<ImageRef<'b, T, E>>) -> Result<(), SizeError> {
+    /// [`ImageError`] when the two differ in size; this image is then unchanged.
+    pub fn copy_from<'b>(&mut self, image: impl Into<ImageRef<'b, T, E>>) -> Result<(), ImageError> {
         let image = image.into();
         check_same_size(self.size(), image.size())?;
         self.rows_mut().zip(image.rows()).for_each(|(to, from)| to.copy_from_slice(from));

@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 
 use ::image::{DynamicImage, ImageBuffer, Pixel, Rgb};
 
-use crate::image::{Image, ImageMut, ImageRef, Sample, SizeError};
+use crate::image::{Image, ImageError, ImageMut, ImageRef, Sample};
 
 /// A view of `RgbImage`, of `Rgb32FImage` or of a buffer of 16 bits. An error where it has no pixels.
 impl<'a, T, C> TryFrom<&'a ImageBuffer<Rgb<T>, C>> for ImageRef<'a, T>
@@ -15,9 +15,9 @@ where
     Rgb<T>: Pixel<Subpixel = T>,
     C: Deref<Target = [T]>,
 {
-    type Error = SizeError;
+    type Error = ImageError;
 
-    fn try_from(buffer: &'a ImageBuffer<Rgb<T>, C>) -> Result<Self, SizeError> {
+    fn try_from(buffer: &'a ImageBuffer<Rgb<T>, C>) -> Result<Self, ImageError> {
         let [width, height] = [buffer.width(), buffer.height()].map(|side| side as usize);
         Self::new(width, height, buffer)
     }
@@ -30,9 +30,9 @@ where
     Rgb<T>: Pixel<Subpixel = T>,
     C: DerefMut<Target = [T]>,
 {
-    type Error = SizeError;
+    type Error = ImageError;
 
-    fn try_from(buffer: &'a mut ImageBuffer<Rgb<T>, C>) -> Result<Self, SizeError> {
+    fn try_from(buffer: &'a mut ImageBuffer<Rgb<T>, C>) -> Result<Self, ImageError> {
         let [width, height] = [buffer.width(), buffer.height()].map(|side| side as usize);
         Self::new(width, height, buffer)
     }
@@ -55,9 +55,9 @@ macro_rules! dynamic_image {
         /// The colours of any image; what is stored in another way is converted, and alpha is dropped. An error
         /// where it has no pixels.
         impl TryFrom<DynamicImage> for Image<$sample> {
-            type Error = SizeError;
+            type Error = ImageError;
 
-            fn try_from(image: DynamicImage) -> Result<Self, SizeError> {
+            fn try_from(image: DynamicImage) -> Result<Self, ImageError> {
                 let [width, height] = [image.width(), image.height()].map(|side| side as usize);
                 Self::from_raw(width, height, image.$into_rgb().into_raw())
             }
@@ -90,7 +90,7 @@ mod tests {
     where
         Rgb<T>: Pixel<Subpixel = T>,
     {
-        let (content, reference) = (seen(1).to_samples::<T>(), seen(2).to_samples::<T>());
+        let (content, reference) = (seen(1).convert::<T>(), seen(2).convert::<T>());
         let expected = Fuser::new(&reference).unwrap().fuse(&content).unwrap();
         let [mut theirs, theirs_too] = [content.clone(), reference].map(ImageBuffer::<Rgb<T>, Vec<T>>::from);
         let fuser = Fuser::new(&theirs_too).unwrap();
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn any_dynamic_image_becomes_colours_and_comes_back() {
-        let image = seen(1).to_samples::<u8>();
+        let image = seen(1).convert::<u8>();
         let there = DynamicImage::from(image.clone());
         assert_eq!(Image::<u8>::try_from(there), Ok(image));
         let grey = DynamicImage::ImageLuma8(GrayImage::from_pixel(2, 1, ::image::Luma([7])));
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn an_image_without_pixels_is_an_error() {
         let mut empty = RgbImage::new(0, 4);
-        let error = SizeError::Empty { width: 0, height: 4 };
+        let error = ImageError::Empty { width: 0, height: 4 };
         assert_eq!(Fuser::new(&empty).unwrap_err(), error);
         assert_eq!(ImageMut::try_from(&mut empty).unwrap_err(), error);
         assert!(Image::<u8>::try_from(DynamicImage::from(empty)).is_err());

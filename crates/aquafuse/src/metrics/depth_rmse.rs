@@ -1,7 +1,7 @@
 //! What fusion does to depth.
 
 use crate::depth::DepthModel;
-use crate::image::{ImageRef, Sample, SizeError, check_same_size};
+use crate::image::{ImageError, ImageRef, Sample, check_same_size};
 
 /// Root mean square difference of two depth maps, on the paper's two scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl DepthRmse {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the images differ in size.
+/// [`ImageError`] when the images differ in size.
 ///
 /// # Examples
 ///
@@ -42,13 +42,13 @@ impl DepthRmse {
 ///
 /// let image = Image::<u8>::from_raw(2, 1, vec![10, 90, 120, 200, 80, 60])?;
 /// assert_eq!(depth_rmse(&image, &image, DepthModel::default())?.consistency(), 100.0);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn depth_rmse<'a, 'b, T: Sample, U: Sample>(
     content: impl Into<ImageRef<'a, T>>,
     fused: impl Into<ImageRef<'b, U>>,
     model: DepthModel,
-) -> Result<DepthRmse, SizeError> {
+) -> Result<DepthRmse, ImageError> {
     let (content, fused) = (content.into(), fused.into());
     check_same_size(content.size(), fused.size())?;
     let (before, after) = (model.estimate(content).distances(), model.estimate(fused).distances());

@@ -1,6 +1,6 @@
 //! Peak signal-to-noise ratio.
 
-use crate::image::{Encoding, ImageRef, Sample, SizeError, check_same_size};
+use crate::image::{Encoding, ImageError, ImageRef, Sample, check_same_size};
 
 /// Peak signal-to-noise ratio of two images in dB, over all pixels and channels.
 ///
@@ -8,7 +8,7 @@ use crate::image::{Encoding, ImageRef, Sample, SizeError, check_same_size};
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the images differ in size.
+/// [`ImageError`] when the images differ in size.
 ///
 /// # Examples
 ///
@@ -17,12 +17,12 @@ use crate::image::{Encoding, ImageRef, Sample, SizeError, check_same_size};
 ///
 /// let grey = |value| Image::<f32>::from_raw(1, 1, vec![value; 3]);
 /// assert!((psnr(&grey(0.5)?, &grey(0.6)?)? - 20.0).abs() < 1e-5);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn psnr<'a, 'b, T: Sample, U: Sample, E: Encoding>(
     a: impl Into<ImageRef<'a, T, E>>,
     b: impl Into<ImageRef<'b, U, E>>,
-) -> Result<f64, SizeError> {
+) -> Result<f64, ImageError> {
     let (a, b) = (a.into(), b.into());
     check_same_size(a.size(), b.size())?;
     let squares = a.pixels().flatten().zip(b.pixels().flatten());
@@ -39,7 +39,7 @@ mod tests {
     #[test]
     fn equal_images_are_infinitely_alike() {
         let image = Image::<u8>::from_raw(2, 1, vec![7; 6]).unwrap();
-        assert_eq!(psnr(&image, &image.to_samples::<u16>()).unwrap(), f64::INFINITY);
+        assert_eq!(psnr(&image, &image.convert::<u16>()).unwrap(), f64::INFINITY);
     }
 
     #[test]

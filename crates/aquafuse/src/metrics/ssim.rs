@@ -1,6 +1,6 @@
 //! Structural similarity.
 
-use crate::image::{ImageRef, Sample, SizeError, check_same_size};
+use crate::image::{ImageError, ImageRef, Sample, check_same_size};
 
 /// Deviation of the Gaussian window, and its reach to either side: 11 x 11 as in the publication.
 const SIGMA: f64 = 1.5;
@@ -17,7 +17,7 @@ const C2: f64 = 0.03 * 0.03;
 ///
 /// # Errors
 ///
-/// [`SizeError`] when the images differ in size.
+/// [`ImageError`] when the images differ in size.
 ///
 /// # Examples
 ///
@@ -26,12 +26,12 @@ const C2: f64 = 0.03 * 0.03;
 ///
 /// let image = Image::<u8>::from_raw(16, 16, (0..=255).flat_map(|v| [v, v / 2, 255 - v]).collect())?;
 /// assert!((ssim(&image, &image)?.unwrap() - 1.0).abs() < 1e-12);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn ssim<'a, 'b, T: Sample, U: Sample>(
     a: impl Into<ImageRef<'a, T>>,
     b: impl Into<ImageRef<'b, U>>,
-) -> Result<Option<f64>, SizeError> {
+) -> Result<Option<f64>, ImageError> {
     let (a, b) = (a.into(), b.into());
     check_same_size(a.size(), b.size())?;
     let (width, height) = a.size();

@@ -12,6 +12,7 @@ use crate::image::{Encoding, ImageRef, Linear, Sample};
 /// - saturation is C* / √(C*² + L*²), M. Lübbe's, and 0 for black;
 /// - the top and bottom 1 % of L* are its values at these ranks, not means over them.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Uciqe {
     /// σ_c, standard deviation of chroma; 0 for grey, hardly above .5.
     pub chroma_deviation: f64,
@@ -41,8 +42,9 @@ impl Uciqe {
 /// let found = uciqe(&greys);
 /// // From black to white, and no colour (the matrix of sRGB is rounded, so white is not quite).
 /// assert!((found.luminance_contrast - 1.0).abs() < 1e-6 && found.saturation < 1e-4);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
+#[must_use]
 pub fn uciqe<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Uciqe {
     let lab: Vec<[f64; 3]> = image.into().pixels().map(|pixel| lab(pixel.map(T::to_unit))).collect();
     let count = lab.len() as f64;

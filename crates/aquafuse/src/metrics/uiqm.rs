@@ -14,6 +14,7 @@ use crate::image::{ImageRef, Sample};
 /// - contrast is that of luma (.299, .587, .114) and has the sign that makes it positive, with the ordinary
 ///   mean over the blocks: the PLIP mean of a number that is no grey level has no meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Uiqm {
     /// UICM, `-.0268 √(μ²_RG + μ²_YB) + .1586 √(σ²_RG + σ²_YB)`; 0 for grey, negative for an image of one colour.
     ///
@@ -57,8 +58,9 @@ const TRIMMED: f64 = 0.1;
 ///
 /// let flat: Image<u8> = Image::from_raw(10, 10, [90, 90, 90].repeat(100))?;
 /// assert_eq!(uiqm(&flat).map(|found| found.score()), Some(0.0));
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
+#[must_use]
 pub fn uiqm<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Option<Uiqm> {
     let image = image.into();
     let (width, height) = image.size();
@@ -188,7 +190,7 @@ mod tests {
     fn the_sample_type_does_not_matter() {
         let bytes = picture(|value| [value / 40, value / 30, 100]);
         let score = uiqm(&bytes).unwrap().score();
-        assert_eq!(uiqm(&bytes.to_samples::<u16>()).unwrap().score(), score);
+        assert_eq!(uiqm(&bytes.convert::<u16>()).unwrap().score(), score);
         assert_eq!(uiqm(&bytes.to_unit()).unwrap().score(), score);
     }
 

@@ -172,5 +172,5 @@ fn photographed<E: Encoding>(seen: &Image<f32, E>, chance: &mut Random) -> Image
     let values = seen.as_raw().iter().map(|&value| E::to_encoded(value.max(0.0)) + noise * chance.normal());
     let image: Image<f32> =
         Image::from_raw(SIZE.width, SIZE.height, values.collect()).expect("one colour a pixel");
-    image.to_samples()
+    image.convert()
 }

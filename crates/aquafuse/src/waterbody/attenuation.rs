@@ -9,10 +9,31 @@ use crate::image::Encoding;
 /// The optical depth `τ(z) = β_D(z) z` must not fall with z, or farther things would look brighter for it.
 /// A fitted curve is only known where there was something to see: beyond that distance β_D is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "StoredAttenuation")
+)]
 pub struct Attenuation {
     mu: [f32; 4],
     held_beyond: f32,
+}
+
+/// As it stands in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredAttenuation {
+    mu: [f32; 4],
+    held_beyond: f32,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredAttenuation> for Attenuation {
+    type Error = AttenuationError;
+
+    fn try_from(stored: StoredAttenuation) -> Result<Self, AttenuationError> {
+        Self::new(stored.mu, stored.held_beyond)
+    }
 }
 
 /// Not an attenuation curve.

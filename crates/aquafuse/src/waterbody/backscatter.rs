@@ -23,6 +23,7 @@ use veils::Veils;
 
 /// What tells how fast backscatter grows with distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum BackscatterMethod {
     /// The darkest things of each depth, with a floor, and all three channels together.
     #[default]

@@ -2,10 +2,11 @@
 
 use super::{EstimateOptions, Look, Seen, VeilingLight, attenuation, backscatter, look};
 use crate::depth::DepthMap;
-use crate::image::{Encoding, ImageRef, SizeError};
+use crate::image::{Encoding, ImageError, ImageRef};
 
 /// What [`estimate`](super::estimate) read off an image on its way to the water.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Evidence {
     /// Ranges of depth with about as many pixels each, near to far.
     pub bins: Vec<DepthBin>,
@@ -17,6 +18,7 @@ pub struct Evidence {
 
 /// The pixels of one range of depths, per channel red, green, blue, in the encoding of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct DepthBin {
     /// Mean z.
     pub z: f32,
@@ -36,7 +38,7 @@ pub struct DepthBin {
 ///
 /// # Errors
 ///
-/// [`SizeError`] when image and depth map differ in size.
+/// [`ImageError`] when image and depth map differ in size.
 ///
 /// # Examples
 ///
@@ -49,13 +51,13 @@ pub struct DepthBin {
 /// let seen = waterbody::evidence::<Encoded>(&image, &z, &Default::default())?;
 /// assert!(seen.bins.iter().all(|bin| bin.dark.iter().all(|dark| (0.0..=1.0).contains(dark))));
 /// assert_eq!(seen.read_from.len(), 200);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn evidence<'a, E: Encoding>(
     image: impl Into<ImageRef<'a, u8>>,
     depth: &DepthMap,
     options: &EstimateOptions,
-) -> Result<Evidence, SizeError> {
+) -> Result<Evidence, ImageError> {
     let image = image.into();
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();

@@ -20,7 +20,7 @@ use crate::image::Encoding;
 ///
 /// let seen = |seed| {
 ///     let scene = Scene::new(seed, Size { width: 96, height: 64 });
-///     (scene.seen_through(&waters()[0].water).to_samples::<u8>(), scene.depth)
+///     (scene.seen_through(&waters()[0].water).convert::<u8>(), scene.depth)
 /// };
 /// let frames = [1, 2, 3].map(|seed| {
 ///     let (image, z) = seen(seed);
@@ -30,7 +30,7 @@ use crate::image::Encoding;
 /// let pooled = pool(&frames).expect("three frames");
 /// let blue = pooled.water.veiling_light.rgb()[2];
 /// assert!((blue - waters()[0].water.veiling_light.rgb()[2]).abs() < 0.02);
-/// # Ok::<(), aquafuse::image::SizeError>(())
+/// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 pub fn pool<E: Encoding>(estimates: &[Estimate<E>]) -> Option<Estimate<E>> {
     let [first, ..] = estimates else { return None };
@@ -102,7 +102,7 @@ fn weighted_median(mut values: Vec<(f32, f32)>) -> f32 {
 
 fn common_reasons<E: Encoding>(estimates: &[Estimate<E>]) -> Reasons {
     let mut common = Reasons::default();
-    for reason in Reason::ALL {
+    for &reason in Reason::ALL {
         let holding = estimates.iter().filter(|one| one.quality.reasons.contains(reason)).count();
         common.add_if(2 * holding > estimates.len(), reason);
     }

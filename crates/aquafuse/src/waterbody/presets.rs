@@ -53,9 +53,10 @@ use crate::image::{Encoded, Encoding};
 /// let ocean: Waterbody = Preset::I.water(&Conditions::default());
 /// let [r, g, b] = ocean.veiling_light.rgb();
 /// assert!(r < g && g < b);
-/// assert_eq!(Preset::from_name("jerlov-1C"), Some(Preset::Coastal1C));
+/// assert_eq!("jerlov-1C".parse::<Preset>().ok(), Some(Preset::Coastal1C));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Preset {
     /// The clearest ocean.
     I,
@@ -81,8 +82,9 @@ pub enum Preset {
 
 /// A preset's water and how closely it follows the sums over the spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
+#[non_exhaustive]
 pub struct Derived<E: Encoding = Encoded> {
     /// The water; coefficients per metre.
     pub water: Waterbody<E>,
@@ -96,7 +98,8 @@ pub struct Derived<E: Encoding = Encoded> {
 
 /// How far fitted curves are off at worst, per channel, as values of the encoding in `[0, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Residual {
     /// Of the backscatter B(z).
     pub backscatter: [f32; 3],
@@ -108,7 +111,7 @@ pub struct Residual {
 
 impl Preset {
     /// All types: the ocean from clear to turbid, then the coast.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: &'static [Self] = &[
         Self::I,
         Self::IA,
         Self::IB,
@@ -135,11 +138,6 @@ impl Preset {
             Self::Coastal7C => "jerlov-7C",
             Self::Coastal9C => "jerlov-9C",
         }
-    }
-
-    /// The preset of this name, in capitals or not; none if there is no such preset.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|preset| preset.name().eq_ignore_ascii_case(name))
     }
 
     /// The water as a camera sees it; coefficients per metre.
@@ -193,3 +191,5 @@ impl Preset {
         tables::of(self as usize)
     }
 }
+
+crate::names::named!(Preset, "water preset", str::eq_ignore_ascii_case);

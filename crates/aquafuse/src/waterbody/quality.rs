@@ -2,7 +2,7 @@
 
 /// What an estimate is worth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Verdict {
     /// Nothing speaks against it.
     #[default]
@@ -40,7 +40,7 @@ pub enum Reason {
 
 impl Reason {
     /// All reasons, in the order they are told in.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: &'static [Self] = &[
         Self::NoOpenWater,
         Self::FlatDepth,
         Self::SaturatedDepth,
@@ -90,7 +90,7 @@ impl Reasons {
 
     /// Each of them, in the order of [`Reason::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Reason> {
-        Reason::ALL.into_iter().filter(move |reason| self.contains(*reason))
+        Reason::ALL.iter().copied().filter(move |reason| self.contains(*reason))
     }
 }
 
@@ -107,9 +107,45 @@ impl serde::Serialize for Reasons {
     }
 }
 
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Reasons {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut reasons = Self::default();
+        Vec::<Reason>::deserialize(deserializer)?.into_iter().for_each(|reason| reasons.add_if(true, reason));
+        Ok(reasons)
+    }
+}
+
+/// As it stands in files: the verdict must follow from the reasons.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredQuality {
+    verdict: Verdict,
+    reasons: Reasons,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredQuality> for Quality {
+    type Error = String;
+
+    fn try_from(StoredQuality { verdict, reasons }: StoredQuality) -> Result<Self, String> {
+        let quality = Self::of(reasons);
+        if quality.verdict == verdict {
+            Ok(quality)
+        } else {
+            Err(format!("the verdict is {verdict}, but these reasons make it {}", quality.verdict))
+        }
+    }
+}
+
 /// A verdict on an estimate, with its reasons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "StoredQuality")
+)]
+#[non_exhaustive]
 pub struct Quality {
     /// What it is worth.
     pub verdict: Verdict,
@@ -142,6 +178,9 @@ impl Quality {
 }
 
 impl Verdict {
+    /// All verdicts, from good to bad.
+    pub const ALL: &'static [Self] = &[Self::Good, Self::Doubtful, Self::Failed];
+
     /// The word used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -152,6 +191,8 @@ impl Verdict {
     }
 }
 
+crate::names::named!(Verdict, "verdict");
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,7 +200,7 @@ mod tests {
     #[test]
     fn a_reason_makes_doubtful_and_what_leaves_nothing_makes_failed() {
         assert_eq!(Quality::default().verdict, Verdict::Good);
-        for reason in Reason::ALL {
+        for &reason in Reason::ALL {
             let quality = Quality::default().with(reason);
             let expected = if reason == Reason::InvertedDepth { Verdict::Failed } else { Verdict::Doubtful };
             assert_eq!(

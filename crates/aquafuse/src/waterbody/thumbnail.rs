@@ -5,7 +5,7 @@
 
 use crate::bands;
 use crate::depth::Quantised;
-use crate::image::{Image, ImageRef, SizeError};
+use crate::image::{Image, ImageError, ImageRef};
 
 /// Pixels that are kept at least; of fewer than four times as many, none is left out.
 ///
@@ -33,7 +33,7 @@ impl Thumbnail {
         image: ImageRef<'_, u8>,
         depth: &Quantised<'_>,
         scratch: Scratch,
-    ) -> Result<Self, SizeError> {
+    ) -> Result<Self, ImageError> {
         let Scratch { mut samples, mut levels } = scratch;
         let (width, rows) = (kept(image.width(), stride).count(), kept(image.height(), stride));
         let rows: Vec<usize> = rows.collect();
@@ -131,7 +131,7 @@ mod tests {
 
         let scene = Scene::new(3, Size { width: 1920, height: 1080 });
         for named in waters() {
-            let image = scene.seen_through(&named.water).to_samples();
+            let image = scene.seen_through(&named.water).convert();
             let z = depth::estimate(&image);
             let quantised = z.quantised();
             let whole = Seen { image: image.view(), levels: &quantised.levels };

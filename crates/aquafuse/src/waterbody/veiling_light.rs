@@ -20,8 +20,7 @@ use crate::image::{Encoded, Encoding, Sample};
 
 /// Veiling light B∞: the colour that remains when nothing but water is in sight, per channel in `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(transparent, bound = ""))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent, bound = ""))]
 pub struct VeilingLight<E: Encoding = Encoded> {
     rgb: [f32; 3],
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -40,8 +39,22 @@ impl<E: Encoding> VeilingLight<E> {
     }
 }
 
+/// What is outside `[0, 1]` is no colour, and a file that holds it is not mended.
+#[cfg(feature = "serde")]
+impl<'de, E: Encoding> serde::Deserialize<'de> for VeilingLight<E> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let rgb = <[f32; 3]>::deserialize(deserializer)?;
+        if rgb.iter().all(|value| (0.0..=1.0).contains(value)) {
+            Ok(Self { rgb, encoding: PhantomData })
+        } else {
+            Err(serde::de::Error::custom(format!("veiling_light is {rgb:?}, but lies between 0 and 1")))
+        }
+    }
+}
+
 /// Which way to the veiling light is tried first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum VeilingLightMethod {
     /// The commonest colour of smooth bluish-green places; where there are few, the published way.
     #[default]

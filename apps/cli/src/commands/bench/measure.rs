@@ -7,7 +7,7 @@ use aquafuse::Fuser;
 use aquafuse::depth::{self, DepthMap};
 use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
 use aquafuse::fusion::{self, Bounded};
-use aquafuse::image::{Encoded, Image, SizeError};
+use aquafuse::image::{Encoded, Image, ImageError};
 use aquafuse::smooth::{Smoothing, bilateral_into};
 use aquafuse::stream::Stream;
 use aquafuse::truth::{Scene, Size, waters};
@@ -67,11 +67,11 @@ pub(super) struct Images {
 const LARGEST_PLACE: Size = Size { width: 1920, height: 1080 };
 
 impl Images {
-    pub(super) fn new(size: Size) -> Result<Self, SizeError> {
+    pub(super) fn new(size: Size) -> Result<Self, ImageError> {
         let (width, height) = (size.width.min(LARGEST_PLACE.width), size.height.min(LARGEST_PLACE.height));
         let (scene, [blue, green, ..]) = (Scene::new(1, Size { width, height }), waters());
         let [content, reference] = [blue, green].map(|named| {
-            let place: Image<u8> = scene.seen_through(&named.water).to_samples();
+            let place: Image<u8> = scene.seen_through(&named.water).convert();
             let rows: Vec<_> = place.rows().collect();
             let row = |y: usize| rows[y % height].iter().cycle().take(size.width).flatten().copied();
             Image::from_raw(size.width, size.height, (0..size.height).flat_map(row).collect())
@@ -90,7 +90,7 @@ impl Images {
         reference: Reference,
         smoothing: Smoothing,
         frames: Option<u32>,
-    ) -> Result<Speed, SizeError> {
+    ) -> Result<Speed, ImageError> {
         let mut stream = Stream::new(Fuser::new(&self.reference)?.smoothing(smoothing));
         let mut fused = self.content.clone();
         self.speed(frames, || {
@@ -103,7 +103,7 @@ impl Images {
     }
 
     /// The content without its water.
-    pub(super) fn restored(&self, frames: Option<u32>) -> Result<Speed, SizeError> {
+    pub(super) fn restored(&self, frames: Option<u32>) -> Result<Speed, ImageError> {
         let options = RestoreOptions::default();
         self.speed(frames, || {
             let (z, found) = estimate(&self.content)?;
@@ -116,7 +116,7 @@ impl Images {
     }
 
     /// Each stage of a frame by itself.
-    pub(super) fn stages(&self, frames: Option<u32>) -> Result<Stages, SizeError> {
+    pub(super) fn stages(&self, frames: Option<u32>) -> Result<Stages, ImageError> {
         let (content, (z, own)) = (&self.content, estimate(&self.content)?);
         let bounded = Bounded::new(&own, &estimate(&self.reference)?.1, fusion::Options::default());
         let mut fused = content.clone();
@@ -140,22 +140,22 @@ impl Images {
     fn speed(
         &self,
         frames: Option<u32>,
-        run: impl FnMut() -> Result<(), SizeError>,
-    ) -> Result<Speed, SizeError> {
+        run: impl FnMut() -> Result<(), ImageError>,
+    ) -> Result<Speed, ImageError> {
         let ms_per_frame = median(frames, run)?;
         let pixels = self.content.pixels().len() as f64;
         Ok(Speed { ms_per_frame, fps: 1e3 / ms_per_frame, ns_per_pixel: 1e6 * ms_per_frame / pixels })
     }
 }
 
-fn estimate(image: &Image<u8>) -> Result<(DepthMap, Estimate), SizeError> {
+fn estimate(image: &Image<u8>) -> Result<(DepthMap, Estimate), ImageError> {
     let z = depth::estimate(image);
     let found = waterbody::estimate(image, &z, &Default::default())?;
     Ok((z, found))
 }
 
 /// The median of so many runs after one that does not count, in milliseconds.
-fn median(frames: Option<u32>, mut run: impl FnMut() -> Result<(), SizeError>) -> Result<f64, SizeError> {
+fn median(frames: Option<u32>, mut run: impl FnMut() -> Result<(), ImageError>) -> Result<f64, ImageError> {
     run()?;
     let (began, mut spent) = (Instant::now(), Vec::new());
     let done = |spent: &[f64]| match frames {

@@ -64,10 +64,10 @@ fn maps(text: &str) -> anyhow::Result<Supplied> {
     let Some((name, (kind, folder))) = parts.filter(|(name, _)| !name.is_empty()) else {
         return Err(anyhow!("give a name, what the values are, and a folder: midas=inverse:maps/"));
     };
-    let kind = SuppliedKind::from_name(kind).ok_or_else(|| {
+    let kind = kind.parse::<SuppliedKind>().ok().ok_or_else(|| {
         anyhow!(
             "there is no kind {kind}; the kinds are {}",
-            SuppliedKind::ALL.map(SuppliedKind::name).join(", ")
+            SuppliedKind::ALL.iter().map(|one| one.name()).collect::<Vec<_>>().join(", ")
         )
     })?;
     Ok(Supplied { name: name.to_owned(), kind, folder: folder.into() })
@@ -101,7 +101,7 @@ impl DepthEvaluationArguments {
 
     fn models(&self) -> Result<Vec<(String, DepthModel)>, Failure> {
         let mut models: Vec<_> =
-            DepthModel::ALL.into_iter().map(|model| (format!("`{}`", model.name()), model)).collect();
+            DepthModel::ALL.iter().copied().map(|model| (format!("`{}`", model.name()), model)).collect();
         for path in &self.depth_model {
             let file = ModelFile::read(path).map_err(Failure::usage)?;
             models.push((display(path).to_string(), DepthModel::Eq3(file.eq3)));

@@ -63,10 +63,9 @@ impl Sweep {
     /// Each value's caption, and the options with it.
     fn steps(&self, options: Options) -> Vec<(String, Options)> {
         let theta = |(said, incidence): &(String, Incidence)| {
-            (format!("θ = {said}°"), Options { incidence: *incidence, ..options })
+            (format!("θ = {said}°"), options.with_incidence(*incidence))
         };
-        let alpha =
-            |(said, gain): &(String, Gain)| (format!("α = {said}"), Options { gain: *gain, ..options });
+        let alpha = |(said, gain): &(String, Gain)| (format!("α = {said}"), options.with_gain(*gain));
         match self {
             Self::Theta(values) => values.iter().map(theta).collect(),
             Self::Alpha(values) => values.iter().map(alpha).collect(),

@@ -81,7 +81,7 @@ impl Render {
             }
             let rendered = render(&splats, MAX_SH_DEGREE, &camera, &medium).rendering;
             let path = self.output.join(format!("{name}.png"));
-            ImageFile::new(image(&rendered).to_samples::<u8>()).write(&path, &writing)?;
+            ImageFile::new(image(&rendered).convert::<u8>()).write(&path, &writing)?;
             if self.depth {
                 let known =
                     distances(&rendered).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();

@@ -65,7 +65,7 @@ impl<'a> View<'a> {
     /// The image without its water; `z` is [`View::depth`].
     pub(super) fn restored(&self, z: &DepthMap, estimate: &Estimate) -> Result<Image<u8>, DrawError> {
         let bounded = BoundedRestoration::new(&self.small, z, estimate, &RestoreOptions::default())?;
-        Ok(self.upright(restore(&self.small, z, &bounded.water, &bounded.options)?.to_samples()))
+        Ok(self.upright(restore(&self.small, z, &bounded.water, &bounded.options)?.convert()))
     }
 
     /// Column and row of the pixel that stands for each place.

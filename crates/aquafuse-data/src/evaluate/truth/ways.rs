@@ -1,11 +1,11 @@
 //! How depth and water are obtained, and how near each way comes to the truth.
 
 use aquafuse::depth::{DepthMap, DepthModel};
-use aquafuse::fusion::{Bounded, Incidence, Law, Model, Options, Waters};
+use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw, Waters};
 use aquafuse::image::{Encoding, Image};
 use aquafuse::metrics::ssim;
 use aquafuse::truth::{Case, Exchange};
-use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, VeilingLightMethod, estimate};
+use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, estimate};
 
 /// How depth is obtained, and whose estimators give the water; no estimators: the truth is given.
 pub(super) struct Way {
@@ -16,11 +16,7 @@ pub(super) struct Way {
 
 pub(super) fn ways() -> Vec<Way> {
     let ours = Some(EstimateOptions::default());
-    let papers = Some(EstimateOptions {
-        veiling_light: VeilingLightMethod::Published,
-        backscatter: BackscatterMethod::Published,
-        ..Default::default()
-    });
+    let papers = Some(EstimateOptions::as_published());
     let eq3 = Some(DepthModel::default());
     let ratio = Some(DepthModel::Ratio);
     let way = |name, depth, water| Way { name, depth, water };
@@ -42,28 +38,29 @@ impl Way {
     }
 
     /// What each model makes of an exchange, at full strength.
-    pub(super) fn all_models<E: Encoding>(&self, exchange: &Exchange<E>) -> [Found; 3] {
+    pub(super) fn all_models<E: Encoding>(&self, exchange: &Exchange<E>) -> Vec<Found> {
         let z = self.depth(&exchange.content);
         let (own, other) = (self.water(&exchange.content), self.water(&exchange.reference));
-        Model::ALL.map(|model| {
+        let of = |model: &Model| {
             let incidence = Incidence::from_degrees(0.0).expect("in range");
-            let options = Options { incidence, ..Options::for_model(model) };
+            let options = Options::for_model(*model).with_incidence(incidence);
             let law = match (&own, &other) {
                 (Some(own), Some(other)) if self.is_papers() => {
-                    Law::new(Waters::new(&own.water, &other.water), &options)
+                    TransferLaw::new(Waters::new(&own.water, &other.water), &options)
                 }
                 (Some(own), Some(other)) => {
                     let bounded = Bounded::new(own, other, options);
-                    Law::new(bounded.waters(), &bounded.options)
+                    TransferLaw::new(bounded.waters(), &bounded.options)
                 }
                 _ => {
                     let (content, reference) = (&exchange.content.water, &exchange.reference.water);
-                    Law::new(Waters::new(content, reference), &options)
+                    TransferLaw::new(Waters::new(content, reference), &options)
                 }
             };
             let distances = z.distances();
             Found::of(exchange, |i, pixel| law.at(distances[i]).of(pixel))
-        })
+        };
+        Model::ALL.iter().map(of).collect()
     }
 
     fn depth<E: Encoding>(&self, case: &Case<E>) -> DepthMap {
@@ -113,7 +110,7 @@ impl Found {
         let values = content.as_raw().len() as f64;
         let (width, height) = content.size();
         let shown = Image::<f32>::from_raw(width, height, shown).expect("a colour for each pixel");
-        let structure = ssim(content, &shown.to_samples::<u8>()).expect("of one size");
+        let structure = ssim(content, &shown.convert::<u8>()).expect("of one size");
         Self {
             share: std::array::from_fn(|t| 1.0 - (after[t] / before[t]).sqrt()),
             rmse: after.map(|sum| 255.0 * (sum / values).sqrt()),

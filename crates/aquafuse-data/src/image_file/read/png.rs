@@ -3,7 +3,7 @@
 use std::io::{BufRead, Cursor, Seek};
 
 use ::png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Reader, Transformations, Unit};
-use aquafuse::image::{Image, Sample, SizeError};
+use aquafuse::image::{Image, ImageError, Sample};
 
 use super::super::limits::Size;
 use super::super::metadata::{Metadata, Resolution, ResolutionUnit};
@@ -82,7 +82,7 @@ fn layers<T: Sample>(
     width: usize,
     height: usize,
     all: Vec<T>,
-) -> Result<Layers<T>, SizeError> {
+) -> Result<Layers<T>, ImageError> {
     match colour {
         ColorType::Rgb => Image::from_raw(width, height, all).map(|image| Layers { image, alpha: None }),
         ColorType::Rgba => Layers::of_rgba(width, height, &all),

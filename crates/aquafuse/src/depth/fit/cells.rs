@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::LabelError;
 use crate::depth::Eq3;
 use crate::depth::median;
-use crate::image::{ImageRef, Sample, SizeError};
+use crate::image::{ImageError, ImageRef, Sample};
 
 /// Cells along each side of the (R, M) plane.
 const SIDE: usize = 64;
@@ -59,7 +59,7 @@ impl LabelledImage {
         let (width, height) = image.size();
         let expected = width * height;
         if distances.len() != expected {
-            return Err(SizeError::Buffer { width, height, expected, found: distances.len() }.into());
+            return Err(ImageError::Buffer { width, height, expected, found: distances.len() }.into());
         }
         // Depth is the median of the model over 7x7 pixels, and each term rises or falls throughout: noise
         // that the median takes away must not bend the curves either.

@@ -12,7 +12,7 @@ const KNOWN: Eq3 = Eq3::OURS;
 fn picture(seed: u64) -> Image<u8> {
     let waters = waters();
     let water = &waters[seed as usize % waters.len()].water;
-    Scene::new(seed, Size { width: 96, height: 64 }).seen_through(water).to_samples()
+    Scene::new(seed, Size { width: 96, height: 64 }).seen_through(water).convert()
 }
 
 /// What a model says of each pixel, its colours filtered first.

@@ -46,9 +46,9 @@ proptest! {
         let left = moved(&image, (height, width), |x, y| (y, x));
         let right = moved(&image, (height, width), |x, y| (height - 1 - y, x));
         let last = moved(&image, (width, height), |x, y| (x, height - 1 - y));
-        let left = DepthModel::Layout.estimate_seen(&left, TopEdge::Left);
-        let right = DepthModel::Layout.estimate_seen(&right, TopEdge::Right);
-        let last = DepthModel::Layout.estimate_seen(&last, TopEdge::Last);
+        let left = DepthModel::Layout.estimate_oriented(&left, TopEdge::Left);
+        let right = DepthModel::Layout.estimate_oriented(&right, TopEdge::Right);
+        let last = DepthModel::Layout.estimate_oriented(&last, TopEdge::Last);
         for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
             prop_assert_eq!(upright.at(x, y), left.at(y, x));
             prop_assert_eq!(upright.at(x, y), right.at(height - 1 - y, x));
@@ -80,7 +80,7 @@ fn in_truth_scenes_it_orders_things_better_than_colour_alone() {
     let mut sums = [0.0; 2];
     for (seed, named) in (20..).zip(waters()) {
         let scene = Scene::new(seed, size);
-        let image = scene.seen_through(&named.water).to_samples::<u8>();
+        let image = scene.seen_through(&named.water).convert::<u8>();
         let truth = scene.depth.distances();
         for (sum, model) in sums.iter_mut().zip([DepthModel::Layout, DepthModel::Ratio]) {
             *sum += spearman(&model.estimate(&image).distances(), &truth).unwrap() / 5.0;

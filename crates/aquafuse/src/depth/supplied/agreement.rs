@@ -1,7 +1,7 @@
 //! Whether supplied depth agrees with the image it is to belong to.
 
 use crate::image::TopEdge;
-use crate::metrics::{ranks, spearman};
+use crate::rank::{ranks, spearman};
 
 /// Places looked at, about: as many tell a rank correlation to .01, and sorting them takes milliseconds.
 const PLACES: usize = 20_000;

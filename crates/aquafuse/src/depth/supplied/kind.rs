@@ -22,7 +22,7 @@ use super::SuppliedError;
 /// A disparity of 0 would be infinitely far, but matchers write it where they found nothing, near or far, so colour
 /// decides. A network's 0 is the end of its stretch to 8 or 16 bits: often a fifth of an image, and its open water.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum SuppliedKind {
     /// Distance in metres.
@@ -39,8 +39,8 @@ pub enum SuppliedKind {
 
 impl SuppliedKind {
     /// All kinds.
-    pub const ALL: [Self; 5] =
-        [Self::Metres, Self::Millimetres, Self::Relative, Self::Inverse, Self::Disparity];
+    pub const ALL: &'static [Self] =
+        &[Self::Metres, Self::Millimetres, Self::Relative, Self::Inverse, Self::Disparity];
 
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
@@ -51,19 +51,6 @@ impl SuppliedKind {
             Self::Inverse => "inverse",
             Self::Disparity => "disparity",
         }
-    }
-
-    /// The kind of this name.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use aquafuse::depth::SuppliedKind;
-    ///
-    /// assert_eq!(SuppliedKind::from_name("inverse"), Some(SuppliedKind::Inverse));
-    /// ```
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// Whether distances of this kind have a unit.
@@ -105,6 +92,8 @@ impl SuppliedKind {
         })
     }
 }
+
+crate::names::named!(SuppliedKind, "kind of depth");
 
 /// The 1st and 99th percentile of the valid values; the least and the greatest where those two are one.
 ///

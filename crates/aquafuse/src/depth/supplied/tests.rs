@@ -21,7 +21,7 @@ fn seen(values: Vec<f32>, kind: SuppliedKind) -> Result<SuppliedDepth, SuppliedE
 }
 
 fn kind() -> impl Strategy<Value = SuppliedKind> {
-    prop::sample::select(&SuppliedKind::ALL[..])
+    prop::sample::select(SuppliedKind::ALL)
 }
 
 /// Values that any file may hold, valid or not.
@@ -173,7 +173,7 @@ fn nothing_is_told_from_next_to_nothing() {
 
 #[test]
 fn zero_is_valid_where_it_means_something() {
-    for (kind, valid) in SuppliedKind::ALL.into_iter().zip([false, false, true, true, false]) {
+    for (kind, valid) in SuppliedKind::ALL.iter().copied().zip([false, false, true, true, false]) {
         assert_eq!((kind.is_valid(0.0), kind.is_valid(-0.0)), (valid, valid), "{kind:?}");
         assert!(
             [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1e-9].iter().all(|value| !kind.is_valid(*value))
@@ -216,7 +216,7 @@ fn a_map_turned_round_is_told_whichever_edge_is_up() {
 
 #[test]
 fn a_map_without_any_valid_value_has_no_labels_and_is_no_depth() {
-    for kind in SuppliedKind::ALL {
+    for &kind in SuppliedKind::ALL {
         let map = Supplied::new(SIDE, SIDE, vec![f32::NAN; SIDE * SIDE], kind).unwrap();
         assert!(map.labels(&image()).unwrap().iter().all(|label| label.is_nan()));
         assert!(matches!(map.seen_with(&image(), TopEdge::First), Err(SuppliedError::TooFewValid { .. })));

@@ -120,7 +120,7 @@ fn check_physics<T: Filler, E: Encoding>(image: &Image<T, E>, water: &Waterbody<
     let other = Waterbody { veiling_light: waterbody::VeilingLight::new([0.3, 0.5, 0.2]), ..*water };
     let target = picture::<T, E>(width, height, 99);
     for z in &depths(width, height) {
-        for model in Model::ALL {
+        for &model in Model::ALL {
             let (waters, options) = (Waters::new(water, &other), Options::for_model(model));
             let fused = fusion::fuse(image, z, waters, &options).unwrap();
             assert_eq!(fusion::fuse(padded().view(), z, waters, &options).unwrap(), fused);
@@ -160,9 +160,12 @@ fn check_physics<T: Filler, E: Encoding>(image: &Image<T, E>, water: &Waterbody<
 fn check_colours<T: Filler>(image: &Image<T>, padding: usize) {
     let padded = Padded::of(image, padding);
     let view = padded.view();
-    for model in DepthModel::ALL {
+    for &model in DepthModel::ALL {
         assert_eq!(model.estimate(view), model.estimate(image));
-        assert_eq!(model.estimate_seen(view, TopEdge::Left), model.estimate_seen(image, TopEdge::Left));
+        assert_eq!(
+            model.estimate_oriented(view, TopEdge::Left),
+            model.estimate_oriented(image, TopEdge::Left)
+        );
         assert_eq!(model.estimate_unfiltered(view), model.estimate_unfiltered(image));
         assert_eq!(metrics::depth_rmse(view, image, model).unwrap().0, 0.0);
     }
@@ -207,7 +210,7 @@ fn check_bytes(image: &Image<u8>, padding: usize) {
     let supplied = Supplied::new(width, height, values, SuppliedKind::Metres).unwrap();
     assert_eq!(supplied.seen_with(view, TopEdge::Last), supplied.seen_with(image, TopEdge::Last));
     for smoothing in smooth::Smoothing::ALL {
-        let mut stream = Stream::new(Fuser::from(waters()[1].water).smoothing(smoothing));
+        let mut stream = Stream::new(Fuser::from(waters()[1].water).smoothing(*smoothing));
         let mut fused = image.clone();
         let report = stream.fuse_mut(&mut fused).unwrap();
         let in_place = Padded::of(image, padding).after(|view| stream.fuse_mut(view).unwrap());
@@ -282,14 +285,14 @@ fn a_view_that_does_not_fit_its_buffer_is_refused() {
             ImageRef::with_stride(width, height, stride, &[0; 64][..length]);
         view.map(|_| ()).unwrap_err()
     };
-    assert_eq!(of(0, 3, 9, 20), SizeError::Empty { width: 0, height: 3 });
-    assert_eq!(of(3, 2, 8, 64), SizeError::Stride { width: 3, stride: 8 });
-    assert_eq!(of(3, 2, 11, 19), SizeError::Buffer { width: 3, height: 2, expected: 20, found: 19 });
+    assert_eq!(of(0, 3, 9, 20), ImageError::Empty { width: 0, height: 3 });
+    assert_eq!(of(3, 2, 8, 64), ImageError::Stride { width: 3, stride: 8 });
+    assert_eq!(of(3, 2, 11, 19), ImageError::Buffer { width: 3, height: 2, expected: 20, found: 19 });
     assert_eq!(
         of(usize::MAX, 1, usize::MAX, 64),
-        SizeError::Stride { width: usize::MAX, stride: usize::MAX }
+        ImageError::Stride { width: usize::MAX, stride: usize::MAX }
     );
-    let far = SizeError::Buffer { width: 1, height: 3, expected: usize::MAX, found: 64 };
+    let far = ImageError::Buffer { width: 1, height: 3, expected: usize::MAX, found: 64 };
     assert_eq!(of(1, 3, usize::MAX, 64), far);
     assert!(ImageMut::<u8>::with_stride(3, 2, 11, &mut [0; 19]).is_err());
     assert!(ImageMut::<u8>::new(3, 2, &mut [0; 19]).is_err() && ImageRef::<u8>::new(3, 2, &[0; 18]).is_ok());

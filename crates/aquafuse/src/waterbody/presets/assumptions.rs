@@ -7,6 +7,7 @@ use super::{Preset, fit, spectral};
 /// A spectrum as published.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Spectrum {
     /// What it is, with its symbol.
     pub quantity: &'static str,
@@ -23,6 +24,7 @@ pub struct Spectrum {
 /// A number that holds for every preset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Constant {
     /// What it is.
     pub quantity: &'static str,
@@ -48,6 +50,7 @@ pub struct Constant {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Assumptions {
     /// Name of the preset.
     pub preset: &'static str,

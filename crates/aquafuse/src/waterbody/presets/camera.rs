@@ -6,12 +6,31 @@ use super::conditions::{ConditionsError, within};
 ///
 /// Only the shape counts: the white sets the scale of each channel.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredCamera"))]
 pub struct Camera {
     name: String,
     source: String,
     peaks_nm: [f64; 3],
     deviations_nm: [f64; 3],
+}
+
+/// As it stands in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredCamera {
+    name: String,
+    source: String,
+    peaks_nm: [f64; 3],
+    deviations_nm: [f64; 3],
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredCamera> for Camera {
+    type Error = ConditionsError;
+
+    fn try_from(stored: StoredCamera) -> Result<Self, ConditionsError> {
+        Self::new(stored.name, stored.source, stored.peaks_nm, stored.deviations_nm)
+    }
 }
 
 impl Camera {

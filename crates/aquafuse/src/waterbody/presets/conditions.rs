@@ -4,8 +4,8 @@ use super::camera::Camera;
 
 /// How a camera is balanced and exposed: what it shows of a white diffuser close by that faces it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
 pub enum White {
     /// Balanced for daylight, exposed at depth: the brightest channel of the diffuser is at the white level. The
     /// default.
@@ -35,7 +35,11 @@ pub enum White {
 /// # Ok::<(), aquafuse::waterbody::presets::ConditionsError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "StoredConditions")
+)]
 pub struct Conditions {
     depth_below_surface_m: f64,
     white: White,
@@ -43,6 +47,32 @@ pub struct Conditions {
     range_m: f64,
     veil_factor: f64,
     camera: Camera,
+}
+
+/// As they stand in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredConditions {
+    depth_below_surface_m: f64,
+    white: White,
+    white_level: f64,
+    range_m: f64,
+    veil_factor: f64,
+    camera: Camera,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredConditions> for Conditions {
+    type Error = ConditionsError;
+
+    fn try_from(stored: StoredConditions) -> Result<Self, ConditionsError> {
+        let conditions = Self::default().with_camera(stored.camera).with_white(stored.white);
+        conditions
+            .with_depth_below_surface(stored.depth_below_surface_m)?
+            .with_white_level(stored.white_level)?
+            .with_range(stored.range_m)?
+            .with_veil_factor(stored.veil_factor)
+    }
 }
 
 /// A condition outside its range.
@@ -107,6 +137,7 @@ impl Conditions {
     }
 
     /// The same with another white. Default: [`White::Daylight`].
+    #[must_use]
     pub fn with_white(self, white: White) -> Self {
         Self { white, ..self }
     }
@@ -144,6 +175,7 @@ impl Conditions {
     }
 
     /// The same with another camera. Default: [`Camera::default`].
+    #[must_use]
     pub fn with_camera(self, camera: Camera) -> Self {
         Self { camera, ..self }
     }

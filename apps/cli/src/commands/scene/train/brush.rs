@@ -94,7 +94,7 @@ fn write(training: &Training, scene: &Path) -> Result<(), Failure> {
     let mut images = Vec::with_capacity(views.len());
     for (number, view) in views.iter().enumerate() {
         let name = PathBuf::from(format!("{number:05}.png"));
-        ImageFile::new(view.image.to_samples::<u8>()).write(&folder.join(&name), &WriteOptions::default())?;
+        ImageFile::new(view.image.convert::<u8>()).write(&folder.join(&name), &WriteOptions::default())?;
         let lens = Lens { camera: view.camera.clone(), distortion: [0.0; 4] };
         images.push(PosedImage { name, lens });
     }

@@ -1,4 +1,4 @@
-//! A batch at work: progress, a line for each image, the summary, the report.
+//! A running batch: progress, a line for each image, the summary, the report.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -18,7 +18,7 @@ use crate::args::batch::BatchArguments;
 use crate::args::common::Common;
 use crate::failure::Failure;
 
-/// What a command says of its batch.
+/// The words of a command about its batch.
 pub(crate) struct Words {
     /// The first line of the summary.
     pub(crate) heading: String,
@@ -36,7 +36,7 @@ struct Report {
     images: Vec<Box<RawValue>>,
 }
 
-/// Runs a plan, shows how far it is, and prints what came of it.
+/// Runs a plan, shows its progress, and prints its outcome.
 pub(crate) fn run<E: Space>(
     plan: &Plan,
     recipe: &Recipe<E>,
@@ -69,7 +69,7 @@ pub(crate) fn run<E: Space>(
     let mut reports = reports.into_inner().unwrap_or_default();
     reports.sort_by(|(a, _), (b, _)| a.output.cmp(&b.output));
     if !common.quiet && !arguments.json {
-        output::print(&(words.heading + &summary::of(&reports, ended.skipped)))?;
+        output::print(&(words.heading + &summary::of(&reports, ended.skipped, common.verbose)))?;
     }
     if let Some(path) = &arguments.report {
         let images = records.into_inner().unwrap_or_default();
@@ -84,7 +84,7 @@ fn write_report(
     mut images: Vec<Box<RawValue>>,
     overwrite: bool,
 ) -> Result<(), Failure> {
-    // Images get done in any order; their names stand first in their records.
+    // Images end in any order; a record begins with the name of its image.
     images.sort_by(|a, b| a.get().cmp(b.get()));
     let report = Report { schema: 1, version: env!("CARGO_PKG_VERSION"), settings, images };
     let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
@@ -95,12 +95,12 @@ fn write_report(
 fn outcome(ended: &Summary, all: usize, output: &Path) -> Result<(), Failure> {
     match ended {
         Summary { failed: 0, .. } => Ok(()),
-        // Its own line has said why.
-        _ if all == 1 => Err(Failure::Told),
+        // Its message was printed already.
+        _ if all == 1 => Err(Failure::Reported),
         Summary { failed, left, .. } => {
             let left = if *left > 0 { format!(", {left} were not tried") } else { String::new() };
             Err(Failure::work(anyhow!(
-                "{failed} of {all} failed{left}; the messages above say why, and {} lists them",
+                "{failed} of {all} images failed{left}; see the messages above and {}",
                 display(&output.join(RECORD))
             )))
         }

@@ -1,4 +1,4 @@
-//! What is printed, and where.
+//! Printing to standard output and standard error.
 
 use std::fs::DirEntry;
 use std::io::{ErrorKind, Write};
@@ -9,7 +9,7 @@ use aquafuse_data::files::display;
 
 use crate::failure::Failure;
 
-/// Says on standard error what went wrong. If nobody listens there, there is nobody to tell.
+/// Prints a message to standard error. That it cannot be printed is ignored: there is no other place for it.
 pub(crate) fn complain(what: &impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "aquafuse: {what}");
 }
@@ -35,6 +35,11 @@ fn holds_a_file(entry: &DirEntry) -> bool {
 
 fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
     folder.read_dir().into_iter().flatten().flatten()
+}
+
+/// Says that a file or folder is written, unless `quiet`.
+pub(crate) fn written(path: &Path, quiet: bool) -> Result<(), Failure> {
+    if quiet { Ok(()) } else { print(&format!("{}: written\n", display(path))) }
 }
 
 /// Prints `text`; a reader that has gone away (`| head`) is no error.

@@ -1,4 +1,4 @@
-//! What is to be made of each image: refused here where it cannot be.
+//! The variants of each image. What cannot be made is refused here.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -10,9 +10,9 @@ use crate::files::display;
 use crate::image_file::Format;
 use crate::pipeline::Space;
 
-/// What is to be made of a dataset.
+/// The variants of a dataset.
 ///
-/// It knows by which rule, and works out what that is image by image.
+/// It stores the rule, and computes the variants image by image.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The places of the images that take part.
@@ -52,7 +52,7 @@ impl Plan {
         self.places.iter().filter_map(|&place| all.get(place))
     }
 
-    /// What is to be made of the image of a place.
+    /// The variants of the image of an index.
     pub(super) fn planned<'a>(&self, dataset: &'a Dataset, place: usize) -> Option<Planned<'a>> {
         Some(self.rule.planned(dataset.samples.get(place)?, place))
     }
@@ -156,12 +156,12 @@ impl Rule {
     }
 }
 
-/// What is to be made cannot be.
+/// The requested variants cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
     /// Two variants would have one name.
-    #[error("{one} and {other} would both make {output}; rename one of them")]
+    #[error("{one} and {other} would both be written to {output}; rename one of them")]
     OneName {
         /// An image.
         one: String,
@@ -172,8 +172,8 @@ pub enum PlanError {
     },
     /// Some variants of an image would be equal.
     #[error(
-        "{per_image} variants of an image, but only {waters} waters and neither a range of theta nor one of alpha: \
-         some would be equal. Give more waters, a range, or a smaller --per-image"
+        "{per_image} variants per image from only {waters} waters, without a range of theta or alpha: some would be equal. \
+         Give more waters, a range, or a smaller --per-image"
     )]
     Equal {
         /// Variants.
@@ -181,21 +181,25 @@ pub enum PlanError {
         /// Waters.
         waters: usize,
     },
-    /// Depth maps of images that stand in files of many.
-    #[error(
-        "depth maps cannot be told apart for images in shards or tables; unpack them, or leave --depth out"
-    )]
+    /// Depth maps for images in files that hold many.
+    #[error("images in shards or tables cannot be matched to depth maps; unpack them, or leave --depth out")]
     MapsOfMany,
-    /// A table is asked for of a build that writes none.
+    /// A Parquet table is requested from a build that cannot write it.
     #[error(
-        "this build writes no Parquet; build it with --features parquet, or leave --manifest parquet out"
+        "this build cannot write Parquet; build with --features parquet, or leave --manifest parquet out"
     )]
     NotBuilt,
-    /// There is no water to draw.
-    #[error("every water is doubtful, and doubtful ones are skipped; give others, or --on-doubtful flag")]
+    /// There is no water to sample.
+    #[error(
+        "every water is doubtful, and doubtful waters are skipped; give other waters, or --on-doubtful flag"
+    )]
     NoWater,
     /// The output lies in the dataset, or the other way round.
-    #[error("{} and {} lie in one another; give an output elsewhere", display(dataset), display(output))]
+    #[error(
+        "one of {} and {} contains the other; give an output elsewhere",
+        display(dataset),
+        display(output)
+    )]
     Nested {
         /// The dataset.
         dataset: PathBuf,
@@ -203,7 +207,7 @@ pub enum PlanError {
         output: PathBuf,
     },
     /// The output holds something else.
-    #[error("{} holds files, and no manifest of ours; give a new folder", display(output))]
+    #[error("{} holds files but no manifest of `aquafuse augment`; give a new folder", display(output))]
     Foreign {
         /// The output.
         output: PathBuf,
@@ -211,7 +215,7 @@ pub enum PlanError {
 }
 
 impl<E: Space> Augmentation<E> {
-    /// What is to be made of each image of the shard. Nothing is written.
+    /// The variants of each image of the shard. Nothing is written.
     ///
     /// # Errors
     ///

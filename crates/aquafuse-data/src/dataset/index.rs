@@ -13,12 +13,12 @@ use crate::image_file::{ReadOptions, read_beside};
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Index {
-    /// It names no image, and is carried over as it is.
+    /// It names no image, and is copied unchanged.
     Carried {
         /// Its path.
         path: String,
     },
-    /// The YAML of a YOLO dataset: carried over without the `path` of its images, which then is its own folder.
+    /// The YAML of a YOLO dataset: copied without `path`, so that paths are relative to its own folder.
     Config {
         /// Its path.
         path: String,
@@ -93,7 +93,7 @@ impl Index {
         matches!(self, Self::Carried { .. } | Self::Config { .. })
     }
 
-    /// What stands in it in the dataset in `root`.
+    /// Its content in the dataset in `root`.
     ///
     /// # Errors
     ///
@@ -102,7 +102,7 @@ impl Index {
         read_beside(&root.join(self.path()), reading)
     }
 
-    /// Writes what stands in it for what was made of the dataset; `bytes` is what [`Index::read`] gave.
+    /// Writes its content for the variants that were made; `bytes` is the result of [`Index::read`].
     ///
     /// # Errors
     ///

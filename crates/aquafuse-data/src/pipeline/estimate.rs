@@ -1,4 +1,4 @@
-//! What an image tells about its depth and its water.
+//! The estimate of an image's depth and water.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use crate::depth_file;
 use crate::files::FileError;
 use crate::image_file::ImageFile;
 
-/// How to come by an image's depth.
+/// How the depth of an image is obtained.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DepthSource {
     /// From colour.
@@ -19,7 +19,7 @@ pub enum DepthSource {
     Supplied {
         /// The file, of the image's size in stored order.
         path: PathBuf,
-        /// What its values are.
+        /// The kind of its values.
         kind: SuppliedKind,
     },
 }
@@ -32,7 +32,7 @@ impl Default for DepthSource {
 }
 
 impl DepthSource {
-    /// The name used in reports: that of the model, or `supplied`.
+    /// The name used in reports: the model, or `supplied`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Estimated(model) => model.name(),
@@ -46,28 +46,28 @@ impl DepthSource {
 pub struct Analysis<E: Encoding = Encoded> {
     /// Depth from colour, or as supplied.
     pub depth: DepthMap,
-    /// The way it was come by.
+    /// How it was obtained.
     pub depth_source: DepthSource,
-    /// What is worth knowing about supplied depth, warnings among it; none for depth from colour.
+    /// The report on supplied depth; `None` for depth from colour.
     pub supplied: Option<SuppliedReport>,
-    /// Its water, and how that was found.
+    /// Its water, with intervals and verdict.
     pub estimate: Estimate<E>,
 }
 
 /// Estimates depth and water of an image. Every command that needs either calls this.
 ///
-/// The water is that of encoding `E`: of the values as the file holds them, or of the light behind them.
+/// The water has the encoding `E`: encoded values as in the file, or linear light.
 ///
 /// # Errors
 ///
-/// [`FileError`] when supplied depth cannot be read or does not suit the image; depth from colour never fails.
+/// [`FileError`] when supplied depth cannot be read or does not fit the image; depth from colour never fails.
 ///
 /// # Examples
 ///
 /// ```
 /// use aquafuse::depth::SuppliedKind;
 /// use aquafuse::image::{Encoded, Image};
-/// use aquafuse_data::analysis::{DepthSource, analyse};
+/// use aquafuse_data::pipeline::{DepthSource, analyse};
 /// use aquafuse_data::image_file::ImageFile;
 ///
 /// let folder = tempfile::tempdir()?;
@@ -105,7 +105,7 @@ pub fn analyse<E: Encoding>(image: &ImageFile, source: &DepthSource) -> Result<A
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
 }
 
-/// What the water of [`Analysis::estimate`] was fitted to, read again from the `image` that was analysed.
+/// The data that the water of [`Analysis::estimate`] was fitted to, read again from the `image` that was analysed.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What is done to an image: its water exchanged, or taken out.
+//! Operations on an image: its water is exchanged or removed.
 
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
 use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
@@ -8,25 +8,25 @@ use aquafuse::waterbody::Estimate;
 use crate::image_file::Pixels;
 use crate::pipeline::Analysis;
 
-/// What is done to each image, in encoding `E`.
+/// An operation on an image, in encoding `E`.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one a run, and it is seldom moved")]
 pub enum Operation<E: Encoding = Encoded> {
-    /// It is seen in another water.
+    /// Put it into another water.
     Fuse {
-        /// The reference's water, and what it is worth.
+        /// The estimate of the reference's water.
         reference: Estimate<E>,
         /// How to fuse.
         options: Options,
     },
-    /// It is seen as if through air.
+    /// Remove its water.
     Restore(RestoreOptions),
 }
 
-/// What was done.
+/// The outcome of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Values that did not fit into the range.
+    /// Values that were clipped.
     pub clipping: Clipping,
     /// Which safety bounds acted.
     pub limited: Limited,
@@ -36,10 +36,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Less contrast than this is left of a scene that has all but vanished.
+    /// A scene with less contrast left than this is hidden.
     pub const VANISHED: f64 = 0.1;
 
-    /// Whether the scene has all but vanished.
+    /// Whether the water hides the scene.
     pub fn has_vanished(&self) -> bool {
         self.contrast_left.is_some_and(|left| left < Self::VANISHED)
     }

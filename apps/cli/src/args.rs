@@ -1,4 +1,4 @@
-//! What the command line says, as values of the library: parsed and checked here, used by the commands.
+//! The arguments of the command line as values of the library: parsed and checked here, used by the commands.
 
 pub(crate) mod batch;
 pub(crate) mod common;
@@ -8,5 +8,6 @@ pub(crate) mod enhance;
 pub(crate) mod evaluation;
 pub(crate) mod failures;
 pub(crate) mod fusion;
+pub(crate) mod pairs;
 pub(crate) mod reading;
 pub(crate) mod water;

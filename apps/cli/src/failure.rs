@@ -3,15 +3,15 @@
 use std::fmt;
 use std::process::ExitCode;
 
-/// What went wrong: told once, in `main`.
+/// What went wrong; `main` prints it, once.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// The arguments cannot be carried out as they are; nothing was done.
+    /// The arguments are invalid; nothing was written.
     Usage(anyhow::Error),
-    /// The work, or a part of it, failed.
+    /// All or part of the work failed.
     Work(anyhow::Error),
-    /// The work failed, and a message of its own has said why.
-    Told,
+    /// The work failed, and the message was printed already.
+    Reported,
 }
 
 impl Failure {
@@ -25,7 +25,7 @@ impl Failure {
 
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Work(_) | Self::Told => ExitCode::from(1),
+            Self::Work(_) | Self::Reported => ExitCode::from(1),
             Self::Usage(_) => ExitCode::from(2),
         }
     }
@@ -36,14 +36,14 @@ impl fmt::Display for Failure {
         match self {
             // The whole chain on one line: the cause behind the context.
             Self::Usage(cause) | Self::Work(cause) => write!(f, "{cause:#}"),
-            Self::Told => Ok(()),
+            Self::Reported => Ok(()),
         }
     }
 }
 
 impl From<aquafuse_data::files::FileError> for Failure {
-    /// A name that cannot be written to, that nothing bears, or that is a folder's, is wrong usage; anything
-    /// else happened to the work.
+    /// An output that cannot be written, and an input that does not exist or is a folder, are wrong usage. Any other
+    /// error is a failure of the work.
     fn from(error: aquafuse_data::files::FileError) -> Self {
         use aquafuse_data::files::FileError::{
             Busy, DamagedRecord, Exists, Folder, OtherSettings, Read, UnknownExtension,
@@ -76,7 +76,7 @@ impl From<aquafuse_data::water_file::WaterFileError> for Failure {
 }
 
 impl From<aquafuse_data::evaluate::EvaluateError> for Failure {
-    /// What is refused before work begins, and is no image's fault, is wrong usage.
+    /// An error that no file causes is found before the work begins: it is wrong usage.
     fn from(error: aquafuse_data::evaluate::EvaluateError) -> Self {
         use aquafuse_data::evaluate::EvaluateError;
         match error {
@@ -87,7 +87,7 @@ impl From<aquafuse_data::evaluate::EvaluateError> for Failure {
 }
 
 impl From<aquafuse_data::batch::PlanError> for Failure {
-    /// A run that cannot begin is wrong usage, but where a file is at fault.
+    /// A run that cannot begin is wrong usage, unless a file is the cause.
     fn from(error: aquafuse_data::batch::PlanError) -> Self {
         match error {
             aquafuse_data::batch::PlanError::File(error) => error.into(),
@@ -97,7 +97,7 @@ impl From<aquafuse_data::batch::PlanError> for Failure {
 }
 
 impl From<aquafuse_data::augment::AugmentError> for Failure {
-    /// A dataset that cannot be multiplied as asked for is wrong usage, but where a file is at fault.
+    /// An augmentation that cannot begin is wrong usage, unless a file is the cause.
     fn from(error: aquafuse_data::augment::AugmentError) -> Self {
         use aquafuse_data::augment::AugmentError::{File, Water};
         match error {

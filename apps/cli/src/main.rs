@@ -20,7 +20,7 @@ use report::output;
 
 /// Moves the waterbody of one underwater image into another, by physics in closed form.
 ///
-/// The objects stay where they are: only the veil of water between them and the camera is exchanged.
+/// The scene stays the same: only the water between the camera and the objects is exchanged.
 #[derive(Parser)]
 #[command(name = "aquafuse", version, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
@@ -54,33 +54,32 @@ enum Command {
 
 const EXAMPLES: &str = "\
 Examples:
-  aquafuse demo                                      see what it does, on images it makes itself
+  aquafuse demo                                      try it on synthetic images
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical
-                                                     reef.jpg in green.jpg's water
-  aquafuse fuse photos/ green.jpg -o fused/          every image of a folder, subtly
-  aquafuse inspect reef.jpg                          what the image tells about its water
+                                                     reef.jpg in the water of green.jpg
+  aquafuse fuse photos/ green.jpg -o fused/          every image of a folder
+  aquafuse inspect reef.jpg                          estimated depth and water, with a verdict
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --depth reef.tiff --depth-kind metres
-                                                     with depth that was measured
+                                                     with measured depth
   aquafuse fuse reef.jpg preset:jerlov-3C -o fused.jpg --model physical
-                                                     in water from published tables
-  aquafuse enhance reef.jpg -o clearer.jpg           with clear water, scored before and after
-  aquafuse restore reef.jpg -o air.jpg               without its water
+                                                     in the water of a published table
+  aquafuse enhance reef.jpg -o clearer.jpg           in clear water, with scores before and after
+  aquafuse restore reef.jpg -o air.jpg               as if seen through air
   aquafuse water extract green.jpg -o green.water.json
-                                                     a water to keep
-  aquafuse depth reef.jpg -o depth.png
+                                                     save a water to a file
+  aquafuse depth reef.jpg -o depth.png               estimated depth as a file
   aquafuse augment fish/ waters/ -o more/ --per-image 5 --keep-originals
-                                                     a dataset, six times as large
+                                                     a dataset six times as large
   aquafuse fit pairs/ -o mine.toml --depth-kind metres
                                                      a depth model from images with known depth
   aquafuse evaluate fusion --contents photos/ --references waters/ -o report.html
-                                                     what fusion does to images, in figures
+                                                     the scores of the paper on your images
   aquafuse scene train reef/ -o reef.ply --water learn
-                                                     a scene in 3D, and the water in it
+                                                     a 3D scene and its water
 
-Exit codes: 0 all done; 1 an image, or several, failed; 2 the arguments cannot be carried
-out as they are (a name that nothing bears, an output that exists, a number out of range),
-and nothing was done; 129, 130, 143 stopped by SIGHUP, SIGINT, SIGTERM: every file that is
-there is whole.";
+Exit codes: 0 success; 1 at least one image failed; 2 invalid arguments (no such file, output
+exists, value out of range), nothing was written; 129, 130, 143 stopped by SIGHUP, SIGINT,
+SIGTERM, all written files are complete.";
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -92,7 +91,7 @@ fn main() -> ExitCode {
     match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            if !matches!(failure, Failure::Told) {
+            if !matches!(failure, Failure::Reported) {
                 output::complain(&failure);
             }
             failure.exit_code()

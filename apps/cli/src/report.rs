@@ -1,4 +1,4 @@
-//! What people and programs see: progress, summaries, tables, JSON and words for an estimate.
+//! Output for people and programs: progress, summaries, tables, JSON and words for an estimate.
 
 pub(crate) mod batch;
 pub(crate) mod doubts;

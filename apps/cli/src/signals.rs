@@ -1,4 +1,4 @@
-//! Stopping when told: nothing half-written is left, and the exit code says who asked.
+//! Stopping on a signal: no partly written file is left, and the exit code names the signal.
 
 #[cfg(unix)]
 mod unix {
@@ -11,20 +11,20 @@ mod unix {
     use signal_hook::iterator::Signals;
 
     pub(crate) fn heed() -> std::io::Result<()> {
-        // A file that grows past the limit of its user should be an error with a name, not the end.
+        // A file that grows past the user's limit should be an error that names it, not the end of the process.
         signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
-        // What whoever started us has set to be ignored (`nohup`) stays ignored.
+        // Signals that the parent process set to be ignored (`nohup`) stay ignored.
         let ignored = ignored();
         let heeded =
             [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & (1 << (signal - 1)) == 0);
         let mut signals = Signals::new(heeded)?;
         std::thread::spawn(move || {
-            let mut told = signals.forever();
-            if let Some(signal) = told.next() {
-                // Should the removal hang on a disk that does, the second one ends us without.
+            let mut received = signals.forever();
+            if let Some(signal) = received.next() {
+                // If the removal hangs on a disk that hangs, a second signal ends the process without it.
                 std::thread::spawn(move || stop(signal));
             }
-            if let Some(signal) = told.next() {
+            if let Some(signal) = received.next() {
                 std::process::exit(128 + signal);
             }
         });
@@ -38,7 +38,7 @@ mod unix {
         mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
     }
 
-    /// What is in flight is dropped: it may take seconds, and its output is not there yet.
+    /// Drops the images in work: they may take seconds more, and their outputs do not exist yet.
     fn stop(signal: i32) {
         crate::tool::stop();
         abandon_parts();
@@ -47,7 +47,7 @@ mod unix {
         let clear = if stderr.is_terminal() { "\r\x1b[2K" } else { "" };
         let _ = writeln!(
             stderr,
-            "{clear}aquafuse: stopped; every file it wrote is whole. The same command on a folder goes on from here"
+            "{clear}aquafuse: stopped; all written files are complete. To continue a run over a folder, repeat the command"
         );
         std::process::exit(128 + signal);
     }
@@ -56,7 +56,7 @@ mod unix {
 #[cfg(unix)]
 pub(crate) use unix::heed;
 
-/// Where there are no such signals, the system ends us; temporary files are removed by the next run.
+/// Without such signals the system ends the process; the next run removes its temporary files.
 #[cfg(not(unix))]
 pub(crate) fn heed() -> std::io::Result<()> {
     Ok(())

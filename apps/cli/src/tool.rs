@@ -1,4 +1,4 @@
-//! Programs of others: run to their end, and ended when we are.
+//! Other programs: run to their end, and ended with this process.
 
 use std::fs::File;
 use std::path::Path;
@@ -9,21 +9,21 @@ use std::time::Duration;
 
 use aquafuse_data::files::display;
 
-/// The one that runs, if any.
+/// The program that runs, if any.
 static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
-/// How often it is asked whether it has ended.
+/// How often its end is checked.
 const LOOK: Duration = Duration::from_millis(20);
-/// Lines of what it said that a complaint repeats.
+/// Lines of its output that a message repeats.
 const LAST_LINES: usize = 4;
 
-/// A program of others did not do its work.
+/// A program failed.
 #[derive(Debug)]
 pub(crate) enum ToolError {
     /// It cannot be started.
     Start { program: String, cause: std::io::Error },
-    /// It, or the system, said no.
+    /// It ended with an error.
     Failed { program: String, status: String, last: String, log: String },
-    /// What it says cannot be written down.
+    /// Its output cannot be logged.
     Log { log: String, cause: std::io::Error },
 }
 
@@ -34,14 +34,14 @@ impl std::fmt::Display for ToolError {
         match self {
             Self::Start { program, cause } => write!(f, "cannot start {program}: {cause}"),
             Self::Failed { program, status, last, log } => {
-                write!(f, "{program} failed ({status}); all it said is in {log}, at the end: {last}")
+                write!(f, "{program} failed ({status}); its output is in {log} and ends with: {last}")
             }
             Self::Log { log, cause } => write!(f, "cannot write {log}: {cause}"),
         }
     }
 }
 
-/// Runs a program; what it says is added to `log`.
+/// Runs a program and appends its output to `log`.
 pub(crate) fn run(command: &mut Command, log: &Path) -> Result<(), ToolError> {
     let no_log = |cause| ToolError::Log { log: display(log).to_string(), cause };
     let both =
@@ -63,7 +63,7 @@ pub(crate) fn run(command: &mut Command, log: &Path) -> Result<(), ToolError> {
                     Err(cause) => Err(ToolError::Start { program, cause }),
                 };
             }
-            // A signal has ended it, and ends us in a moment.
+            // A signal has ended it, and is about to end this process.
             None => {}
         }
         thread::sleep(LOOK);
@@ -82,7 +82,7 @@ fn running() -> std::sync::MutexGuard<'static, Option<Child>> {
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the one that runs: nobody waits for it any more.
+/// Ends the program that runs: nobody waits for it any more.
 #[cfg(unix)]
 pub(crate) fn stop() {
     if let Some(mut child) = running().take() {

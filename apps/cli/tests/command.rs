@@ -21,7 +21,7 @@ fn an_image_is_fused_and_the_clipping_reported() {
 }
 
 #[test]
-fn images_that_deserve_a_look_are_named() {
+fn a_folder_gets_one_line_of_counts_and_verbose_names_the_images() {
     let run = Run::new();
     std::fs::create_dir(run.path("photos")).unwrap();
     scene(&run.path("photos/reef.png"), 1, "blue");
@@ -31,9 +31,41 @@ fn images_that_deserve_a_look_are_named() {
     scene(&run.path("water.png"), 2, "clear");
     let bright = ["fuse", "photos", "water.png", "-o", "out", "--model", "physical", "--alpha", "4"];
     let said = run.ok(&bright).stdout;
-    assert!(said.contains("much clipped") && said.contains("reef.png"), "{said}");
-    let night = "night.png (no open water in view, all depths are alike,";
-    assert!(said.contains("failed, see `aquafuse inspect`: ") && said.contains(night), "{said}");
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines.len(), 2, "the water, and the counts: {said}");
+    assert!(lines[1].starts_with("2 images written; estimates: 1 good, 0 doubtful, 1 failed; "), "{said}");
+    assert!(lines[1].ends_with(" % of the values clipped"), "{said}");
+
+    std::fs::remove_dir_all(run.path("out")).unwrap();
+    let said = run.ok(&[&bright[..], &["-v"]].concat()).stdout;
+    assert!(said.starts_with(&lines.join("\n")), "{said}");
+    let clipped = said.split_once("  much clipped:\n").unwrap().1;
+    assert!(clipped.lines().next().unwrap().contains("reef.png: "), "{said}");
+    let failed = said.split_once("  estimate failed, see `aquafuse inspect`:\n").unwrap().1;
+    let night = "night.png: no open water in view, all depths are alike,";
+    assert!(failed.lines().next().unwrap().contains(night), "{said}");
+    run.fails(2, &[&bright[..], &["-v", "--quiet"]].concat());
+}
+
+#[test]
+fn what_holds_for_every_image_is_said_once() {
+    let run = Run::new();
+    scenes_folder(&run.path("photos"));
+    let limited = "  all 3 images: limited by safety bounds";
+    let said = run.ok(&["restore", "photos", "-o", "out", "-v"]).stdout;
+    assert_eq!(said.matches(limited).count(), 1, "{said}");
+    assert_eq!(said.matches("a.png").count(), 0, "{said}");
+}
+
+#[test]
+fn the_line_on_a_single_image_gives_the_verdict_and_its_reasons() {
+    let run = Run::new();
+    let night = aquafuse::image::Image::<u8>::from_raw(64, 64, vec![0; 64 * 64 * 3]).unwrap();
+    let night = aquafuse_data::image_file::ImageFile::new(night);
+    night.write(&run.path("night.png"), &Default::default()).unwrap();
+    let said = run.ok(&["restore", "night.png", "-o", "day.png"]).stdout;
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.starts_with("day.png: written; estimate failed (no open water in view, "), "{said}");
 }
 
 #[test]
@@ -84,7 +116,7 @@ fn one_bad_image_does_not_spoil_the_folder() {
         "{}",
         ended.stderr
     );
-    assert!(ended.stderr.contains("1 of 4 failed"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("1 of 4 images failed"), "{}", ended.stderr);
     assert_eq!(std::fs::read_dir(run.path("fused")).unwrap().count(), 3 + 1, "three images and the record");
 }
 
@@ -126,8 +158,8 @@ fn wrong_usage_ends_with_two_and_says_what_to_do() {
         ),
         (&["fuse", "content.png", "content.png", "-o", "o.png", "--alpha", "-1"], "0 or more"),
         (&["fuse", "photos", "content.png", "-o", "photos"], "both content and output"),
-        (&["fuse", "photos", "content.png", "-o", "content.png"], "output must be one"),
-        (&["fuse", "photos", "content.png", "-o", "new.jpg"], "output must be one"),
+        (&["fuse", "photos", "content.png", "-o", "content.png"], "output must be a folder"),
+        (&["fuse", "photos", "content.png", "-o", "new.jpg"], "output must be a folder"),
         (&["fuse", "content.png", "photos", "-o", "o.png"], "Name an image in it"),
         (&["fuse", "photos/a.png", "content.png", "-o", "content.png", "--overwrite"], "is an input"),
         (&["fuse", "photos/a.png", "content.png", "-o", "content.png/o.png"], "there is a file of that name"),
@@ -347,14 +379,15 @@ fn what_is_swept_is_not_given_too() {
 }
 
 #[test]
-fn a_scene_that_thick_water_hides_is_told_of_by_the_name_of_its_image() {
+fn a_scene_that_thick_water_hides_is_named_in_a_warning() {
     let run = Run::new();
     scene(&run.path("a.png"), 1, "blue");
     let thick =
         ["fuse", "a.png", "preset:jerlov-9C", "-o", "b.png", "--model", "exchange", "--metres-at-one", "100"];
     let said = run.ok(&thick).stdout;
     assert!(
-        said.contains("hidden by WATER") && said.contains("--metres-at-one") && said.contains(": a.png "),
+        said.contains("WARNING: a.png (")
+            && said.contains("WATER hides the scene; use a smaller --metres-at-one"),
         "{said}"
     );
 }

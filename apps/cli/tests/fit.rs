@@ -42,7 +42,7 @@ fn a_model_is_fitted_and_used_wherever_depth_is_estimated() {
     let fit = ["fit", "pairs", "-o", "out/mine.toml", "--depth-kind", "relative"];
     let said = run.ok(&fit);
     assert!(said.stdout.contains("fitted to 5 pairs") && said.stdout.contains("turbid"), "{}", said.stdout);
-    assert!(said.stderr.contains("for want of a partner: alone"), "{}", said.stderr);
+    assert!(said.stderr.contains("no partner with the same stem: alone"), "{}", said.stderr);
     let model = ModelFile::read(&run.path("out/mine.toml")).unwrap();
     let colours = [(0.1, 0.3), (0.3, 0.3), (0.2, 0.8), (0.05, 0.5), (0.5, 0.9)];
     assert!(
@@ -85,7 +85,7 @@ fn what_cannot_be_fitted_is_refused_by_cause() {
         (
             2,
             &["fit", "pairs", "-o", "m.toml", "--depth-kind", "disparity", "--scale", "shared"],
-            "needs depths with one unit",
+            "needs depths in one unit",
         ),
         (1, &["fit", "pairs", "-o", "m.toml", "--depth-kind", "inverse"], "declare them as inverse"),
     ];

@@ -42,7 +42,7 @@ fn a_finished_job_is_not_done_again_and_a_new_image_is_added() {
     let time = || run.path("fused/a.png").metadata().unwrap().modified().unwrap();
     let before = time();
     let again = run.ok(&FUSE);
-    assert!(again.stdout.contains("3 images were there already"), "{}", again.stdout);
+    assert!(again.stdout.contains("3 images skipped"), "{}", again.stdout);
     scene(&run.path("photos/d.png"), 5, "deep");
     let added = run.ok(&FUSE);
     assert!(added.stdout.contains("d.png: written"), "{}", added.stdout);
@@ -99,7 +99,7 @@ fn as_many_failures_as_allowed_and_the_failed_are_listed() {
     }
     let ended = run.fails(1, &FUSE);
     assert!(
-        ended.stderr.contains("3 of 6 failed") && ended.stderr.contains("aquafuse-job.jsonl"),
+        ended.stderr.contains("3 of 6 images failed") && ended.stderr.contains("aquafuse-job.jsonl"),
         "{}",
         ended.stderr
     );
@@ -111,11 +111,11 @@ fn as_many_failures_as_allowed_and_the_failed_are_listed() {
     std::fs::remove_dir_all(run.path("fused")).unwrap();
     let one_thread = [&FUSE[..], &["--threads", "1", "--fail-fast"]].concat();
     assert!(
-        run.fails(1, &one_thread).stderr.contains("1 of 6 failed, 3 were not tried"),
+        run.fails(1, &one_thread).stderr.contains("1 of 6 images failed, 3 were not tried"),
         "a.png and b.png come before"
     );
     let with_two = [&FUSE[..], &["--threads", "1", "--max-errors", "2"]].concat();
-    assert!(run.fails(1, &with_two).stderr.contains("3 of 6 failed"), "the third is one too many");
+    assert!(run.fails(1, &with_two).stderr.contains("3 of 6 images failed"), "the third is one too many");
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn signals_end_it_at_once_with_their_code_and_leave_nothing_half() {
             latencies.push(sent.elapsed());
             let said = String::from_utf8_lossy(&output.stderr);
             assert_eq!(output.status.code(), Some(code), "{said}");
-            assert!(said.contains("stopped") && said.contains("goes on"), "{said}");
+            assert!(said.contains("stopped") && said.contains("repeat the command"), "{said}");
         }
         assert_eq!(parts(&folder), 0);
         assert!(image_files(&folder).iter().all(|(name, bytes)| bytes == &clean[name]));

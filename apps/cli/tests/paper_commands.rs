@@ -46,7 +46,7 @@ fn a_folder_is_restored_and_goes_on_where_it_was() {
     scenes_folder(&run.path("photos"));
     run.ok(&["restore", "photos", "-o", "air"]);
     let again = run.ok(&["restore", "photos", "-o", "air"]).stdout;
-    assert!(again.contains("3 images were there already"), "{again}");
+    assert!(again.contains("3 images skipped"), "{again}");
     let other = run.fails(2, &["restore", "photos", "-o", "air", "--max-gain", "3"]).stderr;
     assert!(other.contains("air") && other.contains("settings"), "{other}");
     run.fails(2, &["restore", "photos", "-o", "air", "--max-gain", "0.5"]);

@@ -177,7 +177,7 @@ fn what_cannot_be_done_is_refused_before_work_begins() {
     assert!(said(2, &["scene", "train", "reef", "-o", "reef.splat"]).contains("must end in .ply"));
     assert!(said(2, &["scene", "train", "reef/images", "-o", "a.ply"]).contains("holds no cameras"));
     std::fs::write(run.path("a.ply"), "mine").unwrap();
-    assert!(said(2, &["scene", "train", "reef", "-o", "a.ply"]).contains("was not touched"));
+    assert!(said(2, &["scene", "train", "reef", "-o", "a.ply"]).contains("was not changed"));
     assert!(said(1, &["scene", "export", "a.ply", "-o", "a.splat"]).contains("it is no PLY file"));
     std::fs::write(run.path("reef/images/view_002.png"), "").unwrap();
     assert!(said(1, &["scene", "train", "reef", "-o", "b.ply"]).contains("view_002.png: the file is empty"));

@@ -28,7 +28,7 @@ fn json(text: &str) -> Value {
 }
 
 #[test]
-fn supplied_depth_is_used_and_told() {
+fn supplied_depth_is_used_and_reported() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
     scene(&run.path("water.png"), 2, "green");
@@ -47,7 +47,7 @@ fn supplied_depth_is_used_and_told() {
                 && supplied["warnings"] == serde_json::json!([])
         );
         let fuse = ["fuse", "content.png", "water.png", "-o", "out.png", "--overwrite"];
-        let said = run.ok(&[&fuse[..], &with].concat()).stdout;
+        let said = run.ok(&[&fuse[..], &with, &["-v"]].concat()).stdout;
         assert!(said.contains("pixels without a valid depth"), "{said}");
         let with_depth = run.bytes("out.png");
         run.ok(&fuse);
@@ -64,10 +64,10 @@ fn metres_taken_for_millimetres_are_doubted() {
         let depth = ["--depth", "z.tiff", "--depth-kind", kind, "--overwrite"];
         run.ok(&[&["fuse", "content.png", "preset:jerlov-3C", "-o", "out.png"][..], &depth].concat()).stdout
     };
-    assert!(!fuse("metres").contains("thicker water"));
+    assert!(!fuse("metres").contains("thicker than any"));
     let said = fuse("millimetres");
     assert!(
-        said.contains("content.png has thicker water than there is; are its values really millimetres"),
+        said.contains("WARNING: content.png: by its depth map the water is thicker than any; check that the values are millimetres"),
         "{said}"
     );
 }
@@ -85,7 +85,10 @@ fn a_folder_takes_its_depth_from_a_folder() {
     run.ok(&fuse);
     std::fs::remove_file(run.path("depth/b.npy")).unwrap();
     let refused = run.fails(2, &[&fuse[..], &["--overwrite"]].concat()).stderr;
-    assert!(refused.contains("holds 0 depth maps named as") && refused.contains("b.png"), "{refused}");
+    assert!(
+        refused.contains("holds 0 depth maps with the stem of") && refused.contains("b.png"),
+        "{refused}"
+    );
     let one =
         ["fuse", "photos", "water.png", "-o", "o2", "--depth", "depth/a.tiff", "--depth-kind", "metres"];
     assert!(run.fails(2, &one).stderr.contains("must be a folder too"));
@@ -110,7 +113,7 @@ fn wrong_declarations_are_refused_with_what_to_do() {
     assert!(both.contains("cannot be used with"), "{both}");
     let relative = inspect(1, &["--depth", "z.tiff", "--depth-kind", "relative"]);
     assert!(
-        relative.contains("lies between 0 and 1") && relative.contains("declare what it is"),
+        relative.contains("lies between 0 and 1") && relative.contains("declare another kind"),
         "{relative}"
     );
     let turned = inspect(1, &["--depth", "turned.npy", "--depth-kind", "relative"]);
@@ -132,7 +135,7 @@ fn an_image_on_its_side_says_that_the_map_must_be_turned_back() {
     let map = DepthMap::from_levels(4, 8, vec![9; 32]).unwrap();
     depth_file::write(&run.path("z.npy"), &map, &WriteOptions::default()).unwrap();
     let said = run.fails(1, &["inspect", "side.jpg", "--depth", "z.npy", "--depth-kind", "relative"]).stderr;
-    assert!(said.contains("turned by its EXIF orientation"), "{said}");
+    assert!(said.contains("rotated by its EXIF orientation"), "{said}");
 }
 
 /// Real pairs as the command reads them: image, map, what it is.

@@ -1,7 +1,6 @@
 //! Datasets multiplied: each image seen in other waters, its annotations carried over.
 //!
-//! The objects stay where they are, so that boxes, outlines, key points, masks and captions of an image are those of
-//! its variants too.
+//! Objects do not move, so boxes, outlines, key points, masks and captions of an image hold for its variants too.
 
 mod annotations;
 mod containers;
@@ -46,17 +45,17 @@ pub use plan::{Plan, PlanError};
 /// A dataset to multiply.
 #[derive(Debug)]
 pub struct Augmentation {
-    /// What is multiplied.
+    /// The dataset.
     pub dataset: Dataset,
-    /// The folder for what is made: new, empty, or one of a run that was stopped.
+    /// The output folder: new, empty, or of a run to continue.
     pub output: PathBuf,
-    /// What to make.
+    /// How variants are made.
     pub recipe: Recipe,
     /// Which part of the dataset to make.
     pub shard: Shard,
-    /// Begin again where the folder holds what other settings made.
+    /// Delete what a run with other settings wrote, and start over.
     pub overwrite: bool,
-    /// Write the manifest as a table of Parquet too; with the feature `parquet`.
+    /// Also write the manifest as a Parquet table; needs the feature `parquet`.
     pub manifest_table: bool,
     /// How to run.
     pub run_options: RunOptions,
@@ -71,19 +70,19 @@ pub struct Recipe {
     pub encoding: PixelEncoding,
     /// Variants of each image.
     pub per_image: u32,
-    /// How water, θ and α are drawn.
+    /// How water, θ and α are sampled.
     pub draws: Draws,
-    /// The model, and what it leaves to its user but θ and α.
+    /// The model and its options, except θ and α.
     pub options: Options,
-    /// How to smooth what comes out.
+    /// How outputs are smoothed.
     pub smoothing: Smoothing,
-    /// How to come by depth.
+    /// How depth is obtained.
     pub depth: DepthPlan,
     /// What to do about doubtful estimates.
     pub on_doubtful: OnDoubtful,
-    /// What was done about bad annotations, by its name; for the manifest.
+    /// What was done about bad annotations, for the manifest.
     pub on_bad_annotation: &'static str,
-    /// Carry the images themselves over too.
+    /// Also copy the original images.
     pub keep_originals: bool,
     /// JPEG quality.
     pub quality: u8,
@@ -111,7 +110,7 @@ impl Shard {
         Draws::shard(key, self.of) == self.number.saturating_sub(1)
     }
 
-    /// What is put into the names of files about all images, so that shards do not write one file.
+    /// Part of the names of files about all images, so that shards write different files.
     fn infix(self) -> String {
         if self.of == 1 { String::new() } else { format!(".shard-{}-of-{}", self.number, self.of) }
     }
@@ -126,12 +125,12 @@ impl Shard {
     }
 }
 
-/// What is known of an image whose variants are made.
+/// The outcome of one image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multiplied {
     /// Variants that were made.
     pub variants: usize,
-    /// Those of them in which the scene has all but vanished.
+    /// Variants in which the water hides the scene.
     pub vanished: usize,
     /// The verdict on its estimate.
     pub verdict: Option<Verdict>,
@@ -143,19 +142,19 @@ pub struct Multiplied {
 /// them and be done all the same.
 pub type Listener<'a> = run::Listener<'a, str, Multiplied>;
 
-/// A dataset cannot be multiplied, or its manifest not be read.
+/// A dataset cannot be multiplied, or its manifest cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AugmentError {
     /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// What is to be made cannot be.
+    /// The requested variants cannot be made.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A manifest is none of ours.
+    /// A file is no manifest of this version.
     #[error(
-        "{}, line {line}, is no manifest of this version. Move it away, or give another output",
+        "cannot read {}: line {line} is not of a manifest of this version. Move it away, or give another output",
         display(path)
     )]
     Manifest {
@@ -171,20 +170,20 @@ pub enum AugmentError {
         folder: PathBuf,
     },
     /// There is no variant of this name.
-    #[error("{} lists no variant {key:?}, and none of an image of that name", display(path))]
+    #[error("{} lists no variant and no image {key:?}; copy a path from the manifest", display(path))]
     NoSuchKey {
         /// The manifest.
         path: PathBuf,
         /// What was asked for.
         key: String,
     },
-    /// A water in a manifest is none.
+    /// A water in a manifest is invalid.
     #[error(transparent)]
     Water(#[from] WaterFileError),
 }
 
 impl Augmentation {
-    /// Makes what a [plan](Self::plan) of it says and is not made yet, telling `listener` as it goes, and writes the manifest.
+    /// Makes the variants of a [plan](Self::plan) that do not exist yet, reports to `listener`, and writes the manifest.
     ///
     /// The files do not depend on threads, nor on how often the run was stopped.
     ///

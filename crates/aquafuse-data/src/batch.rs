@@ -1,4 +1,4 @@
-//! Images made from images, one or a folder of them: planned once, then run.
+//! Operations on an image or a folder of images: planned once, then run.
 //!
 //! # Examples
 //!
@@ -63,35 +63,35 @@ pub struct Item {
     pub depth: DepthSource,
 }
 
-/// Everything but the images that decides what is written.
+/// Everything except the images that determines the outputs.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// What is done to each image.
     pub operation: Operation,
     /// How outputs are smoothed. Default: not at all.
     pub smoothing: Smoothing,
-    /// Turn each output as its EXIF orientation asks for. Default: no.
+    /// Rotate each output by its EXIF orientation. Default: no.
     pub upright: bool,
     /// JPEG quality, 1 to 100. Default: 95.
     pub quality: u8,
 }
 
-/// What is known of an image that was made.
+/// The outcome of one image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// What the operation did.
     pub outcome: Outcome,
     /// The content's own water, in the encoding that the operation worked in.
     pub water: Numbers,
-    /// Scores before and after, where they were asked for.
+    /// Scores before and after, if requested.
     pub scores: Option<[Scores; 2]>,
     /// The verdict on the estimate of the content, with its reasons.
     pub quality: Quality,
-    /// What is known of supplied depth.
+    /// The report on supplied depth.
     pub supplied: Option<SuppliedReport>,
-    /// What was wrong with the content's file, where that was accepted.
+    /// The damage of the content's file, if it was accepted.
     pub damage: Option<String>,
-    /// What the content's file holds and the output does not, in words.
+    /// Metadata of the content's file that the output lacks, in words.
     pub left_out: Vec<&'static str>,
 }
 
@@ -105,7 +105,7 @@ impl Recipe {
         Self { operation, smoothing: Smoothing::default(), upright: false, quality }
     }
 
-    /// Everything that decides what is written: two recipes of one fingerprint write the same bytes.
+    /// Everything that determines the outputs: two recipes with the same fingerprint write the same bytes.
     pub fn fingerprint(&self, lenient: bool) -> Value {
         let Self { operation, smoothing, upright, quality } = self;
         let encoding = operation.encoding().name();
@@ -136,7 +136,7 @@ impl Plan {
     /// Makes every image of the plan that is not made yet, and reports to `listener` in the order in which images get
     /// done.
     ///
-    /// The files do not depend on threads or order. A folder's run that was stopped goes on where it stopped.
+    /// The files do not depend on threads or order. A run over a folder continues where it was stopped.
     ///
     /// # Errors
     ///
@@ -169,7 +169,7 @@ impl Plan {
 
     /// Makes the folders of the outputs ready, and opens the record of a folder's run.
     fn prepare(&self, recipe: &Recipe, options: &RunOptions) -> Result<Option<Record>, PlanError> {
-        // All outputs of a run stand in one folder.
+        // All outputs of a run are in one folder.
         let Some(first) = self.items().first() else { return Ok(None) };
         let folder = make_folder_of(&first.output)?;
         remove_stale_parts(folder);

@@ -1,7 +1,7 @@
-//! Datasets: images, and what other files say of them.
+//! Datasets: images and their annotations.
 //!
-//! A dataset is read into [`Sample`]s, each an image with the files that are about it alone, and [`Index`] files,
-//! which are about all of them. Both are known by paths within the dataset, with `/` between their parts.
+//! A dataset is read into [`Sample`]s, each an image with the files about it, and [`Index`] files, which are about all
+//! images. Paths are relative to the dataset, with `/` between their parts.
 
 pub(crate) mod coco;
 mod fault;
@@ -31,24 +31,24 @@ use crate::image_file::{ReadOptions, read_beside};
 /// How a dataset is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// Images in folders, and nothing about them.
+    /// Images in folders, without annotations.
     Folder,
     /// Files of JSON with `images` and `annotations`: instances, keypoints, captions.
     Coco,
-    /// A text file an image, in `labels/` where the image stands in `images/`: detection, segmentation, pose.
+    /// One text file per image, in `labels/` for an image in `images/`: detection, segmentation, pose.
     Yolo,
-    /// An XML file an image, in `Annotations/` where the image stands in `JPEGImages/`.
+    /// One XML file per image, in `Annotations/` for an image in `JPEGImages/`.
     Voc,
-    /// WebDataset: tar files, in which all about one image has its name.
+    /// WebDataset: tar files in which all members of a sample share its name.
     Shards,
-    /// An image an image, in `masks/` where the image stands in `images/`.
+    /// One mask per image, in `masks/` for an image in `images/`.
     Masks,
     /// Parquet: tables with a column of images, as Hugging Face lays them out. Read with the feature `parquet`.
     Parquet,
 }
 
 impl Layout {
-    /// All of them.
+    /// All layouts.
     pub const ALL: [Self; 7] =
         [Self::Folder, Self::Coco, Self::Yolo, Self::Voc, Self::Masks, Self::Shards, Self::Parquet];
 
@@ -65,17 +65,17 @@ impl Layout {
         }
     }
 
-    /// The layout of a name.
+    /// The layout with this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|layout| layout.name() == name)
     }
 
-    /// Whether a file of it holds many images, and is made as a whole.
+    /// Whether one file holds many images, and is written as a whole.
     pub fn holds_many(self) -> bool {
         matches!(self, Self::Shards | Self::Parquet)
     }
 
-    /// What in the dataset speaks for this layout, in words; nothing speaks for [`Layout::Folder`] but images.
+    /// The evidence for this layout in the dataset, in words; for [`Layout::Folder`] there is none but images.
     fn evidence(self, tree: &Tree) -> Result<Option<String>, FileError> {
         Ok(match self {
             Self::Folder => None,
@@ -89,18 +89,18 @@ impl Layout {
     }
 }
 
-/// A dataset as it was found.
+/// A dataset on disk.
 #[derive(Clone, Debug)]
 pub struct Dataset {
     /// Its folder.
     pub root: PathBuf,
-    /// How it is laid out.
+    /// Its layout.
     pub layout: Layout,
     /// Its images, sorted by key.
     pub samples: Vec<Sample>,
     /// The files about all of its images.
     pub indices: Vec<Index>,
-    /// What is wrong with its annotations.
+    /// The faults of its annotations.
     pub faults: Faults,
 }
 
@@ -109,7 +109,7 @@ pub struct Dataset {
 pub struct Sample {
     /// The path of the image, which names the sample.
     pub key: String,
-    /// Its place in the dataset.
+    /// Its index in the dataset.
     pub rank: u64,
     /// The files about it.
     pub companions: Vec<Companion>,
@@ -136,7 +136,7 @@ impl Companion {
         Self { path, names_image: false }
     }
 
-    /// What stands in the file for a variant of this file name.
+    /// The content of the file for a variant with this file name.
     ///
     /// # Errors
     ///
@@ -155,7 +155,7 @@ pub enum DatasetError {
     #[error(transparent)]
     File(#[from] FileError),
     /// Two layouts fit.
-    #[error("{} may be {one} or {other}; say which by --format", display(root))]
+    #[error("{} may be {one} or {other}; choose one with --format", display(root))]
     Ambiguous {
         /// The dataset.
         root: PathBuf,
@@ -166,7 +166,7 @@ pub enum DatasetError {
     },
     /// Its layout is one that this build does not read.
     #[error(
-        "{} holds tables of Parquet, which this build does not read; build it with --features parquet",
+        "{} holds Parquet tables, which this build cannot read; build with --features parquet",
         display(root)
     )]
     NotBuilt {
@@ -175,7 +175,7 @@ pub enum DatasetError {
     },
     /// There is no image in it.
     #[error(
-        "{} holds no images of a dataset of layout {layout}; name the folder above them, or the right --format",
+        "{} holds no images in layout {layout}; name the top folder of the dataset, or another --format",
         display(root)
     )]
     Empty {
@@ -187,15 +187,15 @@ pub enum DatasetError {
 }
 
 impl Dataset {
-    /// Reads a dataset: which images it holds, and what is about them. No image is opened.
+    /// Reads a dataset: its images and annotations. No image is opened.
     ///
-    /// The layout is told by looking where none is given. No file about images may be larger than a quarter of the
+    /// Without a given layout, the layout is detected. No file about images may be larger than a quarter of the
     /// memory that `reading` allows.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] when its folder cannot be read, more than one layout fits, or it holds no image. What is
-    /// wrong with annotations is no error but among the [`Dataset::faults`].
+    /// [`DatasetError`] when its folder cannot be read, more than one layout fits, or it holds no image. Faults
+    /// of annotations are no error; they are in [`Dataset::faults`].
     pub fn open(root: &Path, layout: Option<Layout>, reading: &ReadOptions) -> Result<Self, DatasetError> {
         let tree = Tree::of(root, reading)?;
         let layout = match layout {
@@ -232,7 +232,7 @@ impl Dataset {
     }
 }
 
-/// The layout of a dataset, told by what stands in it.
+/// The layout of a dataset, detected from its files.
 fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
     let mut fits = Vec::new();
     for layout in Layout::ALL {
@@ -249,20 +249,18 @@ fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
     }
 }
 
-/// What else may be done about a file that is too large to tell whether it speaks for a layout.
+/// Another remedy for a file that is too large to detect a layout from it.
 fn or_say_which(error: FileError) -> FileError {
     match error {
         FileError::TooLarge { path, cause } => FileError::TooLarge {
             path,
-            cause: format!(
-                "{cause}; if it is about something else, say by --format how the dataset is laid out"
-            ),
+            cause: format!("{cause}; if it holds no annotations, choose the layout with --format"),
         },
         other => other,
     }
 }
 
-/// The folder of a path, as a prefix of what stands in it, and the name.
+/// The folder of a path, as a prefix of its files, and the name.
 pub(crate) fn split(path: &str) -> (&str, &str) {
     match path.rsplit_once('/') {
         Some((folder, name)) => (folder, name),

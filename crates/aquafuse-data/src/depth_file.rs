@@ -72,7 +72,7 @@ type Wanted = Option<(usize, usize)>;
 fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Result<(usize, usize), Fault> {
     let bytes = width.checked_mul(height).and_then(|places| places.checked_mul(bytes_a_place.max(4)));
     if bytes.is_none_or(|bytes| bytes > MOST_BYTES) {
-        return Err(Fault::TooLarge(format!("{width}x{height} values are too many")));
+        return Err(Fault::TooLarge(format!("{width}x{height} values exceed the limit")));
     }
     match (usize::try_from(width), usize::try_from(height)) {
         (Ok(width @ 1..), Ok(height @ 1..)) => match wanted {
@@ -81,7 +81,7 @@ fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Re
             }
             _ => Ok((width, height)),
         },
-        _ => Err(Fault::Damaged(format!("it says that it holds {width}x{height} values"))),
+        _ => Err(Fault::Damaged(format!("it declares {width}x{height} values"))),
     }
 }
 
@@ -113,7 +113,7 @@ fn narrowed(value: f64) -> f32 {
     value as f32
 }
 
-/// Reads a depth map of a declared kind. The format is told by the content.
+/// Reads a depth map of a declared kind. The format is detected by the content.
 ///
 /// # Errors
 ///
@@ -167,7 +167,7 @@ fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fau
         _ => return Err(Fault::UnknownFormat),
     };
     catch_panic(|| decoder(reader, wanted))
-        .unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))
+        .unwrap_or_else(|| Err(Fault::Damaged("the decoder panicked on it".into())))
 }
 
 fn named(path: &Path, fault: Fault) -> FileError {

@@ -1,15 +1,15 @@
-//! What methods are worth, in figures.
+//! Scores of methods.
 //!
-//! | evaluation | asks |
+//! | evaluation | measures |
 //! |---|---|
-//! | [`Fusion`] | how much fused images look like their contents, by the scores of the paper's tables |
-//! | [`Truth`] | how much of the true change is made, on scenes of known truth |
-//! | [`Enhancement`] | how good images look before and after |
-//! | [`Depth`] | how right depth from colour is, or from elsewhere |
+//! | [`Fusion`] | the similarity of fused images to their contents, by the scores of the paper |
+//! | [`Truth`] | the share of the true change that each method achieves, on synthetic scenes |
+//! | [`Enhancement`] | the quality of images before and after |
+//! | [`Depth`] | the accuracy of depth from colour, and of other depth maps |
 //!
-//! Each runs on threads of its own within one budget of memory and gives a [`Report`], which [`report`] writes as
-//! Markdown, CSV, JSON or a page of HTML. Means have their variance and a bootstrap interval ([`Summary`]). No figure
-//! depends on the number of threads. An image that fails is listed in the report, and the others go on.
+//! Each runs on its own threads within one memory budget and returns a [`Report`], which [`report`] writes as Markdown,
+//! CSV, JSON or HTML. Means have a variance and a bootstrap interval ([`Summary`]). Figures do not depend on the number
+//! of threads. An image that fails is listed in the report, and the others go on.
 
 mod chance;
 mod depth;

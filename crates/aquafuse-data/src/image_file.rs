@@ -1,4 +1,4 @@
-//! Image files: what is read, and what is written back with it.
+//! Image files: pixels, and the metadata that is kept with them.
 
 mod exif;
 mod folder;
@@ -26,18 +26,17 @@ pub use read::Opened;
 pub(crate) use read::{LARGER_PIECES, open_file, read_beside, too_many_pieces};
 pub(crate) use write::{encode_grey16, whole};
 
-/// An image with what its file said about it.
+/// An image with the metadata of its file.
 ///
 /// Pixels stay in stored order: the EXIF orientation is kept as data, and written back, so that boxes and
-/// masks made for the file stay true. [`ImageFile::upright`] turns them on request.
+/// masks made for the file stay valid. [`ImageFile::upright`] rotates the pixels on request.
 #[derive(Clone, Debug)]
 pub struct ImageFile {
     /// The pixels, encoded.
     pub pixels: Pixels,
-    /// What travels with them.
+    /// Metadata that is written with them.
     pub metadata: Metadata,
-    /// What was wrong with the file, where [`ReadOptions::lenient`] took it nevertheless. Outputs are marked
-    /// with it: their EXIF description says so.
+    /// The damage of the file, if [`ReadOptions::lenient`] accepted it. The EXIF description of an output repeats it.
     pub damage: Option<String>,
 }
 
@@ -62,10 +61,10 @@ impl ImageFile {
         Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None }
     }
 
-    /// Reads a PNG, JPEG, TIFF, WebP, BMP or GIF file, told apart by its content, within the default limits.
+    /// Reads a PNG, JPEG, TIFF, WebP, BMP or GIF file, detected by its content, within the default limits.
     ///
-    /// Grey and CMYK become RGB; their colour profile, which would be wrong for it, is left out, and
-    /// [`Metadata::left_out`] says so.
+    /// Grey and CMYK become RGB. Their colour profile, which would be wrong for RGB, is dropped and listed in
+    /// [`Metadata::left_out`].
     ///
     /// # Errors
     ///
@@ -121,7 +120,7 @@ impl ImageFile {
     /// # Errors
     ///
     /// [`FileError`] when the name has another extension, the format cannot hold the image, the file exists and
-    /// may not be replaced, or the system refuses; whatever stood at `path` is then still there.
+    /// may not be replaced, or the system refuses; an earlier file at `path` is then unchanged.
     pub fn write(&self, path: &Path, options: &WriteOptions) -> Result<(), FileError> {
         self.stage(path, options)?.persist()
     }
@@ -150,7 +149,7 @@ impl ImageFile {
         TopEdge::from_exif(self.metadata.orientation())
     }
 
-    /// The image turned as its EXIF orientation asks for, which is then 1.
+    /// The image rotated by its EXIF orientation, which is then 1.
     pub fn upright(self) -> Self {
         let orientation = self.metadata.orientation();
         let pixels = self.pixels.turned(orientation);

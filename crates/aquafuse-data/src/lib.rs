@@ -18,8 +18,8 @@
 //! | [`depth_file`] | depth maps as PNG, TIFF, OpenEXR, NPY and PFM, of a declared kind |
 //! | [`model_file`], [`water_file`] | fitted depth models as TOML, waters as JSON |
 //! | [`run`] | threads, memory budget, events, options and the stop flag of every run |
-//! | [`pipeline`] | one image: depth and water are estimated, an operation changes it, maps and scores show what it did |
-//! | [`batch`] | an image or a folder of images, each changed alike; a stopped run goes on where it stopped |
+//! | [`pipeline`] | one image: depth and water are estimated, an operation changes it, maps and scores describe the change |
+//! | [`batch`] | the same operation on an image or a folder of images; a stopped run can be continued |
 //! | [`dataset`] | datasets: images and their annotations, read |
 //! | [`augment`] | a dataset multiplied in other waters, with its annotations and a manifest; verified, and made again |
 //! | [`pairs`] | images with known depth, to fit a depth model to |

@@ -17,11 +17,11 @@ const SCHEMA: u32 = 1;
 pub struct ModelFile {
     /// The model.
     pub eq3: Eq3,
-    /// Where it comes from; none for a file written by hand.
+    /// How it was fitted; `None` for a file written by hand.
     pub fit: Option<FitRecord>,
 }
 
-/// What a model was fitted to, and how well.
+/// The data of a fit, and its quality.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitRecord {
     /// Name of the folder of pairs.
@@ -30,15 +30,15 @@ pub struct FitRecord {
     pub pairs: usize,
     /// Kind of the labels, as `--depth-kind` names it.
     pub depth_kind: String,
-    /// What the labels of different images have in common, as `--scale` names it.
+    /// The scale that the labels of different images share, as `--scale` names it.
     pub scale: String,
-    /// What of the labels was fitted to, as `--target` names it.
+    /// The target of the fit, as `--target` names it.
     pub target: String,
     /// Mean over pairs of Spearman's correlation of model and labels.
     pub rank_score: f64,
     /// Huber's loss, mean over pairs, in units of the labels' spread squared.
     pub loss: f64,
-    /// What speaks against it, as sentences.
+    /// Doubts about the fit, as sentences.
     pub doubts: Vec<String>,
     /// Each pair; a file has room for some thousand, and leaves out the last ones.
     #[serde(default, rename = "pair")]
@@ -63,7 +63,7 @@ pub enum ModelFileError {
     File(#[from] FileError),
     /// It is no TOML, or a field is missing or of the wrong kind.
     #[error(
-        "{} is no depth model: {cause}. `aquafuse fit PAIRS -o {}` makes one",
+        "{} is no depth model: {cause}. To make one, run `aquafuse fit PAIRS -o {}`",
         display(path),
         display(path)
     )]
@@ -75,7 +75,7 @@ pub enum ModelFileError {
     },
     /// It was written for another version of this program.
     #[error(
-        "{} has schema {found}; this version reads schema {SCHEMA}. Fit the model again with it",
+        "{} has schema {found}, but this version reads schema {SCHEMA}. Fit the model again with this version",
         display(path)
     )]
     Schema {
@@ -84,12 +84,12 @@ pub enum ModelFileError {
         /// Its schema.
         found: u32,
     },
-    /// The coefficients make no depth.
-    #[error("{}: with this mu {error}. Correct them, or fit the model again", display(path))]
+    /// The coefficients give no valid depth.
+    #[error("{}: with these coefficients mu, {error}. Correct them, or fit the model again", display(path))]
     Coefficients {
         /// The file.
         path: PathBuf,
-        /// What is wrong with them.
+        /// The cause.
         error: Eq3Error,
     },
 }

@@ -15,7 +15,7 @@ use crate::run::{self, Budget, Event, Reservation, RunOptions, Stopped};
 /// Bytes a pixel of the map as it is read, of its labels and of their order.
 const BYTES_OF_DEPTH: u64 = 16;
 
-/// Two files that belong together.
+/// An image and its depth map.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pair {
     /// The stem that they share.
@@ -26,12 +26,12 @@ pub struct Pair {
     pub depth: PathBuf,
 }
 
-/// What stands in a folder of pairs.
+/// The content of a folder of pairs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listing {
     /// Pairs, by name.
     pub pairs: Vec<Pair>,
-    /// Stems that stand in one of the two folders only.
+    /// Stems in only one of the two folders.
     pub without_partner: Vec<String>,
 }
 
@@ -43,15 +43,15 @@ pub enum PairError {
     #[error(transparent)]
     File(#[from] FileError),
     /// Two files of a folder have one stem.
-    #[error("{} and {} share their stem; leave one of them in the folder", display(.one), display(.other))]
+    #[error("{} and {} share their stem; remove one of them from the folder", display(.one), display(.other))]
     Ambiguous {
         /// One file.
         one: PathBuf,
         /// The other.
         other: PathBuf,
     },
-    /// The depth cannot be fitted to.
-    #[error("cannot use {}: {error}. Check --depth-kind, or take the pair out", display(path))]
+    /// The depth cannot be used for a fit.
+    #[error("cannot use {}: {error}. Check --depth-kind, or remove the pair", display(path))]
     Labels {
         /// The depth file.
         path: PathBuf,
@@ -147,7 +147,7 @@ pub type Listener<'a> = run::Listener<'a, Pair, (), PairError>;
 /// Pairs, ready to be fitted to.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// What they tell.
+    /// Their samples.
     pub fitter: Fitter,
     /// Their names, in the order of the fitter's scores.
     pub names: Vec<String>,

@@ -1,5 +1,5 @@
-//! What happens to one image: depth and water are estimated, an operation changes it, maps and scores say what
-//! was done.
+//! The pipeline of one image: depth and water are estimated, an operation changes it, maps and scores describe the
+//! change.
 
 mod encoding;
 mod estimate;

@@ -114,7 +114,7 @@ fn image(format: Format, bytes: &[u8]) {
     let drawn = bytes.iter().copied().fold(0, u8::wrapping_add);
     let lenient = drawn % 2 == 1;
     match ImageFile::from_bytes(Path::new(NAME), bytes, &ReadOptions { lenient, ..LIMITS }) {
-        // Fusing takes a hundred times as long as reading: one in so many tells as much.
+        // Fusing takes a hundred times as long as reading: one in so many is enough.
         Ok(read) if drawn < 4 => check(&read, lenient),
         Ok(_) => {}
         Err(error) => check_error(&error),

@@ -1,4 +1,4 @@
-//! Waters as files, `*.water.json`: what one image, or several, told about its water.
+//! Waters as files, `*.water.json`, estimated from one or several images.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ const SCHEMA: u32 = 1;
 /// Far more than a water takes; what is longer is none.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// A waterbody as plain numbers, as it stands in JSON.
+/// A waterbody as plain numbers, as in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Numbers {
     /// B∞ of red, green and blue.
@@ -31,7 +31,7 @@ pub struct Numbers {
     pub backscatter_coefficient: [f32; 3],
     /// μ5 to μ8 of β_D, per unit of z.
     pub attenuation: [[f32; 4]; 3],
-    /// The distances beyond which β_D is held.
+    /// The distances beyond which β_D is constant.
     pub attenuation_held_beyond: [f32; 3],
 }
 
@@ -53,14 +53,14 @@ impl From<&WaterEstimate> for Numbers {
 }
 
 impl Numbers {
-    /// The waterbody of these numbers; a sentence about what is wrong with them otherwise.
+    /// The waterbody with these numbers, or a sentence about the invalid number.
     fn water<E: Encoding>(&self) -> Result<Waterbody<E>, String> {
         if !self.veiling_light.iter().all(|value| (0.0..=1.0).contains(value)) {
-            return Err(format!("veiling_light is {:?}, but lies between 0 and 1", self.veiling_light));
+            return Err(format!("veiling_light is {:?}, but must be from 0 to 1", self.veiling_light));
         }
         let beta = self.backscatter_coefficient;
         if !beta.iter().all(|beta| beta.is_finite() && *beta >= 0.0) {
-            return Err(format!("backscatter_coefficient is {beta:?}, but is 0 or more"));
+            return Err(format!("backscatter_coefficient is {beta:?}, but must be 0 or more"));
         }
         let ([r, g, b], [far_r, far_g, far_b]) = (self.attenuation, self.attenuation_held_beyond);
         let curves = || -> Result<[Attenuation; 3], AttenuationError> {
@@ -74,14 +74,14 @@ impl Numbers {
     }
 }
 
-/// A water with what it was told from.
+/// A water with its sources.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaterFile {
-    /// What it was told from: images by their names, or a preset.
+    /// Its sources: images by their names, or a preset.
     pub from: Vec<String>,
-    /// What one unit of z is.
+    /// The unit of z.
     pub depth_kind: DepthKind,
-    /// The water, and what it is worth.
+    /// The water, with its intervals and verdict.
     pub estimate: WaterEstimate,
 }
 
@@ -94,7 +94,7 @@ pub enum WaterFileError {
     File(#[from] FileError),
     /// It is no water, or a number is missing or impossible.
     #[error(
-        "{} is no water: {cause}. `aquafuse water extract PICTURE -o {}` makes one",
+        "{} is no water: {cause}. To make one, run `aquafuse water extract IMAGE -o {}`",
         display(path),
         display(path)
     )]
@@ -106,7 +106,7 @@ pub enum WaterFileError {
     },
     /// It was written for another version of this program.
     #[error(
-        "{} has schema {found}; this version reads schema {SCHEMA}. Extract the water again with it",
+        "{} has schema {found}, but this version reads schema {SCHEMA}. Extract the water again with this version",
         display(path)
     )]
     Schema {
@@ -163,7 +163,7 @@ impl From<PixelEncoding> for StoredEncoding {
 #[derive(Serialize, Deserialize)]
 struct StoredDepth {
     kind: StoredKind,
-    /// The way from colour, by name; none for depth that was given.
+    /// The depth model, by name; `None` for supplied depth.
     model: Option<String>,
 }
 
@@ -230,7 +230,7 @@ impl WaterFile {
         }
         let water = stored.waterbody.water().map_err(wrong)?;
         if !(0.0..=1.0).contains(&stored.veiling_light_share) {
-            return Err(wrong("veiling_light_share lies between 0 and 1".into()));
+            return Err(wrong("veiling_light_share must be from 0 to 1".into()));
         }
         let model = |name: String| {
             name.parse::<DepthModel>()

@@ -1,4 +1,4 @@
-//! What `fuse`, `restore` and `enhance` take: where outputs go, and how they are written.
+//! Options of `fuse`, `restore` and `enhance`: where outputs go, and how they are written.
 
 use std::path::{Path, PathBuf};
 
@@ -16,8 +16,8 @@ use crate::failure::Failure;
 /// What is read, and where and how the outputs are written.
 #[derive(Args)]
 pub(crate) struct BatchArguments {
-    /// Where to write: a file or a folder for an image, a folder for a folder. Missing folders are made. The name says
-    /// the format: .png and .tif keep 16 bits and transparency, .webp is lossless, .jpg is 4:4:4.
+    /// Output file, or output folder (required if CONTENT is a folder). Missing folders are created. The extension
+    /// selects the format: .png and .tif keep 16 bits and transparency, .webp is lossless, .jpg is 4:4:4.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -25,26 +25,26 @@ pub(crate) struct BatchArguments {
     /// JPEG quality, 1 to 100.
     #[arg(long, value_name = "Q", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: u8,
-    /// Turn outputs as their EXIF orientation asks for. By default pixels stay as stored, so that labels do too, and
-    /// the orientation is carried over.
+    /// Rotate each output by its EXIF orientation. By default pixels keep their stored order, so that labels stay
+    /// valid, and the orientation tag is copied.
     #[arg(long)]
     pub(crate) upright: bool,
-    /// Replace images that exist.
+    /// Replace existing outputs.
     #[arg(long)]
     pub(crate) overwrite: bool,
     #[command(flatten)]
     pub(crate) failures: FailureArguments,
-    /// Print one JSON object an image, for programs, instead of the summary.
+    /// Print one JSON object per image instead of the summary.
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write what each image is made from into this folder, as images: STEM.depth.png (16 bits: 65535 is the
-    /// farthest, or one millimetre a step), .backscatter, .illumination and .change (mid grey: nothing).
+    /// Write maps of each image to this folder: STEM.depth.png (16 bits; relative depth: 65535 is 1, metric depth: one
+    /// step is 1 mm), STEM.backscatter.png, STEM.illumination.png and STEM.change.png (mid grey: no change).
     #[arg(long, value_name = "DIR")]
     pub(crate) maps: Option<PathBuf>,
-    /// Write settings, waters and a record of each image into this file, as JSON.
+    /// Write the settings, the waters and a record of each image to this JSON file.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
-    /// Work in linear light instead of the encoded values that cameras write, which the paper works on. Depth from
+    /// Compute in linear light. By default, as in the paper, values are used as the camera encoded them. Depth from
     /// colour is always estimated from encoded values.
     #[arg(long)]
     linear: bool,

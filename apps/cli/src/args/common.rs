@@ -1,4 +1,4 @@
-//! What every command takes.
+//! Options of every command.
 
 use std::num::NonZeroUsize;
 
@@ -8,12 +8,12 @@ use clap::Args;
 
 use crate::args::reading::Reading;
 
-/// Where the help lists what every command takes.
+/// The heading of these options in the help.
 pub(crate) const HEADING: &str = "Common options";
 
 #[derive(Args)]
 pub(crate) struct Common {
-    /// Number of threads [default: one per core]. No output depends on it.
+    /// Number of threads [default: one per core]. Outputs do not depend on it.
     #[arg(long, global = true, help_heading = HEADING, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
@@ -21,7 +21,7 @@ pub(crate) struct Common {
     /// Print only errors and the requested result.
     #[arg(long, global = true, help_heading = HEADING)]
     pub(crate) quiet: bool,
-    /// Print details: more lines in summaries, and what work was done.
+    /// Print details: which images the counts are about, and what work was done.
     #[arg(short, long, global = true, help_heading = HEADING, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
 }

@@ -7,15 +7,14 @@ use aquafuse::depth::DepthModel;
 use aquafuse_data::model_file::{self, ModelFile};
 use clap::Args;
 
-/// The way from colour to depth.
+/// How depth is estimated from colour.
 #[derive(Args)]
 pub(crate) struct DepthModelArg {
-    /// How depth is estimated from colour: eq3, ratio, ulap, udepth, layout, or FILE.toml from `fit`.
+    /// Model that estimates depth from colour: eq3, ratio, ulap, udepth, layout, or FILE.toml from `fit`.
     ///
-    /// `eq3` is the paper's, `ratio` the logarithm of max(G, B) / R, `ulap` and `udepth` are published lines.
-    /// `layout` puts what is higher in the image farther away and corrects that by colour: right for a
-    /// level camera that looks ahead, wrong for a rolled or down-looking one. FILE.toml is `eq3` with the
-    /// coefficients of that file.
+    /// `eq3` is the model of the paper. `ratio` is the logarithm of max(G, B) / R. `ulap` and `udepth` are published
+    /// linear models. `layout` assumes that higher pixels are farther and corrects this by colour: use it only
+    /// if the camera is level and looks ahead. FILE.toml is `eq3` with fitted coefficients.
     #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model)]
     depth_model: DepthModel,
 }
@@ -31,10 +30,8 @@ fn model(name: &str) -> anyhow::Result<DepthModel> {
         return Ok(model);
     }
     if model_file::check_name(Path::new(name)).is_err() {
-        let names = DepthModel::ALL.iter().map(DepthModel::name).collect::<Vec<_>>().join(", ");
-        return Err(anyhow!(
-            "there is no such model; give one of {names}, or a FILE.toml made by `aquafuse fit`"
-        ));
+        let names = DepthModel::ALL.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
+        return Err(anyhow!("unknown depth model; give one of {names}, or a FILE.toml from `aquafuse fit`"));
     }
     Ok(DepthModel::Eq3(ModelFile::read(Path::new(name))?.eq3))
 }

@@ -1,4 +1,4 @@
-//! How images are made clearer by fusion with clear water.
+//! Options of enhancement by fusion with clear water.
 
 use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Gain, Incidence, Model, Options};
@@ -9,16 +9,16 @@ use crate::args::fusion::{gain, incidence, model};
 use crate::args::water::WaterArguments;
 use crate::failure::Failure;
 
-/// How images are made clearer.
+/// How images are enhanced.
 #[derive(Args)]
 pub(crate) struct EnhanceSettings {
-    /// What is exchanged, as in `fuse`.
+    /// Fusion model, as in `fuse`.
     #[arg(long, default_value = Model::Physical.name(), value_parser = model())]
     model: Model,
-    /// Strength, from 0 (most) to 90 (none) degrees [default: 0].
+    /// Angle of incidence in degrees: 0 is full strength, 90 no change [default: 0].
     #[arg(long, value_name = "DEG", value_parser = incidence, allow_negative_numbers = true)]
     theta: Option<Incidence>,
-    /// Gain on the clear water's colour, 0 or more: at 0 its veil is taken off and none put in.
+    /// Gain on the colour of the clear water, 0 or more; at 0 the veil is only removed.
     #[arg(long, value_name = "A", value_parser = gain, default_value = "0.5", allow_negative_numbers = true)]
     alpha: Gain,
     #[command(flatten)]

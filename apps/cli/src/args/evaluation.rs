@@ -1,4 +1,4 @@
-//! What every evaluation takes: where the figures go, other tools' outputs, the network of LPIPS.
+//! Options of every evaluation: the report, outputs of other tools, the network of LPIPS.
 
 use std::path::PathBuf;
 
@@ -12,23 +12,23 @@ use crate::failure::Failure;
 /// Where the figures go.
 #[derive(Args)]
 pub(crate) struct ReportArguments {
-    /// Where to write: .md, .csv (a line a figure), .json (all figures and results) or .html (one page with plots), or
-    /// a folder, which gets report.md, .csv, .json and .html, and items.csv with a line a result. A missing folder is
-    /// made. Without it the tables are printed alone.
+    /// Report file: .md, .csv (one line per figure), .json (all figures and results) or .html (with plots); or a
+    /// folder for report.md, report.csv, report.json, report.html and items.csv (one line per result). A missing
+    /// folder is created [default: only print the tables].
     #[arg(short, long, value_name = "REPORT")]
     pub(crate) output: Option<PathBuf>,
-    /// Replace a report that exists.
+    /// Replace an existing report.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Print the report as JSON, for programs, instead of the tables.
+    /// Print the report as JSON instead of the tables.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// The network to score LPIPS by.
+/// The network that LPIPS uses.
 #[derive(Args)]
 pub(crate) struct LpipsArguments {
-    /// Also score LPIPS, by the network in this file: ONNX, as `lpips/export.py` of crates/aquafuse-data writes it.
+    /// Also score LPIPS with this network: an ONNX file written by `lpips/export.py` in crates/aquafuse-data.
     #[cfg(feature = "lpips")]
     #[arg(long, value_name = "FILE")]
     lpips_weights: Option<PathBuf>,
@@ -41,7 +41,7 @@ impl LpipsArguments {
         Ok(self.lpips_weights.as_deref().map(Lpips::read).transpose()?)
     }
 
-    /// Without the feature there is no network to ask.
+    /// Without the feature there is no network.
     #[cfg(not(feature = "lpips"))]
     pub(crate) fn network(&self) -> Result<Option<Lpips>, Failure> {
         Ok(None)
@@ -56,7 +56,7 @@ impl ReportArguments {
     }
 }
 
-/// `NAME=DIR`: what another tool has made.
+/// `NAME=DIR`: the outputs of another tool.
 #[derive(Clone, Debug)]
 pub(crate) struct Named {
     name: String,
@@ -68,16 +68,16 @@ pub(crate) fn named(text: &str) -> anyhow::Result<Named> {
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => {
             Ok(Named { name: name.to_owned(), folder: folder.into() })
         }
-        _ => Err(anyhow!("give a name and a folder: NAME=DIR")),
+        _ => Err(anyhow!("give a name and a folder, as NAME=DIR")),
     }
 }
 
-/// The outputs of tools, each called unlike the others and unlike the methods that are there already.
+/// The outputs of tools. Their names must differ from each other and from the names in `taken`.
 pub(crate) fn outputs(named: &[Named], taken: &[&str]) -> Result<Vec<Outputs>, Failure> {
     let mut all: Vec<Outputs> = Vec::new();
     for Named { name, folder } in named {
         if taken.contains(&name.as_str()) || all.iter().any(|outputs| outputs.name() == name) {
-            return Err(Failure::usage(anyhow!("two methods are called {name}; give --method another name")));
+            return Err(Failure::usage(anyhow!("two methods are named {name}; give --method another name")));
         }
         all.push(Outputs::list(name, folder)?);
     }

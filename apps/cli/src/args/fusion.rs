@@ -1,4 +1,4 @@
-//! How to fuse, as it is said on the command line.
+//! Options of fusion.
 
 use anyhow::anyhow;
 use aquafuse::depth::DepthModel;
@@ -11,49 +11,48 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crate::args::depth_model::DepthModelArg;
 
 pub(crate) const HELP: &str = "\
-Models. D is the difference of the two waters' colours (alpha times WATER's less CONTENT's),
-F falls with distance from 1 at the camera to 0 in open water:
-  aquafuse   adds cos(theta) F (1 - F) D: a veil over the middle distance, the paper's method
-  physical   adds cos(theta) (1 - F) D: the whole veil; open water takes the other water's colour. How
-             far one sees stays as it is in CONTENT
-  exchange   takes CONTENT's water out and puts the scene into WATER's, fading included, and goes
-             cos(theta) of the way there: strongest, and the first to suffer from wrong estimates.
-             What has faded more in CONTENT's water is strengthened, noise with it, 2 times at most;
-             depth from colour is hardly good enough for it
+Models. D is alpha times the veiling light of WATER minus the veiling light of CONTENT.
+F falls with distance, from 1 at the camera to 0 in open water.
+  aquafuse   The method of the paper: adds cos(theta) F (1 - F) D, a veil over the middle distance.
+  physical   Adds cos(theta) (1 - F) D, the whole veil: open water gets the colour of WATER.
+             Visibility stays as in CONTENT.
+  exchange   Replaces the water of CONTENT by WATER, with its attenuation, weighted by cos(theta).
+             The strongest change, and the most sensitive to wrong estimates: supply depth.
+             Faded colours, and their noise, are amplified at most 2 times.
 
---as-published stands for --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral
---depth-model eq3: our fit to the paper's scores, which names no settings.
+--as-published means --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral --depth-model eq3.
+The paper states no settings; these reproduce its scores best.
 
 Example:
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical --theta 30";
 
 #[derive(Args)]
 pub(crate) struct SettingsArgs {
-    /// What is exchanged: `aquafuse` is subtle, `physical` is what people expect to see, `exchange` the whole water.
+    /// Fusion model: `aquafuse` is subtle, `physical` the whole veil, `exchange` the whole water.
     #[arg(long, default_value = Model::default().name(), value_parser = model())]
     model: Model,
-    /// Strength, as an angle of light from 0 (most) to 90 (none) degrees [default: 45; physical, exchange: 0].
+    /// Angle of incidence in degrees: 0 is full strength, 90 no change [default: 45; physical, exchange: 0].
     #[arg(long, value_name = "DEG", value_parser = incidence, allow_negative_numbers = true)]
     theta: Option<Incidence>,
-    /// Gain on the reference's water, 0 or more; above 1 it is brighter than it was [default: 1].
+    /// Gain on the colour of the reference water, 0 or more; above 1: brighter [default: 1].
     #[arg(long, value_name = "A", value_parser = gain, allow_negative_numbers = true)]
     alpha: Option<Gain>,
-    /// How the fused image is smoothed: `bilateral` keeps edges, but takes fine texture with the noise.
+    /// Smoothing of the fused image: `bilateral` keeps edges, removes noise and fine texture.
     #[arg(long, value_name = "HOW", default_value = Smoothing::default().name(), value_parser = smoothing())]
     smooth: Smoothing,
     #[command(flatten)]
     depth_model: DepthModelArg,
-    /// The settings that come nearest to the paper's published scores, instead of the five above.
+    /// Use the settings that reproduce the published scores best, instead of the five above.
     #[arg(long, conflicts_with_all = ["model", "theta", "alpha", "smooth", "depth_model"])]
     as_published: bool,
 }
 
 impl SettingsArgs {
-    /// Refuses a setting that is swept and given too.
+    /// Refuses a setting that is both swept and given.
     pub(crate) fn refuse_beside(&self, swept: &str) -> anyhow::Result<()> {
         let given = if swept == "theta" { self.theta.is_some() } else { self.alpha.is_some() };
         if given {
-            Err(anyhow!("--sweep {swept}=... says what --{swept} is; leave one of them out"))
+            Err(anyhow!("--sweep {swept}=... and --{swept} set the same value; leave one of them out"))
         } else {
             Ok(())
         }

@@ -1,4 +1,4 @@
-//! `--max-pixels`, `--max-memory` and `--lenient`: which images are taken on.
+//! `--max-pixels`, `--max-memory` and `--lenient`: which images are accepted.
 
 use std::path::Path;
 
@@ -10,16 +10,14 @@ use crate::failure::Failure;
 
 #[derive(Args)]
 pub(crate) struct Reading {
-    /// Refuse images of more pixels than this.
+    /// Refuse images with more pixels than this.
     #[arg(long, global = true, help_heading = crate::args::common::HEADING, value_name = "N", default_value_t = ReadOptions::default().max_pixels)]
     max_pixels: u64,
-    /// Memory for all images that are in work at once: 512MiB, 2GiB or a number of bytes. One that needs more
-    /// by itself is refused, by every command; others wait their turn. Files that go along with images, as annotations
-    /// and lists, may have a quarter of it each.
+    /// Memory for all images processed at once: 512MiB, 2GiB or a number of bytes. An image that needs more is
+    /// refused; the others wait until memory is free. An annotation file or list may take a quarter of it.
     #[arg(long, global = true, help_heading = crate::args::common::HEADING, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
     max_memory: u64,
-    /// Take images whose file was cut short, JPEG and PNG above all, for what is left of them. Their outputs say so in
-    /// their EXIF description.
+    /// Decode what is left of truncated files (mainly JPEG and PNG). The EXIF description of the output says so.
     #[arg(long, global = true, help_heading = crate::args::common::HEADING)]
     lenient: bool,
 }
@@ -43,10 +41,13 @@ fn size(text: &str) -> Result<u64> {
         "KiB" => 1 << 10,
         "MiB" => 1 << 20,
         "GiB" => 1 << 30,
-        _ => return Err(anyhow!("give a number of bytes, or one with KiB, MiB or GiB behind it")),
+        _ => return Err(anyhow!("give a number of bytes, or a number followed by KiB, MiB or GiB")),
     };
     let number: u64 = digits.parse().map_err(|_| anyhow!("not a whole number"))?;
-    number.checked_mul(unit).filter(|&bytes| bytes > 0).ok_or_else(|| anyhow!("no such amount of memory"))
+    number
+        .checked_mul(unit)
+        .filter(|&bytes| bytes > 0)
+        .ok_or_else(|| anyhow!("the amount must be above 0 and fit into 64 bits"))
 }
 
 #[cfg(test)]

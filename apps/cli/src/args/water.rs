@@ -21,16 +21,16 @@ pub(crate) enum WaterSource {
     Preset(Preset),
 }
 
-/// How presets and units are read.
+/// Conditions of presets, and the scale of relative depth.
 #[derive(Args)]
 pub(crate) struct WaterArguments {
-    /// How far below the surface a preset is looked at, 0 to 100.
+    /// Depth of a preset's scene below the surface in metres, 0 to 100.
     #[arg(long, value_name = "METRES", default_value_t = 5.0, help_heading = "Presets and units")]
     below_surface: f64,
-    /// How the camera that looks at a preset is balanced.
+    /// White balance and exposure of the camera that a preset simulates.
     #[arg(long, value_name = "HOW", value_enum, default_value_t, help_heading = "Presets and units")]
     white: Balance,
-    /// What relative depth 1 is, where a water per metre meets depth without a unit, or the other way round.
+    /// Distance in metres of relative depth 1. Used if the water is per metre and depth is relative, or vice versa.
     #[arg(long, value_name = "METRES", default_value_t = RelativeScale::default().metres_at_one(), help_heading = "Presets and units")]
     metres_at_one: f32,
 }
@@ -38,17 +38,17 @@ pub(crate) struct WaterArguments {
 /// [`White`] on the command line.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Balance {
-    /// For daylight, exposed at depth: water is blue or green.
+    /// Balanced for daylight, exposed at depth: the water looks blue or green.
     #[default]
     Daylight,
-    /// At depth: a white card is white there.
+    /// Balanced at depth: a white card looks white there.
     AtDepth,
-    /// For daylight, exposed just below the surface: darker with depth.
+    /// Balanced for daylight, exposed just below the surface: darker with depth.
     AtSurface,
 }
 
 impl WaterSource {
-    /// Reads what is said on the command line.
+    /// Reads the argument of the command line.
     pub(crate) fn parse(said: &Path) -> Result<Self, Failure> {
         let Some(name) = said.to_str().and_then(|text| text.strip_prefix("preset:")) else {
             let named = said.to_str().and_then(|name| name.parse::<Preset>().ok()).filter(|_| !said.exists());
@@ -75,7 +75,7 @@ impl WaterSource {
         }
     }
 
-    /// What to call it.
+    /// Its name in messages.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Image(path) | Self::File(path) => display(path).to_string(),
@@ -85,7 +85,7 @@ impl WaterSource {
 }
 
 impl WaterArguments {
-    /// How far below the surface a preset is looked at, in metres.
+    /// Depth of a preset's scene below the surface, in metres.
     pub(crate) fn below_surface(&self) -> f64 {
         self.below_surface
     }
@@ -99,7 +99,7 @@ impl WaterArguments {
         }
     }
 
-    /// Where a preset is looked at.
+    /// The conditions that a preset is derived for.
     pub(crate) fn conditions(&self) -> Result<Conditions, Failure> {
         let white = match self.white {
             Balance::Daylight => White::Daylight,

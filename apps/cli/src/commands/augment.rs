@@ -1,4 +1,4 @@
-//! `aquafuse augment`: a dataset multiplied, its annotations carried over.
+//! `aquafuse augment`: a dataset multiplied, with its annotations.
 
 mod range;
 mod summary;
@@ -27,75 +27,73 @@ use crate::report::output;
 use crate::report::progress::Progress;
 
 const HELP: &str = "\
-Layouts, told by looking:
-  folder   images in folders, and nothing about them
+Layouts, detected from the files:
+  folder   images in folders, without annotations
   coco     JSON with images and annotations: boxes, outlines, key points, captions
-  yolo     labels/NAME.txt for images/NAME.jpg, with data.yaml or without
-  voc      Annotations/NAME.xml for JPEGImages/NAME.jpg, masks and lists of names
-  masks    masks/NAME.png for images/NAME.jpg
-  shards   WebDataset: tar files; KEY.jpg and all else of that key
-  parquet  Hugging Face: tables with a column of images (built with --features parquet)
+  yolo     images/NAME.jpg with labels/NAME.txt, and data.yaml if there is one
+  voc      JPEGImages/NAME.jpg with Annotations/NAME.xml, masks and lists of names
+  masks    images/NAME.jpg with masks/NAME.png
+  shards   WebDataset: tar files with KEY.jpg and all other members of that key
+  parquet  Hugging Face: tables with a column of images (needs a build with --features parquet)
 
-Pixels stay where they are, so annotations stay true: labels and masks are copied byte for byte,
-of JSON and XML all but ids and names of files. Variants are named STEM__WATER__NUMBER and stand
-where their image stands, and so in its split. manifest.jsonl says of each what it was made
-from; `verify` checks it, `replay` makes one again. A run that was stopped goes on: the same
-command makes what is missing.
+Pixels do not move, so annotations stay valid: labels and masks are copied byte for byte, JSON
+and XML with new ids and file names. A variant is named STEM__WATER__NUMBER and is written to the
+folder (and so the split) of its image. manifest.jsonl records how each variant was made: `verify`
+checks it, `replay` repeats it. To continue a run that was stopped, repeat the command.
 
 Examples:
   aquafuse augment fish/ green.jpg blue.jpg -o more/ --per-image 2 --keep-originals
   aquafuse augment fish/ waters/ preset:jerlov-3C -o more/ --per-image 5 --theta-range 0,60
                                                      a folder of reference images, and a preset
   aquafuse augment coco/ waters/ -o more/ --shard 1/4
-                                                     on one of four machines; afterwards, the four outputs
-                                                     put together, the same without --shard joins them";
+                                                     on 1 of 4 machines; to join, put the outputs
+                                                     into one folder, repeat without --shard";
 
-/// Multiply a dataset: every image in other waters, annotations carried over.
+/// Multiply a dataset: put every image into other waters and keep its annotations.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Augment {
     /// The folder of the dataset.
     dataset: PathBuf,
-    /// The waters to draw from: images, folders of images, NAME.water.json, preset:NAME.
+    /// The waters to sample from: images, folders of images, NAME.water.json, preset:NAME.
     #[arg(required = true)]
     waters: Vec<PathBuf>,
-    /// The folder to write to: new or empty, or that of a run to go on with.
+    /// Output folder: new, empty, or of a run to continue.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// How the dataset is laid out, where that cannot be told.
+    /// Layout of the dataset [default: detected].
     #[arg(long, value_name = "LAYOUT", value_parser = layout())]
     format: Option<Layout>,
-    /// Variants of each image.
+    /// Number of variants of each image.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     per_image: u32,
-    /// Carry the images themselves over too, byte for byte.
+    /// Also copy the original images, byte for byte.
     #[arg(long)]
     keep_originals: bool,
-    /// What is drawn depends on this, the image's path and the variant's number alone.
+    /// Random seed. Draws depend only on it, the image path and the variant number.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Draw a water again before every other was drawn.
+    /// Sample waters with replacement.
     #[arg(long)]
     with_replacement: bool,
-    /// Draw theta evenly from this range of degrees.
+    /// Sample theta uniformly from this range, in degrees.
     #[arg(long, value_name = "LOW,HIGH", conflicts_with = "theta")]
     theta_range: Option<Range>,
-    /// Draw alpha evenly from this range.
+    /// Sample alpha uniformly from this range.
     #[arg(long, value_name = "LOW,HIGH", conflicts_with = "alpha")]
     alpha_range: Option<Range>,
-    /// What to do where an image's own water, or one to draw, cannot be told well: `flag` says so in the manifest, `skip`
-    /// leaves it out, preset:NAME takes that water instead.
+    /// What to do if the estimate of an image's own water, or of a water to sample, is doubtful or failed: `flag` notes
+    /// it in the manifest, `skip` leaves the image or water out, preset:NAME uses that water instead.
     #[arg(long, value_name = "HOW", default_value = "flag")]
     on_doubtful: Doubtful,
-    /// What to do about images with bad annotations: a box outside the image, an id that is not unique, a name that
-    /// leads out of the dataset. `skip` leaves the images out, `keep` carries the annotations over; what has no
-    /// image is left out by both.
+    /// What to do about bad annotations: a box outside the image, a duplicate id, a path outside the dataset. Both
+    /// `skip` and `keep` drop annotations without an image.
     #[arg(long, value_name = "HOW", value_enum, default_value_t)]
     on_bad_annotation: OnBad,
-    /// Make part I of N only, for N machines that share the dataset.
+    /// Process only part I of N, for N machines that share the dataset.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
-    /// Say what would be made, and make nothing.
+    /// Print what would be written, and write nothing.
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
@@ -107,18 +105,18 @@ pub(crate) struct Augment {
     /// JPEG quality, 1 to 100.
     #[arg(long, value_name = "Q", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: u8,
-    /// Work in linear light instead of the values that cameras write.
+    /// Compute in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
-    /// Begin again where DIR holds what other settings made, which is removed.
+    /// Delete what a run with other settings wrote to DIR, and start over.
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
     failures: FailureArguments,
-    /// How the manifest is written beside manifest.jsonl, which always is: `parquet` adds a table with a row a variant.
+    /// Format of the manifest. manifest.jsonl is always written; `parquet` adds a table with one row per variant.
     #[arg(long, value_name = "AS", value_enum, default_value_t)]
     manifest: Manifest,
-    /// Print the manifest's lines as they come, for programs, instead of the summary.
+    /// Print the lines of the manifest as they are written instead of the summary.
     #[arg(long)]
     json: bool,
 }
@@ -126,22 +124,22 @@ pub(crate) struct Augment {
 /// How the manifest is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Manifest {
-    /// Lines of JSON.
+    /// JSON lines.
     #[default]
     Jsonl,
-    /// A table too.
+    /// JSON lines, and a Parquet table.
     Parquet,
 }
 
 /// What to do about bad annotations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum OnBad {
-    /// Name them, and make nothing.
+    /// List them and write nothing.
     #[default]
     Refuse,
-    /// Leave their images out.
+    /// Leave out the images they belong to.
     Skip,
-    /// Carry them over.
+    /// Copy them unchanged.
     Keep,
 }
 
@@ -181,14 +179,14 @@ impl std::str::FromStr for Doubtful {
 
 fn layout() -> impl TypedValueParser<Value = Layout> {
     PossibleValuesParser::new(Layout::ALL.map(Layout::name))
-        .try_map(|name| Layout::from_name(&name).ok_or_else(|| anyhow!("there is no layout of that name")))
+        .try_map(|name| Layout::from_name(&name).ok_or_else(|| anyhow!("unknown layout")))
 }
 
 fn shard(text: &str) -> anyhow::Result<Shard> {
     let (number, of) = text.split_once('/').ok_or_else(|| anyhow!("give I/N, as 1/4"))?;
     let (number, of): (u32, u32) = (number.parse()?, of.parse()?);
     if number == 0 || number > of {
-        return Err(anyhow!("parts are counted from 1 to N"));
+        return Err(anyhow!("I must be from 1 to N"));
     }
     Ok(Shard { number, of })
 }
@@ -208,23 +206,23 @@ impl Augment {
             manifest_table: self.manifest == Manifest::Parquet,
             run_options: RunOptions { max_failures: self.failures.max(), ..common.run_options() },
         };
-        // What can be refused is, before a folder is made.
+        // Refusals come before the folder is created.
         let plan = job.plan().map_err(Failure::usage)?;
         if self.dry_run {
-            return output::print(&summary::planned(&job, &plan, bad));
+            return output::print(&summary::planned(&job, &plan, bad, common.verbose));
         }
         make_folder(&self.output)?;
         let progress = Progress::new(common.quiet);
         let tally = Mutex::new(summary::Tally::default());
         let ended = job.run(&plan, &|event| {
             progress.show(&event, str::to_owned);
-            if let Event::Done { result, .. } = &event {
+            if let Event::Done { item, result } = &event {
                 if self.json {
                     // A reader that has gone away does not stop the work.
                     let _ = output::print(&result.lines);
                 }
                 if let Ok(mut tally) = tally.lock() {
-                    tally.add(result);
+                    tally.add(item, result);
                 }
             }
         });
@@ -232,7 +230,7 @@ impl Augment {
         let ended = ended?;
         let tally = tally.into_inner().unwrap_or_default();
         if !common.quiet && !self.json {
-            output::print(&summary::of(&job, &tally, &ended, bad))?;
+            output::print(&summary::of(&job, &tally, &ended, bad, common.verbose))?;
         }
         self.outcome(&ended)
     }
@@ -241,17 +239,17 @@ impl Augment {
         match ended {
             Summary { failed: 0, .. } => Ok(()),
             Summary { failed, left: 0, done, skipped } => Err(Failure::work(anyhow!(
-                "{failed} of {} images failed; the messages above say why, and the manifest in {} lists them",
+                "{failed} of {} images failed; see the messages above and the manifest in {}",
                 failed + done + skipped,
                 display(&self.output)
             ))),
             Summary { failed, left, .. } => Err(Failure::work(anyhow!(
-                "failed: {failed}, not tried: {left}; fix them, then rerun the same command to continue"
+                "{failed} images failed, {left} were not tried; fix them, then rerun the same command to continue"
             ))),
         }
     }
 
-    /// Does what is to be done about bad annotations, and says how many images were left out.
+    /// Applies --on-bad-annotation; returns how many images were left out.
     fn without_bad(&self, dataset: &mut Dataset) -> Result<usize, Failure> {
         let faults = &dataset.faults;
         if self.on_bad_annotation == OnBad::Refuse && !faults.is_empty() {
@@ -263,7 +261,7 @@ impl Augment {
                 more => format!("\n  and {more} more"),
             };
             return Err(Failure::usage(anyhow!(
-                "{} has annotations that are not right; mend them, or --on-bad-annotation skip or keep:{}{more}",
+                "{} has bad annotations; fix them, or add --on-bad-annotation skip or keep:{}{more}",
                 display(&self.dataset),
                 named.concat()
             )));
@@ -273,7 +271,10 @@ impl Augment {
             dataset.samples.retain(|sample| !dataset.faults.concern(&sample.key));
         }
         if dataset.samples.is_empty() {
-            return Err(Failure::usage(anyhow!("no image of {} is left", display(&self.dataset))));
+            return Err(Failure::usage(anyhow!(
+                "every image of {} has bad annotations; fix them, or add --on-bad-annotation keep",
+                display(&self.dataset)
+            )));
         }
         Ok(before - dataset.samples.len())
     }

@@ -1,4 +1,4 @@
-//! `aquafuse bench`: how fast this machine is, on images made by the program.
+//! `aquafuse bench`: the speed of this machine on synthetic images.
 
 mod machine;
 mod measure;
@@ -19,34 +19,34 @@ use table::{Case, Restoration};
 
 /// The sizes of the paper's table.
 const SIZES: [(usize, usize); 4] = [(256, 256), (512, 512), (1024, 1024), (1920, 1080)];
-/// Nothing larger is made: a side of this is 256 megapixels at most.
+/// The longest side of an image; a square of it has 256 megapixels.
 const LONGEST_SIDE: usize = 16_384;
 
 const HELP: &str = "\
-A frame is an image of bytes in memory: its depth and water are estimated and it is fused with the model
-`aquafuse`, in the memory of the frame before. Cached: the reference's water is known; estimated: it is
-estimated for every frame as well. The JSON also has the stages, each by itself and in memory of its own, and
-`restore`. Times are medians.";
+A frame is an 8-bit image in memory. Its depth and water are estimated, and it is fused with the
+model `aquafuse`; memory is reused between frames. Cached: the water of the reference is known.
+Estimated: it is estimated again for every frame. The JSON also has each stage alone, with its own
+memory, and `restore`. Times are medians.";
 
-/// Measure how fast this machine is.
+/// Measure the speed of fusion on this machine.
 ///
-/// On scenes made by the program, on one thread and on all of them, or on as many as --threads says.
+/// Uses synthetic images, on one thread and on all cores, or on --threads threads.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Bench {
-    /// Size of the images; may be given several times [default: the paper's four].
+    /// Size of the images in pixels; may be repeated [default: the four sizes of the paper].
     #[arg(long = "size", value_name = "WIDTHxHEIGHT", value_parser = size)]
     sizes: Vec<Size>,
-    /// Frames of each case [default: what half a second allows, 5 at least].
+    /// Frames per case [default: as many as half a second allows, at least 5].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Only this: `cached` or `estimated` references [default: both].
+    /// Measure only `cached` or `estimated` references [default: both].
     #[arg(long, value_name = "WHICH")]
     reference: Option<Reference>,
-    /// Only this smoothing [default: with and without].
+    /// Measure only this smoothing [default: with and without].
     #[arg(long, value_name = "HOW", value_parser = smoothing())]
     smooth: Option<Smoothing>,
-    /// Print JSON for programs.
+    /// Print JSON.
     #[arg(long)]
     json: bool,
 }
@@ -68,10 +68,10 @@ impl Bench {
         }
         let default = SIZES.map(|(width, height)| Size { width, height });
         let sizes = if self.sizes.is_empty() { &default[..] } else { &self.sizes };
-        self.tell(&format!("{machine}\n\n{}", Case::HEADING))?;
+        self.line(&format!("{machine}\n\n{}", Case::HEADING))?;
         let mut report = Report { schema: 1, machine, results: Vec::new(), restorations: Vec::new() };
         for &size in sizes {
-            // The images are made on all cores, whatever is measured.
+            // Making the images uses all cores, also if one thread is measured.
             let all = rayon::ThreadPoolBuilder::new().num_threads(report.machine.cores).build();
             let images = all.map_err(Failure::work)?.install(|| Images::new(size)).map_err(Failure::work)?;
             for &threads in &threads {
@@ -96,21 +96,21 @@ impl Bench {
             {
                 let speed = images.fused(reference, smooth, self.frames).map_err(Failure::work)?;
                 let case = Case::new(images.size(), threads, reference, smooth, speed, stages);
-                self.tell(&case.to_string())?;
+                self.line(&case.to_string())?;
                 report.results.push(case);
             }
         }
         if self.smooth.is_none() && self.reference.is_none() {
             let speed = images.restored(self.frames).map_err(Failure::work)?;
             let restoration = Restoration::new(images.size(), threads, speed);
-            self.tell(&restoration.to_string())?;
+            self.line(&restoration.to_string())?;
             report.restorations.push(restoration);
         }
         Ok(())
     }
 
     /// A line for people, as soon as it is known.
-    fn tell(&self, line: &str) -> Result<(), Failure> {
+    fn line(&self, line: &str) -> Result<(), Failure> {
         if self.json { Ok(()) } else { output::print(&format!("{line}\n")) }
     }
 }

@@ -16,25 +16,25 @@ use crate::failure::Failure;
 use crate::report::output;
 use crate::report::water::veiling_light;
 
-/// Put two images each into the other's water: twice the data.
+/// Put each of two images into the water of the other.
 ///
-/// Writes DIR/A__B.png, A's objects in B's water, and DIR/B__A.png (their names without extension).
+/// Writes DIR/A__B.png, the scene of A in the water of B, and DIR/B__A.png (named without extensions).
 #[derive(Args)]
 #[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/ --model physical")]
 pub(crate) struct Crossover {
-    /// One image.
+    /// The first image.
     a: PathBuf,
-    /// The other.
+    /// The second image.
     b: PathBuf,
-    /// Folder to write into; made if it is missing.
+    /// Output folder; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Work in linear light.
+    /// Compute in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
-    /// Replace images that exist.
+    /// Replace existing outputs.
     #[arg(long)]
     overwrite: bool,
 }
@@ -75,7 +75,7 @@ impl Crossover {
         let (a, b) = (stem(&self.a), stem(&self.b));
         if a == b {
             return Err(Failure::usage(anyhow!(
-                "{} and {} would both become {}__{}.png; rename one of them",
+                "{} and {} would both be written to {}__{}.png; rename one of them",
                 display(&self.a),
                 display(&self.b),
                 display(a.as_ref()),

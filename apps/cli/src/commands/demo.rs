@@ -1,4 +1,4 @@
-//! `aquafuse demo`: the main job on images it makes itself.
+//! `aquafuse demo`: fusion of synthetic images.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,19 +14,19 @@ use clap::Args;
 use crate::failure::Failure;
 use crate::report::output;
 
-/// See what it does, on underwater images it makes itself.
+/// Try fusion on synthetic images.
 ///
-/// Ray-marches places on a sea floor, sees them through different waters, and fuses each with each: the
-/// estimators are given nothing but the images.
+/// Renders scenes of a sea floor in different waters and fuses each with each. The estimators get only the
+/// images.
 #[derive(Args)]
 pub(crate) struct Demo {
-    /// Where to write.
+    /// Output folder.
     #[arg(short, long, value_name = "DIR", default_value = "aquafuse-demo")]
     output: PathBuf,
-    /// Which places to make.
+    /// Seed of the scenes.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Write into a folder that is not empty, replacing images of the same names.
+    /// Write to a folder that is not empty and replace images of the same names.
     #[arg(long)]
     overwrite: bool,
 }
@@ -75,9 +75,8 @@ impl Demo {
         let sheet = ImageFile::new(contact_sheet(&rows, 320, 214).map_err(Failure::work)?);
         let path = self.write("sheet.jpg", &sheet)?;
         say(&format!(
-            "  {}   all of them side by side, after {:.1} s\n\n\
-             Look at that sheet first. Your own images, once\n\
-             `cargo install --locked --path apps/cli` has put aquafuse on your PATH:\n  \
+            "  {}   all side by side, after {:.1} s\n\n\
+             Look at that sheet first. Then try your own images:\n  \
              aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
             display(&path),
             began.elapsed().as_secs_f32(),
@@ -92,7 +91,7 @@ impl Demo {
     }
 }
 
-/// A made image, the water it was made with, and the water that was estimated from it.
+/// A synthetic image, its true water, and the water estimated from it.
 struct Made {
     image_file: ImageFile,
     water: NamedWater,

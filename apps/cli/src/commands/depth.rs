@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use aquafuse_data::depth_file;
-use aquafuse_data::files::{display, make_folder_of, remove_stale_parts};
+use aquafuse_data::files::{make_folder_of, remove_stale_parts};
 use aquafuse_data::image_file::WriteOptions;
 use clap::Args;
 
@@ -12,25 +12,25 @@ use crate::args::reading::Reading;
 use crate::failure::Failure;
 use crate::report::output;
 
-/// Estimate depth from colour and write it as a file.
+/// Estimate depth from colour and write it to a file.
 ///
-/// The model at each pixel, then a 7x7 median: relative depth, 0 near, larger farther. All models fail
-/// where red is dead: everything then looks far.
+/// Evaluates the model at each pixel and applies a 7x7 median. The result is relative depth: 0 is near, larger is
+/// farther. All models fail without red light: everything then looks far.
 ///
-/// For other programs. Given back as --depth it would be believed as a map that was measured, and water be told
-/// from it by stricter rules; our own commands take depth from colour by themselves. Half of its range is often
-/// unused: `inspect --plots` shows it stretched.
+/// The file is for other programs. Do not pass it back as --depth: it would be treated as measured depth. The other
+/// commands estimate depth from colour themselves. Values often use only half of the range; `inspect --plots` shows
+/// them stretched.
 #[derive(Args)]
 pub(crate) struct Depth {
-    /// PNG, JPEG, TIFF, WebP, BMP or GIF.
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF).
     image: PathBuf,
-    /// Where to write: .png (16-bit grey, 65535 = farthest possible), .tiff, .exr, .npy or .pfm (floats, 1 =
-    /// farthest possible); a missing folder is made.
+    /// Output file: .png (16-bit grey, 65535 is the farthest possible), .tiff, .exr, .npy or .pfm (floats, 1 is the
+    /// farthest possible). A missing folder is created.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
     model: DepthModelArg,
-    /// Replace OUT if it exists.
+    /// Replace an existing OUT.
     #[arg(long)]
     overwrite: bool,
 }
@@ -42,6 +42,6 @@ impl Depth {
         remove_stale_parts(make_folder_of(&self.output)?);
         let depth = image_file.pixels.depth(&self.model.get(), image_file.top_edge());
         depth_file::write(&self.output, &depth, &options)?;
-        if quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&self.output))) }
+        output::written(&self.output, quiet)
     }
 }

@@ -17,21 +17,21 @@ use crate::report::batch::{self, Words};
 use crate::report::water::veiling_light;
 
 const HELP: &str = "\
-The scores: UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that
-are parts of the first, the sharpness that is part of the second. Higher is held to be better;
-all are fooled by oversaturation and noise, so look at the image.
+Scores before and after: UCIQE and its parts colour (deviation of chroma) and contrast (of
+lightness), UIQM and its part sharpness. Higher counts as better, but oversaturation and noise
+raise all of them: look at the image too.
 
-Example:
+Examples:
   aquafuse enhance reef.jpg -o reef_enhanced.jpg
   aquafuse enhance photos/ clear_day.jpg -o enhanced/";
 
-/// Make an image, or a folder of them, clearer by fusion with clear water.
+/// Make an image or a folder of images clearer by fusion with clear water.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Enhance {
-    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF, no subfolders).
     content: PathBuf,
-    /// Clear water: an image, NAME.water.json or preset:NAME. By default that of the clearest ocean.
+    /// The clear water: an image, NAME.water.json or preset:NAME. The default is the clearest ocean water.
     #[arg(default_value = "preset:jerlov-I")]
     clear: PathBuf,
     #[command(flatten)]

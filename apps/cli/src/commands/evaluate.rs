@@ -1,4 +1,4 @@
-//! `aquafuse evaluate`: what methods are worth, in figures.
+//! `aquafuse evaluate`: scores of methods.
 
 mod depth;
 mod enhancement;
@@ -13,16 +13,16 @@ use crate::failure::Failure;
 const EXAMPLES: &str = "\
 Examples:
   aquafuse evaluate fusion --contents dives/ --references waters/ --rivals -o report.html
-                                                     how much fused images look like their contents
-  aquafuse evaluate truth -o truth.html              how much of the true change each method makes
-  aquafuse evaluate enhancement dives/ -o clearer.md before and after
+                                                     similarity of fused images to their contents
+  aquafuse evaluate truth -o truth.html              share of the true change each method achieves
+  aquafuse evaluate enhancement dives/ -o clearer.md scores before and after
   aquafuse evaluate depth pairs/ --depth-kind metres -o depth.csv
                                                      depth from colour against measured depth";
 
-/// Measure what methods are worth: on your images, or on scenes of known truth.
+/// Score methods on your images or on synthetic scenes.
 ///
-/// Means come with their variance and a 95 % interval by resampling whole images. No figure depends on the number of
-/// threads. An image that fails is named and listed in the report; the others go on, and the exit code is 1.
+/// Means have a variance and a 95 % bootstrap interval over images. Figures do not depend on the number of threads.
+/// An image that fails is listed in the report; the run goes on, and the exit code is 1.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Evaluate {

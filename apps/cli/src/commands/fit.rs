@@ -1,4 +1,4 @@
-//! `aquafuse fit`: a depth model from images whose depth is known.
+//! `aquafuse fit`: a depth model from images with known depth.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -13,6 +13,7 @@ use clap::{Args, ValueEnum};
 
 use crate::args::common::Common;
 use crate::args::depth::kind;
+use crate::args::pairs::list_pairs;
 use crate::failure::Failure;
 use crate::report::output;
 use crate::report::progress::Progress;
@@ -20,52 +21,51 @@ use crate::report::progress::Progress;
 /// Fit the depth model `eq3` to images with known depth, for `--depth-model FILE.toml`.
 ///
 /// PAIRS holds a folder `rgb` of images (PNG, JPEG, TIFF, WebP, BMP) and a folder `depth` of depth maps
-/// (PNG, TIFF, OpenEXR, NPY, PFM) of the same stems and sizes. Depth never rises with red nor falls with max(G, B) in the fitted model, and
-/// spans 0 to 1 over all colours. A few pairs of one place make a model of that place: look at pairs it was
-/// not fitted to.
+/// (PNG, TIFF, OpenEXR, NPY, PFM) with the same stems and sizes. In the fitted model, depth never rises with red,
+/// never falls with max(G, B), and spans 0 to 1 over all colours. A few pairs of one place give a model of that
+/// place only: check it on other pairs.
 #[derive(Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Fit {
-    /// A folder with `rgb` and `depth` in it.
+    /// A folder that contains `rgb` and `depth`.
     pairs: PathBuf,
-    /// Where to write: .toml; a missing folder is made.
+    /// Output file (.toml); a missing folder is created.
     #[arg(short, long, value_name = "MODEL.toml")]
     output: PathBuf,
-    /// What the values of the depth maps are, which no file says: as for `fuse`. 0 is unknown depth in metres,
-    /// millimetres and disparity.
+    /// Kind of the values of the depth maps, as in `fuse`. In metres, millimetres and disparity, 0 means unknown.
     #[arg(long, value_name = "KIND", value_parser = kind())]
     depth_kind: SuppliedKind,
-    /// What the depths of different images have in common.
+    /// Scale that the depths of different images share.
     #[arg(long, value_enum, default_value_t)]
     scale: ScaleArg,
-    /// What of the depths is fitted to.
+    /// What to fit.
     #[arg(long, value_enum, default_value_t)]
     target: TargetArg,
-    /// Replace MODEL.toml if it exists.
+    /// Replace an existing MODEL.toml.
     #[arg(long)]
     overwrite: bool,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
 enum ScaleArg {
-    /// Nothing: each image has a scale and a shift of its own.
+    /// None: each image has its own scale and shift.
     #[default]
     PerImage,
-    /// One scale and one shift: metres, in one water. Not for inverse depth and disparity.
+    /// One scale and one shift, for depth in metres in one water. Not for inverse depth and disparity.
     Shared,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
 enum TargetArg {
-    /// Their numbers.
+    /// The distances.
     #[default]
     Distances,
-    /// Which pixel is farther than which, image by image.
+    /// The order of the distances in each image.
     Order,
 }
 
 const EXAMPLE: &str = "\
-Example:
+Examples:
   aquafuse fit reef/ -o reef.toml --depth-kind metres
   aquafuse fuse dive.jpg green.jpg -o fused.jpg --depth-model reef.toml";
 
@@ -79,25 +79,13 @@ impl Fit {
         let scale_of_its_own = matches!(self.depth_kind, SuppliedKind::Inverse | SuppliedKind::Disparity);
         if scale_of_its_own && matches!(self.scale, ScaleArg::Shared) {
             return Err(Failure::usage(anyhow!(
-                "--scale shared needs depths with one unit, and {} has another in each image; leave --scale out",
+                "--scale shared needs depths in one unit, but the unit of {} differs between images; leave --scale out",
                 self.depth_kind.name()
             )));
         }
-        let listing = pairs::list(&self.pairs).map_err(Failure::usage)?;
-        if listing.pairs.is_empty() {
-            let others = listing.without_partner.len();
-            return Err(Failure::usage(anyhow!(
-                "{} holds no pair: {others} files of rgb/ and depth/ have no partner of the same stem. Name \
-                 the two files of a pair alike",
-                display(&self.pairs)
-            )));
-        }
-        if !quiet && !listing.without_partner.is_empty() {
-            let names = listing.without_partner.join(", ");
-            output::complain(&format!("passed over for want of a partner: {names}"));
-        }
+        let pairs = list_pairs(&self.pairs, quiet)?;
         make_folder_of(&self.output)?;
-        let gathered = self.gather(&listing.pairs, common)?;
+        let gathered = self.gather(&pairs, common)?;
         let fit = gathered.fitter.solve().map_err(|error| {
             Failure::work(anyhow!("cannot fit a model to {}: {error}", display(&self.pairs)))
         })?;
@@ -106,11 +94,11 @@ impl Fit {
         if !quiet {
             output::print(&report(&self.output, &gathered, &fit))?;
         }
-        match listing.pairs.len() - gathered.names.len() {
+        match pairs.len() - gathered.names.len() {
             0 => Ok(()),
             failed => Err(Failure::work(anyhow!(
-                "{failed} of {} pairs failed and were left out; the messages above say why",
-                listing.pairs.len()
+                "{failed} of {} pairs failed and were left out; see the messages above",
+                pairs.len()
             ))),
         }
     }
@@ -164,10 +152,9 @@ impl From<ScaleArg> for Scale {
     }
 }
 
-/// What is said where fitting has made the order of depth no better.
+/// The remark if the fitted model orders depth worse than the built-in one.
 fn remark(fitted: f64, ours: f64) -> Option<&'static str> {
-    (fitted < ours)
-        .then_some("eq3 as it is built in orders these pairs better: keep it, or try --target order")
+    (fitted < ours).then_some("the built-in eq3 orders these pairs better: keep it, or try --target order")
 }
 
 /// Pairs named one by one; of more, the worst.
@@ -199,7 +186,7 @@ fn report(output: &Path, gathered: &Gathered, fit: &fit::Fit) -> String {
         line(format!("    {name:<42} fitted {fitted:.3}, eq3 {ours:.3}"));
     }
     if pairs.len() > NAMED {
-        line(format!("    and {} pairs whose order is better", pairs.len() - NAMED));
+        line(format!("    and {} pairs with a better order", pairs.len() - NAMED));
     }
     for doubt in &fit.doubts {
         line(format!("  doubtful: {doubt}"));

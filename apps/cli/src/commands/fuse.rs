@@ -19,17 +19,16 @@ use crate::failure::Failure;
 use crate::report::batch::{self, Words};
 use crate::report::water::veiling_light;
 
-/// Put an image, or a folder of them, into another image's water.
+/// Put an image or a folder of images into the water of another image.
 ///
-/// A folder's run that was stopped goes on where it was: the same command makes what is missing.
+/// To continue a run over a folder that was stopped, repeat the command: finished images are skipped.
 #[derive(Args)]
 #[command(after_help = fusion::HELP)]
 pub(crate) struct Fuse {
-    /// The objects: an image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
-    /// Folders inside it are not entered.
+    /// The scene: an image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF, no subfolders).
     content: PathBuf,
-    /// The reference, whose water is taken: an image (best one with open water in view), NAME.water.json from `water
-    /// extract`, or preset:NAME from `water list`.
+    /// The reference water: an image (best with open water in view), NAME.water.json from `water extract`, or
+    /// preset:NAME from `water list`.
     water: PathBuf,
     #[command(flatten)]
     batch: BatchArguments,
@@ -37,8 +36,8 @@ pub(crate) struct Fuse {
     settings: SettingsArgs,
     #[command(flatten)]
     waters: WaterArguments,
-    /// Instead of one image a strip of them, theta=0,30,60,90 or alpha=0.5,1,2 for example: CONTENT, then one for
-    /// each value.
+    /// Write a contact sheet of CONTENT and one fused image per value, for example theta=0,30,60,90 or
+    /// alpha=0.5,1,2.
     #[arg(long, value_name = "NAME=V,V", conflicts_with_all = ["json", "maps", "report", "upright"])]
     sweep: Option<Sweep>,
 }

@@ -1,4 +1,4 @@
-//! `aquafuse inspect`: what an image tells about its depth and its water.
+//! `aquafuse inspect`: the estimated depth and water of an image.
 
 mod report;
 mod text;
@@ -19,29 +19,29 @@ use crate::report::output;
 use crate::report::water::veiling_light_in_short;
 use report::Report;
 
-/// Show what an image tells about its depth and its water.
+/// Show the estimated depth and water of an image.
 ///
-/// `fuse` uses exactly these estimates: depth z, the veiling light B∞ (the colour of open water), how fast
-/// backscatter grows with z (β_B) and how fast the scene's own light fades (β_D). At the far end, β z is the
-/// thickness of the water seen through: .1 is hardly any, 1 is much, 3 hides nearly everything.
+/// `fuse` uses the same estimates: depth z, the veiling light B∞ (the colour of open water), the backscatter
+/// coefficient β_B and the attenuation coefficient β_D. The product β z at the far end is the optical thickness of
+/// the water: 0.1 is thin, 1 is thick, 3 hides nearly everything.
 #[derive(Args)]
-// Nothing is left to estimate here where depth is given; `fuse` still needs the model, for its reference.
+// With depth given no model is needed here; `fuse` still needs it, for its reference.
 #[command(mut_arg("depth_model", |model| model.conflicts_with("depth")), after_help = crate::report::doubts::explained())]
 pub(crate) struct Inspect {
-    /// PNG, JPEG, TIFF, WebP, BMP or GIF.
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF).
     image: PathBuf,
     #[command(flatten)]
     depth: DepthArguments,
     #[command(flatten)]
     model: DepthModelArg,
-    /// Print JSON for programs.
+    /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Draw it too, as DIR/STEM.inspect.png: depth, where the veiling light was read, the samples behind β_B and β_D
-    /// with their curves, what is left of the light, and the image without its water. A missing DIR is made.
+    /// Also draw DIR/STEM.inspect.png: depth, the pixels that give the veiling light, the samples and curves of β_B
+    /// and β_D, the transmittance, and the image without its water. A missing DIR is created.
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Replace the file of --plots if it exists.
+    /// Replace an existing file of --plots.
     #[arg(long, requires = "plots")]
     overwrite: bool,
 }
@@ -79,7 +79,7 @@ impl Inspect {
         }
     }
 
-    /// The file that the plot becomes; refused before any work if it must not be touched.
+    /// The file of the plot; refused before any work if it exists and must not be replaced.
     fn plot_in(&self, folder: &Path) -> Result<PathBuf, Failure> {
         let mut name = self.image.file_stem().unwrap_or_default().to_owned();
         name.push(".inspect.png");

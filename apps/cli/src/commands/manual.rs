@@ -1,8 +1,8 @@
-//! `aquafuse completions` and `aquafuse man`: what shells and `man` want to know.
+//! `aquafuse completions` and `aquafuse man`.
 
 use std::path::PathBuf;
 
-use aquafuse_data::files::{display, make_folder, write_text};
+use aquafuse_data::files::{make_folder, write_text};
 use clap::{Args, Command};
 use clap_complete::Shell;
 
@@ -10,13 +10,13 @@ use crate::args::common::Common;
 use crate::failure::Failure;
 use crate::report::output;
 
-/// Print what a shell needs to complete this command's arguments.
+/// Print a completion script for a shell.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  aquafuse completions bash > ~/.local/share/bash-completion/completions/aquafuse"
 )]
 pub(crate) struct Completions {
-    /// Which shell.
+    /// The shell.
     #[arg(value_enum)]
     shell: Shell,
 }
@@ -29,14 +29,14 @@ impl Completions {
     }
 }
 
-/// Write the manual pages, aquafuse.1 and one for each command.
+/// Write the manual pages: aquafuse.1 and one per command.
 #[derive(Args)]
 #[command(after_help = "Example:\n  aquafuse man -o ~/.local/share/man/man1 && man aquafuse-fuse")]
 pub(crate) struct Man {
-    /// Folder to write into; made if it is missing.
+    /// Output folder; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Replace pages that exist.
+    /// Replace existing pages.
     #[arg(long)]
     overwrite: bool,
 }
@@ -46,7 +46,7 @@ impl Man {
         make_folder(&self.output)?;
         command.build();
         self.write(&command, "aquafuse")?;
-        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&self.output))) }
+        output::written(&self.output, common.quiet)
     }
 
     fn write(&self, command: &Command, name: &str) -> Result<(), Failure> {

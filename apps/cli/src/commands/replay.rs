@@ -11,27 +11,27 @@ use crate::args::common::{Common, encoding};
 use crate::failure::Failure;
 use crate::report::output;
 
-/// Make variants again, as their manifest says, and compare them with it.
+/// Make variants again from their manifest, and compare them with it.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  aquafuse replay more/manifest.jsonl --only images/reef__green__0.jpg -o again/"
 )]
 pub(crate) struct Replay {
-    /// The manifest that `augment` wrote, or its folder.
+    /// The manifest of `augment`, or its folder.
     manifest: PathBuf,
-    /// Of the variants only this one, by its path in the manifest, or those of this image [default: all].
+    /// Only the variant with this path in the manifest, or the variants of this image [default: all].
     #[arg(long, value_name = "KEY")]
     only: Option<String>,
-    /// Where to write them.
+    /// Output folder.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Where the dataset is now [default: where it was].
+    /// Folder of the dataset [default: as in the manifest].
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
-    /// Replace files that exist.
+    /// Replace existing files.
     #[arg(long)]
     overwrite: bool,
-    /// The manifest is of a run with --linear.
+    /// Set this if the manifest is from a run with --linear.
     #[arg(long)]
     linear: bool,
 }
@@ -59,7 +59,7 @@ impl Replay {
         }
         for path in &different {
             output::complain(&format!(
-                "{}: its bytes are others than in the manifest; the image or the version changed",
+                "{}: it differs from the manifest; the image or the version of aquafuse changed",
                 display(path)
             ));
         }
@@ -68,9 +68,9 @@ impl Replay {
         }
         match (different.len(), failed.len()) {
             (0, 0) => Ok(()),
-            (different, failed) => {
-                Err(Failure::work(anyhow!("not made: {failed}, made but not equal: {different}; see above")))
-            }
+            (different, failed) => Err(Failure::work(anyhow!(
+                "failed: {failed}, different from the manifest: {different}; see the messages above"
+            ))),
         }
     }
 }

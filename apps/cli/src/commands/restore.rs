@@ -15,27 +15,26 @@ use crate::failure::Failure;
 use crate::report::batch::{self, Words};
 
 const HELP: &str = "\
-Eq. 2 of the paper, I = (U - B) e^(beta_D z): the backscatter is taken off, then what has faded
-is strengthened, --max-gain times at most. It is as right as depth and water are. From colour
-alone expect a clearer image, not true colours; with a depth map in metres expect more. What
-is far and faint has drowned in noise and stays dark. Where colours look burnt, --max-gain 2 is
-gentler.
+Evaluates Eq. 2 of the paper, I = (U - B) e^(beta_D z): subtracts the backscatter, then amplifies
+the remaining light, at most --max-gain times. The result is as accurate as depth and water are.
+With depth from colour expect a clearer image, not true colours; a depth map in metres helps.
+Distant objects that are lost in noise stay dark. If colours look oversaturated, try --max-gain 2.
 
-Example:
+Examples:
   aquafuse restore reef.jpg -o clear.png
   aquafuse restore photos/ -o clear/ --depth depths/ --depth-kind metres";
 
-/// Take the water out of an image, or of a folder of them.
+/// Remove the water from an image or a folder of images.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Restore {
-    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF), or a folder of images (not GIF).
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF, no subfolders).
     content: PathBuf,
     #[command(flatten)]
     batch: BatchArguments,
     #[command(flatten)]
     depth_model: DepthModelArg,
-    /// How many times the scene's own light is strengthened at most, 1 to 100. Noise grows with it.
+    /// Upper limit of the gain on the light of the scene, 1 to 100. The gain amplifies noise too.
     #[arg(long, value_name = "N", default_value_t = RestoreOptions::default().max_gain[0], value_parser = gain)]
     max_gain: f32,
 }

@@ -16,42 +16,42 @@ use crate::failure::Failure;
 use crate::report::output;
 
 const HELP: &str = "\
-Eq. 1 of the paper, U = I e^(-beta_D z) + B_inf (1 - e^(-beta_B z)), at every pixel. With a
-preset the scene is lit by the light that reaches it (--below-surface) as well, unless
---keep-light.
+Evaluates Eq. 1 of the paper at each pixel: U = I e^(-beta_D z) + B_inf (1 - e^(-beta_B z)). With
+a preset, the scene is also lit by the daylight that reaches it (--below-surface), unless
+--keep-light is given.
 
 Example:
-  aquafuse simulate room.jpg room_depth.png preset:jerlov-3C -o dived.png --depth-kind millimetres --linear";
+  aquafuse simulate room.jpg room_depth.png preset:jerlov-3C -o dived.png --depth-kind millimetres";
 
-/// Put an image taken in air under water, for RGB-D data.
+/// Put an image taken in air, with its depth map, under water.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Simulate {
     /// The image, taken in air.
     image: PathBuf,
-    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the image's size. Where it holds no valid value, colour
-    /// tells, as in `fuse`: little more than a guess in air, and counted.
+    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the image's size. Invalid pixels are filled from colour, which
+    /// is a guess in air; the command prints their share.
     depth: PathBuf,
     /// The water: preset:NAME from `water list`, NAME.water.json from `water extract`, or an image.
     water: PathBuf,
-    /// Where to write; the name says the format.
+    /// Output file; the extension selects the format.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// What the values of DEPTH are, which no file says.
+    /// Kind of the values in DEPTH, as in `fuse`.
     #[arg(long, value_name = "KIND", value_parser = kind())]
     depth_kind: SuppliedKind,
     #[command(flatten)]
     waters: WaterArguments,
-    /// Work in linear light, where light adds up: nearer to a real sea.
+    /// Compute in linear light: physically more accurate.
     #[arg(long)]
     linear: bool,
-    /// Leave the light on the scene as it is; only the water between is added.
+    /// Keep the light on the scene; add only the water between camera and scene.
     #[arg(long)]
     keep_light: bool,
     /// JPEG quality, 1 to 100.
     #[arg(long, value_name = "Q", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: u8,
-    /// Replace OUT if it exists.
+    /// Replace an existing OUT.
     #[arg(long)]
     overwrite: bool,
 }
@@ -88,7 +88,7 @@ impl Simulate {
         let unit = if found.depth.kind() == DepthKind::Metres { "m" } else { "of relative depth" };
         let far = found.depth.percentile(0.95);
         let mut text =
-            format!("{}: written; things stand up to {far:.2} {unit} away\n", display(&self.output));
+            format!("{}: written; objects are up to {far:.2} {unit} away\n", display(&self.output));
         if let Some(report) = found.supplied {
             if report.invalid > 0 {
                 let share = 100.0 * report.invalid_share();

@@ -1,4 +1,4 @@
-//! `aquafuse verify`: whether what was made is still as it was made.
+//! `aquafuse verify`: whether the outputs of `augment` are unchanged.
 
 use std::path::PathBuf;
 
@@ -12,16 +12,16 @@ use crate::args::common::Common;
 use crate::failure::Failure;
 use crate::report::output;
 
-/// Check what `augment` made against its manifest, bit for bit.
+/// Check the outputs of `augment` against their manifest, bit for bit.
 #[derive(Args)]
-#[command(after_help = "Example:\n  aquafuse verify more/\n  aquafuse verify more/ --dataset fish/")]
+#[command(after_help = "Examples:\n  aquafuse verify more/\n  aquafuse verify more/ --dataset fish/")]
 pub(crate) struct Verify {
-    /// The folder that `augment` wrote, or the manifest in it.
+    /// The output folder of `augment`, or the manifest in it.
     folder: PathBuf,
-    /// Check the images that it was made from too, in this dataset.
+    /// Also check the source images in this dataset.
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
-    /// Print one JSON object, for programs.
+    /// Print one JSON object.
     #[arg(long)]
     json: bool,
 }
@@ -68,18 +68,20 @@ impl Verify {
             }
             if !common.quiet {
                 let right = check.files.saturating_sub(check.wrong.len());
-                output::print(&format!("{right} of {} files are as they were made\n", check.files))?;
+                output::print(&format!("{right} of {} files are unchanged\n", check.files))?;
                 if let Some(first) = check.unlisted.first() {
                     let (count, first) = (check.unlisted.len(), display(first));
-                    output::print(&format!("  in no manifest: {count}, the first of them {first}\n"))?;
+                    output::print(&format!(
+                        "  files that no manifest lists: {count}, the first is {first}\n"
+                    ))?;
                 }
             }
         }
         match check.wrong.len() {
             0 => Ok(()),
             // Named above, one by one.
-            _ if !self.json => Err(Failure::Told),
-            wrong => Err(Failure::work(anyhow!("{wrong} files are not as they were made"))),
+            _ if !self.json => Err(Failure::Reported),
+            wrong => Err(Failure::work(anyhow!("{wrong} files are missing or changed"))),
         }
     }
 }

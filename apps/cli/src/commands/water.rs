@@ -1,4 +1,4 @@
-//! `aquafuse water`: waterbodies as files, and those from tables.
+//! `aquafuse water`: waterbodies as files and as presets.
 
 mod show;
 
@@ -22,7 +22,7 @@ use crate::failure::Failure;
 use crate::report::output;
 use crate::report::water::{hex, veiling_light};
 
-/// Keep an image's water as a file, and look at waters.
+/// Save the water of an image to a file, list presets, and show waters.
 #[derive(Args)]
 pub(crate) struct Water {
     #[command(subcommand)]
@@ -36,39 +36,39 @@ enum Command {
     Show(Show),
 }
 
-/// Write the water of an image, or of several of one water, as a file.
+/// Write the water of one image, or of several images of the same water, to a file.
 #[derive(Args)]
 #[command(after_help = "\
-Of several images each number is the median, weighted by how sure each image is.
+With several images, each number is the median, weighted by the certainty of each image.
 
-Example:
+Examples:
   aquafuse water extract harbour.jpg -o harbour.water.json
   aquafuse fuse reef.jpg harbour.water.json -o fused.jpg --model physical")]
 struct Extract {
-    /// Images of one water.
+    /// Images of the same water.
     #[arg(required = true)]
     images: Vec<PathBuf>,
-    /// Where to write, NAME.water.json; a missing folder is made.
+    /// Output file, NAME.water.json; a missing folder is created.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
     depth: DepthArguments,
     #[command(flatten)]
     model: DepthModelArg,
-    /// Tell the water of the light, not of the values that cameras write: for `fuse --linear` and the like.
+    /// Estimate in linear light instead of encoded values, for `fuse --linear` and other commands with --linear.
     #[arg(long)]
     linear: bool,
-    /// Replace OUT if it exists.
+    /// Replace an existing OUT.
     #[arg(long)]
     overwrite: bool,
 }
 
-/// List the waters that can be named as preset:NAME.
+/// List the presets, which other commands take as preset:NAME.
 #[derive(Args)]
 struct List {
     #[command(flatten)]
     waters: WaterArguments,
-    /// Print JSON for programs.
+    /// Print JSON.
     #[arg(long)]
     json: bool,
 }
@@ -105,7 +105,7 @@ impl Extract {
         };
         remove_stale_parts(make_folder_of(&self.output)?);
         file.write(&self.output, self.overwrite)?;
-        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&self.output))) }
+        output::written(&self.output, common.quiet)
     }
 
     /// Where the depth of each image comes from: with several, --depth is a folder.
@@ -138,10 +138,10 @@ impl List {
                 format!("{x:.2} {y:.2} {z:.2}")
             );
         }
-        text += "\nOf red, green and blue. Water types after Jerlov, oceans from clear to turbid, then coasts, as a camera sees them\n";
+        text += "\nValues of red, green and blue, for the water types of Jerlov: oceans from clear to turbid, then coasts. The camera\n";
         let _ = writeln!(
             text,
-            "that is {}, {} m below the surface; `aquafuse water show preset:NAME` tells all that a preset rests on.",
+            "is {}; the scene is {} m below the surface. `aquafuse water show preset:NAME` lists the sources.",
             self.waters.white(),
             self.waters.below_surface()
         );

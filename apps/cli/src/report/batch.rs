@@ -1,4 +1,4 @@
-//! A batch at work: progress, a line for each image, the summary, the report.
+//! A running batch: progress, a line for each image, the summary, the report.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -17,7 +17,7 @@ use crate::args::batch::BatchArguments;
 use crate::args::common::Common;
 use crate::failure::Failure;
 
-/// What a command says of its batch.
+/// The words of a command about its batch.
 pub(crate) struct Words {
     /// The first line of the summary.
     pub(crate) heading: String,
@@ -35,7 +35,7 @@ struct Report {
     images: Vec<Box<RawValue>>,
 }
 
-/// Runs a plan, shows how far it is, and prints what came of it.
+/// Runs a plan, shows its progress, and prints its outcome.
 pub(crate) fn run(
     plan: &Plan,
     recipe: &Recipe,
@@ -83,7 +83,7 @@ fn write_report(
     mut images: Vec<Box<RawValue>>,
     overwrite: bool,
 ) -> Result<(), Failure> {
-    // Images get done in any order; their names stand first in their records.
+    // Images end in any order; a record begins with the name of its image.
     images.sort_by(|a, b| a.get().cmp(b.get()));
     let report = Report { schema: 1, version: env!("CARGO_PKG_VERSION"), settings, images };
     let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
@@ -94,12 +94,12 @@ fn write_report(
 fn outcome(ended: &Summary, all: usize, output: &Path) -> Result<(), Failure> {
     match ended {
         Summary { failed: 0, .. } => Ok(()),
-        // Its own line has said why.
-        _ if all == 1 => Err(Failure::Told),
+        // Its message was printed already.
+        _ if all == 1 => Err(Failure::Reported),
         Summary { failed, left, .. } => {
             let left = if *left > 0 { format!(", {left} were not tried") } else { String::new() };
             Err(Failure::work(anyhow!(
-                "{failed} of {all} failed{left}; the messages above say why, and {} lists them",
+                "{failed} of {all} images failed{left}; see the messages above and {}",
                 display(&output.join(RECORD))
             )))
         }

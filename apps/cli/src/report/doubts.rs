@@ -1,14 +1,14 @@
-//! The verdicts on an estimate, explained.
+//! Explanations of the verdicts on an estimate.
 
 use std::fmt::Write;
 
 use aquafuse::waterbody::Reason;
 
-/// What `inspect --help` ends with.
+/// The end of `inspect --help`.
 pub(crate) fn explained() -> String {
     let mut text = String::from(
-        "The verdict is good, doubtful (it may be right: look at the image) or failed (the numbers are a guess).\n\
-         What may speak against an estimate, and what helps:\n",
+        "The verdict is good, doubtful (check the image) or failed (the numbers are a guess).\n\
+         Reasons for a verdict, and remedies:\n",
     );
     for &reason in Reason::ALL {
         let _ = write!(text, "\n  {}:\n      {}", reason.describe(), meant(reason));
@@ -19,30 +19,28 @@ pub(crate) fn explained() -> String {
 fn meant(reason: Reason) -> &'static str {
     match reason {
         Reason::NoOpenWater => {
-            "B∞ was read from the farthest things, or from corners. Take an image of the same dive that shows open water"
+            "B∞ comes from the farthest objects or from corners. Use an image of the same dive that shows open water"
         }
         Reason::FlatDepth => {
-            "nothing can be told to grow with distance. Take an image of near and far things, or give --depth"
+            "no effect of distance can be measured. Use an image of near and far objects, or give --depth"
         }
         Reason::SaturatedDepth => {
-            "depth from colour ran out of its range. Try another --depth-model, or give --depth"
+            "depth from colour exceeds its range. Try another --depth-model, or give --depth"
         }
         Reason::LightOutsideWaterHues => {
-            "red leads, or it is nearly white: glare, a lamp or the surface was taken for water"
+            "it is reddish or nearly white: glare, a lamp or the surface was mistaken for water"
         }
         Reason::LargeResidual => {
-            "depth is wrong, or a lamp lights what is near. Try another --depth-model, or give --depth"
+            "depth is wrong, or a lamp lights near objects. Try another --depth-model, or give --depth"
         }
         Reason::FewDarkPixels => {
-            "what backscatter adds cannot be told from what things are: β_B is uncertain"
+            "backscatter cannot be separated from the colours of the objects: β_B is uncertain"
         }
-        Reason::DeadRed => {
-            "its water, and depth from colour, are not known; what is painted in red is bounded"
-        }
+        Reason::DeadRed => "red depth and water are unknown; the change of red is limited",
         Reason::AttenuationNotConverged => {
-            "β_D is uncertain, which matters to `restore` and --model exchange alone"
+            "β_D is uncertain. This matters only for `restore` and --model exchange"
         }
-        Reason::InvertedDepth => "near and far look exchanged. Check --depth-kind",
+        Reason::InvertedDepth => "near and far look swapped. Check --depth-kind",
         _ => "",
     }
 }

@@ -1,4 +1,4 @@
-//! An evaluation at work: how far it is, its tables, its report.
+//! A running evaluation: progress, tables, report.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,11 +15,11 @@ use crate::args::common::Common;
 use crate::args::evaluation::ReportArguments;
 use crate::failure::Failure;
 
-/// Complaints shown while it runs; the report lists all.
+/// Failures printed while it runs; the report lists all.
 const COMPLAINTS: usize = 12;
 
 impl ReportArguments {
-    /// Runs an evaluation, showing how far it is, and hands its figures out. `more` may add to them.
+    /// Runs an evaluation, shows its progress, and writes its figures. `more` may add to them.
     pub(crate) fn run(
         &self,
         common: &Common,
@@ -33,7 +33,7 @@ impl ReportArguments {
             Event::Done { item, .. } => progress.done(item.to_owned()),
             Event::Failed { error, .. } => match complaints.fetch_add(1, Ordering::Relaxed) {
                 earlier if earlier < COMPLAINTS => progress.complain(&error.error),
-                COMPLAINTS => progress.complain(&"there are more failures; the report lists them all"),
+                COMPLAINTS => progress.complain(&"more images failed; the report lists all of them"),
                 _ => {}
             },
             _ => {}
@@ -56,7 +56,7 @@ impl ReportArguments {
         match report.failed.len() {
             0 => Ok(()),
             count => Err(Failure::work(anyhow!(
-                "{count} failed and are left out of the figures; the report lists them"
+                "{count} failed and are missing from the figures; the report lists them"
             ))),
         }
     }

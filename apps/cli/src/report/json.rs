@@ -82,7 +82,7 @@ struct Supplied {
     looks_turned_round: bool,
 }
 
-/// What an event says of an image.
+/// The record of an event about an image.
 pub(super) fn record(event: &Event<'_, Item, Box<Report>>) -> Option<Box<RawValue>> {
     let (item, outcome): (&Item, Outcome<'_>) = match event {
         Event::Done { item, result } => (item, done(result)),

@@ -1,4 +1,4 @@
-//! What is printed, and where.
+//! Printing to standard output and standard error.
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -8,7 +8,7 @@ use aquafuse_data::files::{display, holds_files};
 
 use crate::failure::Failure;
 
-/// Says on standard error what went wrong. If nobody listens there, there is nobody to tell.
+/// Prints a message to standard error. That it cannot be printed is ignored: there is no other place for it.
 pub(crate) fn complain(what: &impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "aquafuse: {what}");
 }
@@ -27,6 +27,11 @@ pub(crate) fn refuse_filled(folder: &Path, except: &[&str]) -> Result<(), Failur
             display(folder)
         ))),
     }
+}
+
+/// Says that a file or folder is written, unless `quiet`.
+pub(crate) fn written(path: &Path, quiet: bool) -> Result<(), Failure> {
+    if quiet { Ok(()) } else { print(&format!("{}: written\n", display(path))) }
 }
 
 /// Prints `text`; a reader that has gone away (`| head`) is no error.

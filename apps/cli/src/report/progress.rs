@@ -1,4 +1,4 @@
-//! A bar for long work, on standard error, where it is a terminal.
+//! A progress bar on standard error, if that is a terminal.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::output;
 
-/// Shows a job as it goes: how many, how fast, how long still; each failure on a line of its own.
+/// Shows the progress of a run: count, speed, remaining time, and each failure on its own line.
 pub(crate) struct Progress {
     bar: ProgressBar,
 }
@@ -21,12 +21,12 @@ impl Progress {
         let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
         // Its own rate has four decimals.
         let rate = |state: &ProgressState, out: &mut dyn Write| {
-            let _ = write!(out, "{:.1} a second", state.per_sec());
+            let _ = write!(out, "{:.1} per second", state.per_sec());
         };
         Self { bar: bar.with_style(style.with_key("rate", rate)) }
     }
 
-    /// Shows an event of a run; `name` says what an item is called.
+    /// Shows an event of a run; `name` gives the name of an item.
     pub(crate) fn show<I: ?Sized, R, E: std::fmt::Display>(
         &self,
         event: &Event<'_, I, R, E>,
@@ -54,7 +54,7 @@ impl Progress {
         self.bar.inc(1);
     }
 
-    /// Says something on a line of its own.
+    /// Prints a message on its own line.
     pub(crate) fn complain(&self, what: &impl std::fmt::Display) {
         // `println` of the bar would swallow the line where there is no terminal.
         self.bar.suspend(|| output::complain(what));

@@ -1,5 +1,6 @@
-//! What is said about images that were made: how many, and which deserve a look.
+//! The summary of a run: one line of counts, what needs action, and details on request.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use aquafuse::depth::{SuppliedKind, SuppliedReport};
@@ -10,102 +11,161 @@ use aquafuse_data::pipeline::Limited;
 use aquafuse_data::pipeline::Scores;
 
 use crate::args::depth::inverted;
-use crate::report::water::reasons;
+use crate::report::water::{estimate_counts, reasons, verdict};
 
-/// More clipping than this share of the values is worth a word.
+/// More clipping than this share of the values is listed.
 const MUCH: f64 = 0.05;
 /// No water's backscatter grows faster than this in green, per metre: the thickest of Jerlov's has a third of it.
 const THICKEST: f32 = 20.0;
-/// Images named for each thing that is worth a word.
+/// Images that a warning names; with `--verbose` it names all.
 const NAMED: usize = 5;
 
-/// The summary of these images, and of `kept` that were there before; every image is named if it is `verbose`.
-pub(super) fn of(reports: &[(Item, Report)], kept: usize, verbose: bool) -> String {
-    let named = if verbose { usize::MAX } else { NAMED };
+/// The detail that a list gives for an image; `None` if the image does not belong to the list.
+type Detail = fn(&Report) -> Option<String>;
+
+/// A sentence that calls for an action of the user, and its figure for this image; `None` if there is no need.
+type Warning = fn(&Report) -> Option<(String, Option<String>)>;
+
+/// Always printed.
+const WARNINGS: [Warning; 4] = [
+    |report| Some(("damaged file; the output is marked as such".into(), Some(report.damage.clone()?))),
+    |report| {
+        let supplied = report.supplied.filter(SuppliedReport::looks_turned_round)?;
+        Some((format!("the depth map {}", inverted(&supplied)), None))
+    },
+    |report| {
+        let kind = report.supplied?.kind;
+        let is_metric = matches!(kind, SuppliedKind::Metres | SuppliedKind::Millimetres);
+        let is_too_thick = is_metric && report.water.backscatter_coefficient[1] > THICKEST;
+        let name = kind.name();
+        is_too_thick.then(|| {
+            (
+                format!("by its depth map the water is thicker than any; check that the values are {name}"),
+                None,
+            )
+        })
+    },
+    |report| {
+        let left =
+            format!("{:.0} % of the contrast left", 100.0 * report.outcome.contrast_left.unwrap_or(1.0));
+        let about = "WATER hides the scene; use a smaller --metres-at-one, or --model physical";
+        report.outcome.has_vanished().then(|| (about.into(), Some(left)))
+    },
+];
+
+/// Lists that explain the counts: printed with `--verbose`.
+const DETAILS: [(&str, Detail); 6] = [
+    ("estimate failed, see `aquafuse inspect`", |report| of_verdict(report, Verdict::Failed)),
+    ("estimate doubtful, see `aquafuse inspect`", |report| of_verdict(report, Verdict::Doubtful)),
+    ("much clipped", |report| {
+        let share = report.outcome.clipping.share();
+        (share > MUCH).then(|| format!("{:.0} % of the values", 100.0 * share))
+    }),
+    ("pixels without a valid depth, filled from colour", |report| {
+        let supplied = report.supplied.filter(|supplied| supplied.invalid > 0)?;
+        Some(format!("{:.1} %", 100.0 * supplied.invalid_share()))
+    }),
+    ("not copied to the output", |report| (!report.left_out.is_empty()).then(|| report.left_out.join(", "))),
+    ("limited by safety bounds", |report| {
+        report.outcome.limited.any().then(|| bounds(report.outcome.limited))
+    }),
+];
+
+/// The summary of the images of this run, and of the `skipped` images of an earlier one.
+pub(super) fn of(reports: &[(Item, Report)], skipped: usize, verbose: bool) -> String {
     let mut text = String::new();
-    if kept > 0 {
-        let _ = writeln!(text, "{kept} images were there already, made by a run before this one");
+    if skipped > 0 {
+        let _ = writeln!(text, "{} skipped: an earlier run wrote them", images(skipped));
     }
-    let mean =
-        reports.iter().map(|(_, report)| report.outcome.clipping.share()).sum::<f64>() / reports.len() as f64;
-    let _ = match reports {
-        [] => Ok(()),
-        [(item, _)] => {
-            writeln!(text, "{}: written, {:.2} % of the values clipped", display(&item.output), 100.0 * mean)
-        }
-        _ => {
-            writeln!(text, "{} images written, {:.2} % of the values clipped", reports.len(), 100.0 * mean)
-        }
-    };
-    let mut clipped: Vec<_> =
-        reports.iter().filter(|(_, report)| report.outcome.clipping.share() > MUCH).collect();
-    clipped.sort_by(|(_, a), (_, b)| b.outcome.clipping.share().total_cmp(&a.outcome.clipping.share()));
-    let with_share = |(item, report): &&(Item, Report)| {
-        format!("{} {:.0} %", name(item), 100.0 * report.outcome.clipping.share())
-    };
-    list(&mut text, named, "much clipped", clipped.iter().map(with_share));
-    let supplied = reports.iter().filter_map(|(item, report)| Some((item, report.supplied?)));
-    for (item, supplied) in supplied.clone().filter(|(_, supplied)| supplied.looks_turned_round()).take(named)
-    {
-        let _ = writeln!(text, "  WARNING: the depth map of {} {}", name(item), inverted(&supplied));
+    written(&mut text, reports);
+    for warning in WARNINGS {
+        warn(&mut text, warning, reports, verbose);
     }
-    let thick = reports.iter().filter_map(|(item, report)| {
-        let supplied = report.supplied?;
-        let is_metric = matches!(supplied.kind, SuppliedKind::Metres | SuppliedKind::Millimetres);
-        (is_metric && report.water.backscatter_coefficient[1] > THICKEST).then_some((item, supplied))
-    });
-    for (item, supplied) in thick.take(named) {
-        let _ = writeln!(
-            text,
-            "  WARNING: by its depth map {} has thicker water than there is; are its values really {}?",
-            name(item),
-            supplied.kind.name()
-        );
-    }
-    let holes = supplied.filter(|(_, supplied)| supplied.invalid > 0);
-    let with_share = |(item, supplied): (&Item, SuppliedReport)| {
-        format!("{} {:.1} %", name(item), 100.0 * supplied.invalid_share())
-    };
-    list(&mut text, named, "pixels without a valid depth, told from colour", holes.map(with_share));
-    let vanished = reports.iter().filter(|(_, report)| report.outcome.has_vanished());
-    let with_share = |(item, report): &(Item, Report)| {
-        format!("{} {:.0} %", name(item), 100.0 * report.outcome.contrast_left.unwrap_or(1.0))
-    };
-    let about = "hidden by WATER, share of the contrast left (a smaller --metres-at-one lets through more, --model physical all)";
-    list(&mut text, named, about, vanished.map(with_share));
-    for verdict in [Verdict::Failed, Verdict::Doubtful] {
-        let of_verdict = reports.iter().filter(|(_, report)| report.quality.verdict == verdict);
-        let with_reasons =
-            |(item, report): &(Item, Report)| format!("{} ({})", name(item), reasons(report.quality));
-        let about = format!("{}, see `aquafuse inspect`", verdict.name());
-        list(&mut text, named, &about, of_verdict.map(with_reasons));
-    }
-    let damaged = reports.iter().filter_map(|(item, report)| Some((item, report.damage.as_ref()?)));
-    list(
-        &mut text,
-        named,
-        "from damaged files, and marked as such",
-        damaged.map(|(item, damage)| format!("{} ({damage})", name(item))),
-    );
-    let left_out = reports.iter().filter(|(_, report)| !report.left_out.is_empty());
-    list(
-        &mut text,
-        named,
-        "not carried over",
-        left_out.map(|(item, report)| format!("{} ({})", name(item), report.left_out.join(", "))),
-    );
     scores(&mut text, reports);
-    let held = reports.iter().filter(|(_, report)| report.outcome.limited.any());
-    list(
-        &mut text,
-        named,
-        "held back",
-        held.map(|(item, report)| format!("{} ({})", name(item), bounds(report.outcome.limited))),
-    );
+    if verbose {
+        for (about, detail) in DETAILS {
+            list(&mut text, about, &entries(reports, detail), reports.len());
+        }
+    }
     text
 }
 
-/// A table of scores before and after: means over the images that have them.
+/// One line: what was written, the verdicts, the clipping.
+fn written(text: &mut String, reports: &[(Item, Report)]) {
+    let clipped = reports.iter().map(|(_, report)| report.outcome.clipping.share()).sum::<f64>();
+    let clipped = format!("{:.2} % of the values clipped", 100.0 * clipped / reports.len() as f64);
+    let _ = match reports {
+        [] => Ok(()),
+        [(item, report)] => {
+            let (output, verdict) = (display(&item.output), verdict(report.quality));
+            writeln!(text, "{output}: written; estimate {verdict}; {clipped}")
+        }
+        _ => {
+            let verdicts = reports.iter().map(|(_, report)| report.quality.verdict);
+            writeln!(text, "{} written; {}; {clipped}", images(reports.len()), estimate_counts(verdicts))
+        }
+    };
+}
+
+fn images(count: usize) -> String {
+    if count == 1 { "1 image".into() } else { format!("{count} images") }
+}
+
+fn of_verdict(report: &Report, wanted: Verdict) -> Option<String> {
+    (report.quality.verdict == wanted).then(|| reasons(report.quality))
+}
+
+/// The images of a list, as they can be given to another command, each with its detail.
+fn entries(reports: &[(Item, Report)], detail: Detail) -> Vec<(String, String)> {
+    let entry = |(item, report): &(Item, Report)| Some((display(&item.input).to_string(), detail(report)?));
+    reports.iter().filter_map(entry).collect()
+}
+
+/// A line for each sentence, with the first few images that it holds for, or `all`.
+fn warn(text: &mut String, warning: Warning, reports: &[(Item, Report)], verbose: bool) {
+    let mut by_sentence: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (item, report) in reports {
+        if let Some((sentence, figure)) = warning(report) {
+            let figure = figure.map(|figure| format!(" ({figure})")).unwrap_or_default();
+            by_sentence.entry(sentence).or_default().push(format!("{}{figure}", display(&item.input)));
+        }
+    }
+    let most = if verbose { usize::MAX } else { NAMED };
+    for (sentence, names) in by_sentence {
+        let named = match names.len() {
+            count if count == reports.len() && count > 1 => format!("all {count} images"),
+            count if count > most => format!("{} and {} more", names[..most].join(", "), count - most),
+            _ => names.join(", "),
+        };
+        let _ = writeln!(text, "  WARNING: {named}: {sentence}");
+    }
+}
+
+/// A heading, and a line for each image; only one line if the heading holds for every image of a folder.
+fn list(text: &mut String, about: &str, entries: &[(String, String)], all: usize) {
+    let count = entries.len();
+    if count == 0 {
+        return;
+    }
+    if count == all && count > 1 {
+        let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+        entries.iter().for_each(|(_, detail)| *kinds.entry(detail).or_default() += 1);
+        let kinds: Vec<String> = match kinds.len() {
+            1 => kinds.into_keys().map(str::to_owned).collect(),
+            2..=NAMED => kinds.into_iter().map(|(detail, count)| format!("{count}x {detail}")).collect(),
+            _ => Vec::new(),
+        };
+        let kinds = if kinds.is_empty() { String::new() } else { format!(" ({})", kinds.join("; ")) };
+        let _ = writeln!(text, "  all {count} images: {about}{kinds}");
+        return;
+    }
+    let _ = writeln!(text, "  {about}:");
+    for (name, detail) in entries {
+        let _ = writeln!(text, "    {name}: {detail}");
+    }
+}
+
+/// A table of scores before and after: means over the images that have scores.
 fn scores(text: &mut String, reports: &[(Item, Report)]) {
     type Score = fn(&Scores) -> Option<f64>;
     const ALL: [(&str, Score); 6] = [
@@ -134,28 +194,12 @@ fn scores(text: &mut String, reports: &[(Item, Report)]) {
 /// Which bounds acted, in words.
 fn bounds(bounds: Limited) -> String {
     let Limited { fusion, restoration } = bounds;
-    let said = [
-        (fusion.glare, "the glare of WATER darkened"),
-        (fusion.red || restoration.red, "no red cast"),
-        (fusion.gain, "nothing strengthened"),
-        (restoration.backscatter, "less veil taken off"),
-        (restoration.gain, "nothing burnt"),
+    let all = [
+        (fusion.glare, "glare of WATER darkened"),
+        (fusion.red || restoration.red, "red limited"),
+        (fusion.gain, "amplification limited"),
+        (restoration.backscatter, "less backscatter subtracted"),
+        (restoration.gain, "gain limited to avoid clipping"),
     ];
-    said.into_iter().filter(|(acted, _)| *acted).map(|(_, said)| said).collect::<Vec<_>>().join(", ")
-}
-
-/// A line that names the first few of what it is about, and counts the rest.
-fn list(text: &mut String, named: usize, about: &str, names: impl Iterator<Item = String>) {
-    let names: Vec<String> = names.collect();
-    let shown = names.iter().take(named).cloned().collect::<Vec<_>>().join(", ");
-    let _ = match names.len().saturating_sub(named) {
-        _ if names.is_empty() => Ok(()),
-        0 => writeln!(text, "  {about}: {shown}"),
-        more => writeln!(text, "  {about}: {shown} and {more} more"),
-    };
-}
-
-/// The image itself, as it can be given to another command.
-fn name(item: &Item) -> String {
-    display(&item.input).to_string()
+    all.into_iter().filter(|(acted, _)| *acted).map(|(_, words)| words).collect::<Vec<_>>().join(", ")
 }

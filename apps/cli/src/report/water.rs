@@ -1,11 +1,26 @@
-//! Words for an estimate: the veiling light, where it was read, and what speaks against it.
+//! Words for an estimate: the veiling light, its source, and the reasons of the verdict.
 
 use aquafuse::waterbody::{Estimate, Quality, Reason, VeilingLightSource, Verdict};
 use aquafuse_data::pipeline::WaterEstimate;
 
-/// What speaks against an estimate, in words.
+/// The reasons of a verdict, in words.
 pub(crate) fn reasons(quality: Quality) -> String {
     quality.reasons.iter().map(Reason::describe).collect::<Vec<_>>().join(", ")
+}
+
+/// A verdict, with its reasons unless it is good.
+pub(crate) fn verdict(quality: Quality) -> String {
+    match quality.verdict {
+        Verdict::Good => "good".into(),
+        verdict => format!("{} ({})", verdict.name(), reasons(quality)),
+    }
+}
+
+/// How many estimates have which verdict.
+pub(crate) fn estimate_counts(verdicts: impl Iterator<Item = Verdict> + Clone) -> String {
+    let count = |wanted| verdicts.clone().filter(|verdict| *verdict == wanted).count();
+    let [good, doubtful, failed] = [Verdict::Good, Verdict::Doubtful, Verdict::Failed].map(count);
+    format!("estimates: {good} good, {doubtful} doubtful, {failed} failed")
 }
 
 pub(crate) fn hex(rgb: [f32; 3]) -> String {
@@ -13,20 +28,20 @@ pub(crate) fn hex(rgb: [f32; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Where the veiling light was read, and from how much of the image.
+/// Which pixels gave the veiling light, and their share of the image.
 pub(crate) fn source((source, share): (VeilingLightSource, f32)) -> String {
     let share = 100.0 * share;
     match source {
         VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the image"),
         VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
-        VeilingLightSource::TopCorners => "the top corners: nothing far has the water's colour".into(),
+        VeilingLightSource::TopCorners => "the top corners: no far pixel has the colour of water".into(),
         VeilingLightSource::BottomCorners => {
-            "the bottom corners: neither the far end nor the top has the water's colour".into()
+            "the bottom corners: no far or top pixel has the colour of water".into()
         }
         VeilingLightSource::Unfiltered => {
-            format!("the farthest {share:.1} %, whatever their colour: no water was found")
+            format!("the farthest {share:.1} % of any colour: no water was found")
         }
-        VeilingLightSource::Given => "what is known of it".into(),
+        VeilingLightSource::Given => "supplied values".into(),
     }
 }
 
@@ -39,7 +54,7 @@ pub(crate) fn veiling_light_in_short(estimate: &Estimate) -> String {
     )
 }
 
-/// One line on a water: its colour, where that was read, and what speaks against it.
+/// One line on a water: its colour, the source of that colour, and the verdict with its reasons unless it is good.
 pub(crate) fn veiling_light(estimate: &WaterEstimate) -> String {
     let light = format!(
         "veiling light {}, from {}",
@@ -49,6 +64,6 @@ pub(crate) fn veiling_light(estimate: &WaterEstimate) -> String {
     let quality = estimate.quality();
     match quality.verdict {
         Verdict::Good => light,
-        verdict => format!("{light}; {}: {}", verdict.name(), reasons(quality)),
+        _ => format!("{light}; estimate {}", verdict(quality)),
     }
 }

@@ -10,7 +10,7 @@ use crate::depth_file::DepthFolder;
 use crate::files::FileError;
 use crate::pipeline::DepthSource;
 
-/// How to come by the depth of a dataset's images.
+/// How the depth of a dataset's images is obtained.
 #[derive(Clone, Debug)]
 pub enum DepthPlan {
     /// From colour.

@@ -105,7 +105,7 @@ impl Draws {
     }
 }
 
-/// A number below `most`, as even as 64 bits can tell.
+/// A number below `most`, as uniform as 64 bits allow.
 fn below(number: u64, most: usize) -> usize {
     let scaled = u128::from(number).saturating_mul(most as u128) >> 64;
     usize::try_from(scaled).unwrap_or(0)

@@ -23,7 +23,7 @@ pub(super) struct Header {
     pub(super) instead: Option<StoredWater>,
 }
 
-/// The settings as they stand in a manifest.
+/// The settings in a manifest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Settings {
     pub(super) seed: u64,
@@ -60,7 +60,7 @@ fn finite_range<'de, D: Deserializer<'de>>(from: D) -> Result<(f32, f32), D::Err
     }
 }
 
-/// How depth is come by.
+/// How depth is obtained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum StoredDepth {
@@ -86,7 +86,7 @@ impl Header {
         Self { schema: SCHEMA, version, dataset, layout, encoding, settings, waters, instead }
     }
 
-    /// The same as it may be taken apart to be told of.
+    /// A copy with shortened waters, for messages about differences.
     pub(super) fn told(&self) -> Self {
         let waters = self.waters.iter().map(StoredWater::told).collect();
         Self { waters, instead: self.instead.as_ref().map(StoredWater::told), ..self.clone() }

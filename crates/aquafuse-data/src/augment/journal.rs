@@ -1,7 +1,7 @@
 //! The manifest of a run that goes on.
 //!
-//! What was made stands in the file alone. Memory holds where the lines of each image stand there, so that it does not
-//! grow with what is said of them.
+//! Records are kept only in the file. Memory holds the positions of each image's lines, so that it does not grow with
+//! their length.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};

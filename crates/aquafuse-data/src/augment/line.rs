@@ -139,7 +139,7 @@ pub(super) enum Line {
     },
 }
 
-/// What tells the kind of a line.
+/// The field that names the kind of a line.
 #[derive(Deserialize)]
 struct Tag {
     line: Kind,
@@ -160,7 +160,7 @@ enum Kind {
 
 impl Line {
     /// Reads a line: its kind, and then what lines of that kind hold. A tag and flattened fields as serde reads them
-    /// would keep whatever else stands in the line, in several hundred times its length.
+    /// would keep everything else in the line, in several hundred times its length.
     pub(super) fn read(text: &[u8]) -> serde_json::Result<Self> {
         #[derive(Deserialize)]
         struct Skipped {

@@ -52,7 +52,7 @@ pub(super) struct Read<'a> {
 }
 
 impl Recipe {
-    /// Reads an image, and tells its depth and water.
+    /// Reads an image, and estimates its depth and water.
     pub(super) fn read<'a>(
         &self,
         opened: Opened,

@@ -1,4 +1,4 @@
-//! What is to be made of each image: refused here where it cannot be.
+//! The variants of each image. What cannot be made is refused here.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -9,7 +9,9 @@ use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
 use crate::files::display;
 use crate::image_file::Format;
 
-/// What is to be made of a dataset: the rule, applied image by image.
+/// The variants of a dataset.
+///
+/// It stores the rule, and computes the variants image by image.
 #[derive(Clone, Debug)]
 pub struct Plan<'d> {
     dataset: &'d Dataset,
@@ -50,7 +52,7 @@ impl<'d> Plan<'d> {
         self.indices.iter().filter_map(|&index| self.dataset.samples.get(index))
     }
 
-    /// What is to be made of the image of an index.
+    /// The variants of the image of an index.
     pub(super) fn planned(&self, index: usize) -> Option<Planned<'d>> {
         Some(self.rule.planned(self.dataset.samples.get(index)?, index))
     }
@@ -154,12 +156,12 @@ impl Rule {
     }
 }
 
-/// What is to be made cannot be.
+/// The requested variants cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
     /// Two variants would have one name.
-    #[error("{one} and {other} would both make {output}; rename one of them")]
+    #[error("{one} and {other} would both be written to {output}; rename one of them")]
     OneName {
         /// An image.
         one: String,
@@ -170,8 +172,8 @@ pub enum PlanError {
     },
     /// Some variants of an image would be equal.
     #[error(
-        "{per_image} variants of an image, but only {waters} waters and neither a range of theta nor one of alpha: \
-         some would be equal. Give more waters, a range, or a smaller --per-image"
+        "{per_image} variants per image from only {waters} waters, without a range of theta or alpha: some would be equal. \
+         Give more waters, a range, or a smaller --per-image"
     )]
     Equal {
         /// Variants.
@@ -179,21 +181,25 @@ pub enum PlanError {
         /// Waters.
         waters: usize,
     },
-    /// Depth maps of images that stand in files of many.
-    #[error(
-        "depth maps cannot be told apart for images in shards or tables; unpack them, or leave --depth out"
-    )]
+    /// Depth maps for images in files that hold many.
+    #[error("images in shards or tables cannot be matched to depth maps; unpack them, or leave --depth out")]
     MapsOfMany,
-    /// A table is asked for of a build that writes none.
+    /// A Parquet table is requested from a build that cannot write it.
     #[error(
-        "this build writes no Parquet; build it with --features parquet, or leave --manifest parquet out"
+        "this build cannot write Parquet; build with --features parquet, or leave --manifest parquet out"
     )]
     NotBuilt,
-    /// There is no water to draw.
-    #[error("every water is doubtful, and doubtful ones are skipped; give others, or --on-doubtful flag")]
+    /// There is no water to sample.
+    #[error(
+        "every water is doubtful, and doubtful waters are skipped; give other waters, or --on-doubtful flag"
+    )]
     NoWater,
     /// The output lies in the dataset, or the other way round.
-    #[error("{} and {} lie in one another; give an output elsewhere", display(dataset), display(output))]
+    #[error(
+        "one of {} and {} contains the other; give an output elsewhere",
+        display(dataset),
+        display(output)
+    )]
     Nested {
         /// The dataset.
         dataset: PathBuf,
@@ -201,7 +207,7 @@ pub enum PlanError {
         output: PathBuf,
     },
     /// The output holds something else.
-    #[error("{} holds files, and no manifest of ours; give a new folder", display(output))]
+    #[error("{} holds files but no manifest of `aquafuse augment`; give a new folder", display(output))]
     Foreign {
         /// The output.
         output: PathBuf,
@@ -209,7 +215,7 @@ pub enum PlanError {
 }
 
 impl Augmentation {
-    /// What is to be made of each image of the shard. Nothing is written.
+    /// The variants of each image of the shard. Nothing is written.
     ///
     /// # Errors
     ///

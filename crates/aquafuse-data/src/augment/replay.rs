@@ -1,4 +1,4 @@
-//! A variant made again from what its manifest says of it.
+//! A variant made again from its manifest.
 
 use std::path::{Path, PathBuf};
 
@@ -17,23 +17,23 @@ use crate::pipeline::PixelEncoding;
 use crate::run::Budget;
 use crate::water_file::WaterFileError;
 
-/// What came of making variants again.
+/// The outcome of making variants again.
 #[derive(Debug, Default)]
 pub struct Replayed {
-    /// The files that were made, equal to what the manifest says of them.
+    /// Files that equal the manifest.
     pub equal: Vec<PathBuf>,
-    /// Those that were made and are others.
+    /// Files that differ from the manifest.
     pub different: Vec<PathBuf>,
-    /// Those that could not be made, and why.
+    /// Variants that failed, and why.
     pub failed: Vec<(String, FileError)>,
 }
 
 /// Which variants to make again, from what and where to.
 #[derive(Clone, Copy, Debug)]
 pub struct Again<'a> {
-    /// Those of this path, or of the image of this key; all where it is none.
+    /// The variant with this path, or the variants of the image with this key; `None`: all.
     pub only: Option<&'a str>,
-    /// Where the dataset is now; none: where it was.
+    /// The folder of the dataset; `None`: as in the manifest.
     pub dataset: Option<&'a Path>,
     /// The folder to write to.
     pub output: &'a Path,
@@ -77,7 +77,7 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
             let water = recipe
                 .waters
                 .get(variant.water)
-                .ok_or_else(|| named("it names a water that it does not hold"))?;
+                .ok_or_else(|| named("it refers to a water that it does not contain"))?;
             let opened = match container {
                 None => ImageFile::open(&root.join(&key), &reading)?,
                 Some(container) => {
@@ -105,7 +105,7 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
 }
 
 impl Header {
-    /// The recipe that it tells of.
+    /// The recipe that it records.
     fn recipe(&self, manifest: &Path, wanted: PixelEncoding) -> Result<Recipe, AugmentError> {
         let settings = &self.settings;
         let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };

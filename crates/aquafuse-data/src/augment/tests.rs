@@ -276,9 +276,9 @@ fn outputs_that_are_not_ours_to_fill_are_refused() {
     fs::create_dir(&foreign).unwrap();
     fs::write(foreign.join("thesis.txt"), "").unwrap();
     for (output, said) in [
-        (foreign, "no manifest of ours"),
-        (root.join("out"), "lie in one another"),
-        (place.path().to_owned(), "lie in one another"),
+        (foreign, "no manifest of `aquafuse augment`"),
+        (root.join("out"), "contains the other"),
+        (place.path().to_owned(), "contains the other"),
     ] {
         let refused = job(&root, &output).plan().unwrap_err().to_string();
         assert!(refused.contains(said), "{refused}");

@@ -1,4 +1,4 @@
-//! Whether what a manifest says is there is there, bit for bit.
+//! Compares files with their manifest, bit for bit.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -14,19 +14,19 @@ use crate::files::FileError;
 use crate::files::sha256_of;
 use crate::image_file::ReadOptions;
 
-/// What was found to be wrong.
+/// The result of a check.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Check {
-    /// Files that were looked at.
+    /// Files that were checked.
     pub files: usize,
-    /// Each that is not as it was written, with what is wrong in words.
+    /// Files that are missing or changed, with the cause in words.
     pub wrong: Vec<(PathBuf, String)>,
     /// Files in the folder that no manifest lists.
     pub unlisted: Vec<PathBuf>,
 }
 
-/// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the images that
-/// it was made from too, in the dataset that now stands there.
+/// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the source
+/// images in this dataset too.
 ///
 /// # Errors
 ///
@@ -44,10 +44,12 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
         match found.sealed {
             Some(true) => {}
             Some(false) => {
-                check.wrong.push((path.clone(), "its own digest is another: it was changed".into()));
+                check.wrong.push((path.clone(), "its digest does not match: it was changed".into()));
             }
             None => {
-                check.wrong.push((path.clone(), "its run has not ended; the same command goes on".into()));
+                check
+                    .wrong
+                    .push((path.clone(), "its run has not ended; repeat the command to continue".into()));
             }
         }
         let mut files: Vec<(PathBuf, Result<Listed<'_>, String>)> = found
@@ -75,7 +77,7 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
     Ok(check)
 }
 
-/// What the variants were made from.
+/// The sources of the variants.
 fn sources<'a>(found: &'a Manifest, root: &Path) -> Vec<(PathBuf, Listed<'a>)> {
     let of = |(key, entry): (&'a String, &'a super::manifest::Entry)| {
         let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
@@ -87,18 +89,18 @@ fn sources<'a>(found: &'a Manifest, root: &Path) -> Vec<(PathBuf, Listed<'a>)> {
     found.entries.iter().filter_map(of).collect()
 }
 
-/// Holds a file against what is said of it.
+/// Compares a file with its record.
 fn hold(path: &Path, written: Listed<'_>) -> Result<(), String> {
     let about = path.metadata().map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => "it is not there".to_owned(),
+        std::io::ErrorKind::NotFound => "it is missing".to_owned(),
         _ => format!("it cannot be read: {error}"),
     })?;
     if about.len() != written.bytes {
-        return Err(format!("it has {} bytes, and had {}", about.len(), written.bytes));
+        return Err(format!("it has {} bytes instead of {}", about.len(), written.bytes));
     }
     let sha256 = sha256_of(path).map_err(|error| match error {
         FileError::Read { error, .. } => format!("it cannot be read: {error}"),
         other => other.to_string(),
     })?;
-    if sha256 == written.sha256 { Ok(()) } else { Err("its bytes are others".to_owned()) }
+    if sha256 == written.sha256 { Ok(()) } else { Err("its content changed".to_owned()) }
 }

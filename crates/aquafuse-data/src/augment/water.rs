@@ -9,10 +9,10 @@ use serde_json::value::{RawValue, to_raw_value};
 use crate::pipeline::PixelEncoding;
 use crate::water_file::{SUFFIX, WaterFile, WaterFileError};
 
-/// A water to draw.
+/// A water to sample.
 #[derive(Clone, Debug)]
 pub struct Water {
-    /// What it is called: the path of an image or of a water file as it was given, or `preset:NAME`.
+    /// Its name: the path of an image or of a water file as it was given, or `preset:NAME`.
     pub name: String,
     /// The digest of its file; none for presets.
     pub sha256: Option<String>,
@@ -20,7 +20,7 @@ pub struct Water {
     pub file: WaterFile,
 }
 
-/// What is done where an estimate is doubtful or failed, be it an image's own water or one to draw.
+/// What is done if the estimate of an image's own water, or of a water to sample, is doubtful or failed.
 #[derive(Clone, Debug)]
 pub enum OnDoubtful {
     /// It is used; the manifest says so.
@@ -56,7 +56,7 @@ impl Water {
     }
 }
 
-/// A water as it stands in a manifest.
+/// A water in a manifest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct StoredWater {
     pub(super) name: String,

@@ -53,7 +53,7 @@ pub enum PlanError {
     #[error(transparent)]
     File(#[from] FileError),
     /// An output would replace an input.
-    #[error("{} is an input, not to be written over; give another output", display(path))]
+    #[error("{} is an input and must not be overwritten; give another output", display(path))]
     Input {
         /// The input.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum PlanError {
     },
     /// The content is a folder, the output a file.
     #[error(
-        "{} is a folder, so the output must be one; {} is a file's name",
+        "{} is a folder, so the output must be a folder too; {} is a file name",
         display(content),
         display(output)
     )]
@@ -78,7 +78,7 @@ pub enum PlanError {
     },
     /// The folder holds no image.
     #[error(
-        "{} holds no {LISTED}, but {others} other files; name the folder in which the images themselves stand",
+        "{} holds no {LISTED}, only {others} other files; name the folder that contains the images",
         display(folder)
     )]
     NoImages {
@@ -88,7 +88,7 @@ pub enum PlanError {
         others: usize,
     },
     /// Two images would have one output.
-    #[error("{} and {} would have one output; rename one of them", display(.one), display(.other))]
+    #[error("{} and {} would have the same output; rename one of them", display(.one), display(.other))]
     OneOutput {
         /// One image.
         one: PathBuf,
@@ -96,7 +96,7 @@ pub enum PlanError {
         other: PathBuf,
     },
     /// Two images would have maps of one name.
-    #[error("{} and {} would have maps of one name; rename one of them", display(.one), display(.other))]
+    #[error("{} and {} would have maps of the same name; rename one of them", display(.one), display(.other))]
     OneMap {
         /// One image.
         one: PathBuf,

@@ -70,7 +70,7 @@ struct Source {
     /// The content, by its absolute path as it was named: to follow links would double the time of a resume.
     path: Name,
     content: Stamp,
-    /// How its depth is come by.
+    /// How its depth is obtained.
     depth: String,
     /// The file of its depth.
     map: Option<Stamp>,
@@ -106,7 +106,7 @@ impl Source {
         })
     }
 
-    /// Whether it is the same image with depth come by in the same way, be the files changed or not.
+    /// Whether it is the same image with depth obtained in the same way, be the files changed or not.
     fn is_of(&self, other: &Self) -> bool {
         (&self.path, &self.depth) == (&other.path, &other.depth)
     }
@@ -234,7 +234,8 @@ impl Record {
             file.seek(SeekFrom::Start(0)).map_err(cannot_read)?;
             let length = file.metadata().map_err(cannot_read)?.len();
             if length > MOST_BYTES {
-                let cause = format!("it has {length} bytes, and no job's record has more than {MOST_BYTES}");
+                let cause =
+                    format!("it has {length} bytes, but the record of a run has at most {MOST_BYTES}");
                 return Err(FileError::TooLarge { path: self.path.clone(), cause });
             }
             file.read_to_end(&mut text).map_err(cannot_read)?;
@@ -288,7 +289,7 @@ impl Record {
 
     /// Makes one output that is no image of a [`Plan`](super::Plan), unless it is done; says whether it was.
     ///
-    /// `write` is told whether it may replace what is there.
+    /// The argument of `write` says whether it may replace an existing file.
     ///
     /// # Errors
     ///

@@ -1,7 +1,7 @@
 //! JSON with `images` and `annotations`: instances, key points, captions, whatever each annotation holds.
 //!
-//! A file is taken apart into the texts of its entries, and those are written as they stand: numbers keep their digits,
-//! unknown fields their place. Ids and file names alone are ours.
+//! A file is split into the source text of its entries, which is copied unchanged: numbers keep their digits, unknown
+//! fields their position. Only ids and file names are replaced.
 
 pub(crate) mod entries;
 
@@ -144,13 +144,13 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
             }
         };
         let Some(key) = key else {
-            faults.add(fault(format!("there is no image {:?}", image.file_name)));
+            faults.add(fault(format!("the dataset has no image {:?}", image.file_name)));
             by_id.entry(image.id.get()).or_insert((None, [f64::NAN; 2]));
             return;
         };
         let place = match places.get(&key) {
             Some(place) => {
-                faults.add(fault(format!("{key} has an entry already")).of(&key));
+                faults.add(fault(format!("{key} has more than one entry")).of(&key));
                 *place
             }
             None => {
@@ -229,7 +229,7 @@ fn locate(tree: &Tree, file: &str, name: &str) -> Option<String> {
 /// An object with the fields of `T`: a list of their values, which would do as well for the reader of JSON, is none.
 pub(crate) fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
     if !text.trim_start().starts_with('{') {
-        return Err("it is no object".into());
+        return Err("it is not a JSON object".into());
     }
     serde_json::from_str(text).map_err(|error| one_line(&error.to_string()))
 }
@@ -237,13 +237,13 @@ pub(crate) fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String>
 /// An id as a number.
 fn id(raw: &RawValue) -> Result<i64, String> {
     let said: String = raw.get().chars().take(20).collect();
-    raw.get().parse().map_err(|_| format!("the id is {said}, but is a whole number"))
+    raw.get().parse().map_err(|_| format!("the id is {said}, but must be a whole number"))
 }
 
 /// What is wrong with a box, where it is not inside its image.
 fn outside(sides: &Sides, [width, height]: [f64; 2]) -> Option<String> {
     let Sides { first: [x, y, w, h], count: 4 } = *sides else {
-        return Some(format!("its box has {} numbers, but a box has 4", sides.count));
+        return Some(format!("its box has {} numbers instead of 4", sides.count));
     };
     let within = |low: f64, length: f64, size: f64| {
         low >= -SLACK && length >= 0.0 && (size.is_nan() || low + length <= size + SLACK)

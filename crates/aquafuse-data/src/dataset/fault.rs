@@ -1,19 +1,19 @@
-//! What is wrong with annotations.
+//! Faults of annotations.
 
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Letters of a cause; it may hold texts of others, of any length.
+/// Most letters of a cause, which may quote foreign strings of any length.
 const MOST_LETTERS: usize = 300;
 
-/// An annotation, or an image it speaks of, is not as it should be.
+/// A fault of an annotation, or of an image that it names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The file within the dataset, with a line or what else tells the place in it.
+    /// The file within the dataset, with the line or position in it.
     pub place: String,
-    /// What is wrong, in words.
+    /// The cause, in words.
     pub cause: String,
-    /// The image it is about; none where there is no such image, or it is not in the dataset.
+    /// The image it is about; `None` if the dataset has no such image.
     pub sample: Option<String>,
 }
 
@@ -28,7 +28,7 @@ impl Fault {
     }
 }
 
-/// A text that can be printed, be it cut.
+/// A string that can be printed, cut if it is long.
 fn short(mut text: String) -> String {
     if let Some((end, _)) = text.char_indices().nth(MOST_LETTERS) {
         text.truncate(end);
@@ -43,8 +43,8 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What is wrong with the annotations of a dataset: the first faults in words, all of them counted, for a file of
-/// some megabytes can be wrong in millions of places.
+/// The faults of the annotations of a dataset. Only the first ones are kept in words, because a file of some megabytes
+/// can have millions of faults; all are counted.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
     first: Vec<Fault>,
@@ -66,22 +66,22 @@ impl Faults {
         }
     }
 
-    /// The first ones, in the order in which they were found; at most [`Faults::KEPT`].
+    /// The first faults, in the order in which they were found; at most [`Faults::KEPT`].
     pub fn first(&self) -> &[Fault] {
         &self.first
     }
 
-    /// How many there are.
+    /// The number of all faults.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Whether there is none.
+    /// Whether there are no faults.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether one is about the image of this key.
+    /// Whether a fault is about the image of this key.
     pub fn concern(&self, key: &str) -> bool {
         self.samples.contains(key)
     }

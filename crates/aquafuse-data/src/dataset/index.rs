@@ -10,12 +10,12 @@ use crate::image_file::{ReadOptions, read_beside};
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Index {
-    /// It names no image, and is carried over as it is.
+    /// It names no image, and is copied unchanged.
     Carried {
         /// Its path.
         path: String,
     },
-    /// The YAML of a YOLO dataset: carried over without the `path` of its images, which then is its own folder.
+    /// The YAML of a YOLO dataset: copied without `path`, so that paths are relative to its own folder.
     Config {
         /// Its path.
         path: String,
@@ -53,7 +53,7 @@ impl Index {
         matches!(self, Self::Carried { .. } | Self::Config { .. })
     }
 
-    /// What stands in it in the dataset in `root`.
+    /// Its content in the dataset in `root`.
     ///
     /// # Errors
     ///

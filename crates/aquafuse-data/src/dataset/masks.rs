@@ -43,13 +43,15 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) {
             match masks.len() {
                 1 => {}
                 0 => dataset.faults.add(Fault::new(key, "it has no mask").of(key)),
-                n => dataset.faults.add(Fault::new(key, format!("it has {n} masks of its name")).of(key)),
+                n => dataset
+                    .faults
+                    .add(Fault::new(key, format!("it has {n} masks with its name instead of one")).of(key)),
             }
             let companions = masks.into_iter().map(Companion::carried).collect();
             dataset.samples.push(Sample::new(key, companions));
         }
         for mask in by_stem.into_values().flatten() {
-            dataset.faults.add(Fault::new(mask, "there is no image of this mask"));
+            dataset.faults.add(Fault::new(mask, "no image belongs to this mask"));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! WebDataset: tar files in which the members of a sample stand together and share their name up to its first dot.
+//! WebDataset: tar files in which the members of a sample are adjacent and share their name up to its first dot.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -48,7 +48,7 @@ impl Member {
         Self { header: self.header.clone(), path, bytes }
     }
 
-    /// What stands behind the first dot of its name.
+    /// The part of its name after the first dot.
     pub(crate) fn extension(&self) -> &str {
         split(&self.path).1.split_once('.').map_or("", |(_, extension)| extension)
     }
@@ -69,7 +69,7 @@ impl Group {
         let mut images = self.members.iter().filter(is_image);
         match (images.next(), images.next()) {
             (Some(one), Some(other)) => Err(format!(
-                "{} and {} may both be the image; give masks another name, as .mask.png",
+                "{} and {} may both be the image; rename masks, for example to .mask.png",
                 one.path, other.path
             )),
             (image, _) => Ok(image),
@@ -102,10 +102,10 @@ pub(crate) fn groups(
         match entry.header().entry_type() {
             EntryType::Regular | EntryType::Continuous => {}
             EntryType::Directory => continue,
-            other => return Err(damaged(format!("it holds a {other:?}, and shards hold files"))),
+            other => return Err(damaged(format!("it holds a {other:?}, but a shard holds only files"))),
         }
         let name = String::from_utf8(entry.path_bytes().into_owned())
-            .map_err(|_| damaged("it holds a member whose name is no text".into()))?;
+            .map_err(|_| damaged("it holds a member whose name is not UTF-8".into()))?;
         let name = inside(&name).map_err(|cause| damaged(format!("{name:?} in it is {cause}")))?;
         let (folder, file_name) = split(&name);
         let key = join(folder, file_name.split('.').next().unwrap_or_default());
@@ -140,7 +140,7 @@ pub(crate) fn groups(
     io::copy(&mut rest, &mut io::sink()).map_err(failed)?;
     match rest.zeros >= END || options.lenient {
         true => Ok(()),
-        false => Err(FileError::CutShort { path: path.to_owned(), cause: "it lacks its end".into() }),
+        false => Err(FileError::CutShort { path: path.to_owned(), cause: "its end is missing".into() }),
     }
 }
 

@@ -111,15 +111,15 @@ fn images_come_with_what_is_about_them() {
 fn bad_annotations_are_named_with_their_place() {
     for (from, to, said) in [
         ("[1.0, 2, 30.25, 40]", "[1.0, 2, 90, 40]", "annotations[0]: the box 1, 2, 90, 40 is not inside"),
-        ("\"b.jpg\"", "\"c.jpg\"", "images[1]: there is no image \"c.jpg\""),
+        ("\"b.jpg\"", "\"c.jpg\"", "images[1]: the dataset has no image \"c.jpg\""),
         ("\"b.jpg\"", "\"../b.jpg\"", "with `..`"),
         ("\"b.jpg\"", "\"/b.jpg\"", "an absolute name"),
-        ("\"b.jpg\"", "\"a.jpg\"", "has an entry already"),
+        ("\"b.jpg\"", "\"a.jpg\"", "has more than one entry"),
         ("\"id\": 9", "\"id\": 7", "another image has its id 7"),
         ("\"id\": 5", "\"id\": 3", "another annotation has its id 3"),
         ("\"image_id\": 9", "\"image_id\": 8", "no image has the id 8"),
-        ("\"id\": 5", "\"id\": 5.5", "but is a whole number"),
-        ("[1.0, 2, 30.25, 40]", "[1.0, 2]", "a box has 4"),
+        ("\"id\": 5", "\"id\": 5.5", "but must be a whole number"),
+        ("[1.0, 2, 30.25, 40]", "[1.0, 2]", "2 numbers instead of 4"),
     ] {
         assert!(COCO.contains(from));
         let found = opened(&coco(&COCO.replace(from, to)));
@@ -143,7 +143,7 @@ fn bad_annotations_are_named_with_their_place() {
     assert!(said[1].starts_with("labels/b.txt: there is no image"), "{said:?}");
 }
 
-/// One annotation that is no text spoils no other, and a file that is too large is told of, not passed over.
+/// One annotation that is no text spoils no other, and a file that is too large is reported, not skipped.
 #[test]
 fn a_file_that_is_no_text_is_a_fault_of_its_image_and_one_too_large_is_refused() {
     let yolo = folder(&[("images/a.jpg", ""), ("images/b.jpg", ""), ("labels/b.txt", "0 .5 .5 .1 .1\n")]);

@@ -1,4 +1,4 @@
-//! What stands in the folder of a dataset, and names in files of others, which stay within it.
+//! The files in the folder of a dataset, and names in foreign files, which must stay within the folder.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,8 +7,8 @@ use super::{Fault, Faults, split};
 use crate::files::{FileError, display};
 use crate::image_file::{Format, ReadOptions, read_beside};
 
-/// What is said of a file that should be a text.
-pub(super) const NO_TEXT: &str = "it is no text in UTF-8; save it as one";
+/// The fault of a text file that is not UTF-8.
+pub(super) const NO_TEXT: &str = "it is not UTF-8 text; save it as UTF-8";
 
 /// Folders within folders; deeper ones are no dataset, but a mistake.
 const DEEPEST: usize = 32;
@@ -18,7 +18,7 @@ const DEEPEST: usize = 32;
 pub(crate) struct Tree {
     pub(super) root: PathBuf,
     pub(crate) files: BTreeSet<String>,
-    /// Files that are passed over, and why.
+    /// Files that are skipped, and why.
     pub(super) faults: Faults,
     pub(super) reading: ReadOptions,
 }
@@ -40,7 +40,7 @@ impl Tree {
         for entry in std::fs::read_dir(&folder).map_err(failed)? {
             let entry = entry.map_err(failed)?;
             let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
-                self.faults.add(Fault::new(display(&entry.path()).to_string(), "a name that is no text"));
+                self.faults.add(Fault::new(display(&entry.path()).to_string(), "the name is not UTF-8"));
                 continue;
             };
             if name.starts_with('.') {
@@ -58,11 +58,12 @@ impl Tree {
                         self.files.insert(path);
                     }
                     _ => {
-                        self.faults.add(Fault::new(path, "a link that leads nowhere or out of the dataset"));
+                        self.faults
+                            .add(Fault::new(path, "a link that is broken or leads out of the dataset"));
                     }
                 }
             } else {
-                self.faults.add(Fault::new(path, "no file, or a folder too deep inside others"));
+                self.faults.add(Fault::new(path, "not a regular file, or a folder nested too deeply"));
             }
         }
         Ok(())
@@ -85,7 +86,7 @@ impl Tree {
         self.files.range(from.clone()..).take_while(move |path| path.starts_with(&from))
     }
 
-    /// The images that stand in a folder.
+    /// The images in a folder.
     pub(super) fn images_in<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a String> {
         self.within(folder).filter(move |path| split(path).0 == folder && Format::listed(Path::new(path)))
     }
@@ -94,7 +95,7 @@ impl Tree {
         self.files.contains(path)
     }
 
-    /// Reads a text of the dataset; none where the file is no text.
+    /// Reads a text file of the dataset; `None` if it is not text.
     pub(super) fn read(&self, path: &str) -> Result<Option<String>, FileError> {
         let bytes = read_beside(&self.root.join(path), &self.reading)?;
         Ok(String::from_utf8(bytes).ok())
@@ -110,14 +111,14 @@ pub(crate) fn inside(name: &str) -> Result<String, &'static str> {
         return Err("an absolute name; names are within the dataset");
     }
     if name.contains('\0') || name.is_empty() {
-        return Err("no name of a file");
+        return Err("not a file name");
     }
     let parts: Vec<&str> = name.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
     if parts.contains(&"..") || name.split('\\').any(|part| part == "..") {
         return Err("a name with `..`, which leads out of the dataset");
     }
     match parts.as_slice() {
-        [] => Err("no name of a file"),
+        [] => Err("not a file name"),
         parts => Ok(parts.join("/")),
     }
 }

@@ -106,7 +106,7 @@ impl Annotation {
         };
         self.boxes.iter().filter_map(move |&[left, top, right, bottom]| {
             if [left, top, right, bottom].iter().any(|side| side.is_nan()) {
-                return Some("a box lacks a side, or has one that is no number".to_owned());
+                return Some("a side of a box is missing or not a number".to_owned());
             }
             (!(within(left, right, width) && within(top, bottom, height)))
                 .then(|| format!("the box {left}, {top}, {right}, {bottom} is not inside the image"))
@@ -142,7 +142,7 @@ impl<'a> Texts<'a> {
         }
         loop {
             let from = self.place();
-            let event = self.reader.read_event().map_err(|error| format!("it is no XML: {error}"))?;
+            let event = self.reader.read_event().map_err(|error| format!("it is not XML: {error}"))?;
             match event {
                 Event::Eof if self.stack.is_empty() => return Ok(None),
                 Event::Eof => return Err("it ends within an element".into()),
@@ -221,7 +221,7 @@ fn parse(text: &str) -> Result<Annotation, String> {
             }
         }
     }
-    if is_first { Err("there is no element in it".into()) } else { Ok(found) }
+    if is_first { Err("it has no element".into()) } else { Ok(found) }
 }
 
 /// The annotation with another image's name in `filename`, and as the last part of `path`.

@@ -56,7 +56,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
         let mut companions = Vec::new();
         if tree.holds(&path) {
             if let Some(other) = owners.insert(path.clone(), key.clone()) {
-                let cause = format!("it has the label {path}, and so has {other}");
+                let cause = format!("it shares the label {path} with {other}");
                 dataset.faults.add(Fault::new(key, cause).of(key));
             }
             let text = tree.read(&path)?;
@@ -75,7 +75,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
     let in_labels = |path: &&String| split(path).0.split('/').any(|part| part == "labels");
     for path in tree.ending(".txt").filter(in_labels) {
         if !owners.contains_key(path) && !LISTS_OF_CLASSES.contains(&split(path).1) {
-            dataset.faults.add(Fault::new(path, "there is no image of this label"));
+            dataset.faults.add(Fault::new(path, "no image belongs to this label"));
         }
     }
     dataset.indices.extend(configs.into_iter().map(|path| Index::Config { path: path.clone() }));
@@ -102,10 +102,10 @@ fn check(line: &str) -> Result<(), String> {
     let mut numbers = line.split_ascii_whitespace();
     let Some(class) = numbers.next() else { return Ok(()) };
     if class.parse::<u32>().is_err() {
-        return Err(format!("the class is {:?}, but is a whole number from 0 on", short(class)));
+        return Err(format!("the class is {:?}, but must be a whole number, 0 or more", short(class)));
     }
     let values: Vec<f64> = numbers
-        .map(|text| text.parse().map_err(|_| format!("{:?} is no number", short(text))))
+        .map(|text| text.parse().map_err(|_| format!("{:?} is not a number", short(text))))
         .collect::<Result<_, _>>()?;
     match values.as_slice() {
         // A box, with key points or a confidence behind it or not.
@@ -115,11 +115,11 @@ fn check(line: &str) -> Result<(), String> {
         }
         outline if outline.len() >= 6 && outline.len().is_multiple_of(2) => {
             match outline.iter().find(|value| !(-ROUNDED..=1.0 + ROUNDED).contains(*value)) {
-                Some(value) => Err(format!("a corner lies at {value}, outside the image")),
+                Some(value) => Err(format!("a corner is at {value}, outside the image")),
                 None => Ok(()),
             }
         }
-        other => Err(format!("it has {} numbers behind the class, but a box has 4", other.len())),
+        other => Err(format!("it has {} numbers after the class instead of 4", other.len())),
     }
 }
 
@@ -139,7 +139,7 @@ fn inside_image(way: &str, middle: f64, length: f64) -> Result<(), String> {
     Err(format!("the box reaches from {:.4} to {:.4} {way}, outside the image", ends.0, ends.1))
 }
 
-/// A text of others, short enough to be said.
+/// A foreign string, shortened for a message.
 fn short(text: &str) -> String {
     text.chars().take(20).collect()
 }
@@ -177,7 +177,7 @@ mod tests {
         for (line, said) in [
             ("fish 0.5 0.5 1 1", "class"),
             ("0 0.5 0.5 1", "3 numbers"),
-            ("0 0.5 x 1 1", "no number"),
+            ("0 0.5 x 1 1", "not a number"),
             ("0 0.9 0.5 0.4 0.2", "outside the image"),
             ("0 0.5 0.5 nan 0.2", "outside the image"),
             ("0 0.5 0.5 -0.1 0.2", "outside the image"),

@@ -49,7 +49,7 @@ pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<
                 full_range: None,
             },
             |raster, Vec2(x, y), (value,): (f32,)| {
-                // The decoder names no place outside of the size that it told.
+                // The decoder names no position outside of the declared size.
                 let place = y.checked_mul(raster.width).and_then(|row| row.checked_add(x));
                 if let Some(stored) = place.and_then(|place| raster.values.get_mut(place)) {
                     *stored = value;
@@ -92,7 +92,7 @@ fn check_attributes(reader: &mut (impl BufRead + Seek)) -> Result<(), Fault> {
         if attributes > MOST_ATTRIBUTES || bytes > MOST_OF_ATTRIBUTES {
             return Err(Fault::Unsupported(
                 format!("headers of {attributes} attributes and {bytes} bytes or more"),
-                "Save it again with the one channel that is depth and nothing else",
+                "Save it again with only the depth channel",
             ));
         }
         reader.seek_relative(length.into())?;
@@ -110,7 +110,7 @@ fn pass_text(reader: &mut impl BufRead) -> io::Result<bool> {
 /// Refuses what would take too much memory, and what is no flat image.
 fn check(header: &Header, wanted: Wanted) -> Result<(), Fault> {
     if header.deep {
-        return Err(Fault::Unsupported("deep data".into(), "Flatten it to one value a pixel"));
+        return Err(Fault::Unsupported("deep data".into(), "Flatten it to one value per pixel"));
     }
     // The decoder of DWA makes room for as many numbers as a block says, and a block can say anything.
     use Compression::{B44, B44A, PIZ, PXR24, RLE, Uncompressed, ZIP1, ZIP16};
@@ -126,7 +126,7 @@ fn check(header: &Header, wanted: Wanted) -> Result<(), Fault> {
     let Vec2(columns, rows) = header.max_block_pixel_size();
     let block = whole(columns).checked_mul(whole(rows)).and_then(|pixels| pixels.checked_mul(bytes.max(4)));
     if block.is_none_or(|block| block > MOST_BYTES) {
-        return Err(Fault::TooLarge(format!("blocks of {columns}x{rows} values are too many")));
+        return Err(Fault::TooLarge(format!("blocks of {columns}x{rows} values exceed the limit")));
     }
     Ok(())
 }

@@ -22,14 +22,14 @@ pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<
     let length = match start[6] {
         1 => u32::from(u16::from_le_bytes(read_array(&mut reader)?)),
         2 | 3 => u32::from_le_bytes(read_array(&mut reader)?),
-        version => return Err(Fault::Damaged(format!("there is no version {version} of NPY"))),
+        version => return Err(Fault::Damaged(format!("NPY has no version {version}"))),
     };
     if length > LONGEST_HEADER {
-        return Err(Fault::Damaged(format!("its header is said to have {length} bytes")));
+        return Err(Fault::Damaged(format!("its header declares a length of {length} bytes")));
     }
     let mut header = vec![0; length as usize];
     reader.read_exact(&mut header)?;
-    let header = Header::parse(&header).ok_or_else(|| Fault::Damaged("its header makes no sense".into()))?;
+    let header = Header::parse(&header).ok_or_else(|| Fault::Damaged("its header is invalid".into()))?;
     let &[rows, columns] = &header.shape[..] else {
         return Err(Fault::Unsupported(
             format!("an array of {} dimensions", header.shape.len()),
@@ -109,7 +109,7 @@ impl Header {
     }
 }
 
-/// What stands in the quotes that `text` begins with, and what follows them.
+/// The content of the quotes that `text` begins with, and what follows them.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|quote| matches!(quote, '\'' | '"'))?;
     text.strip_prefix(quote)?.split_once(quote)

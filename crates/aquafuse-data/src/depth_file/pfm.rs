@@ -34,7 +34,7 @@ fn flipped(values: &[f32], width: usize) -> Vec<f32> {
 
 fn number<T: std::str::FromStr>(reader: &mut impl Read) -> Result<T, Fault> {
     let word = word(reader)?;
-    word.parse().map_err(|_| Fault::Damaged(format!("its header has {word:?} where a number belongs")))
+    word.parse().map_err(|_| Fault::Damaged(format!("its header has {word:?} instead of a number")))
 }
 
 /// The next word, and the one white space that ends it.
@@ -47,7 +47,7 @@ fn word(reader: &mut impl Read) -> Result<String, Fault> {
             space if space.is_ascii_whitespace() && word.is_empty() => {}
             space if space.is_ascii_whitespace() => return Ok(word),
             letter if letter.is_ascii_graphic() && word.len() < LONGEST_WORD => word.push(letter.into()),
-            _ => return Err(Fault::Damaged("its header makes no sense".into())),
+            _ => return Err(Fault::Damaged("its header is invalid".into())),
         }
     }
 }

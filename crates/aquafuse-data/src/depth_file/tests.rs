@@ -202,10 +202,10 @@ fn what_is_no_plane_of_numbers_is_refused_with_what_to_do() {
     for (bytes, expected) in [
         (npy(&header("<i8", "(1, 1)"), &[0; 8]), "astype('float32')"),
         (npy(&header("<f4", "(1, 1, 1)"), &[0; 4]), "np.squeeze"),
-        (npy("{'descr': ", &[]), "makes no sense"),
+        (npy("{'descr': ", &[]), "its header is invalid"),
         (b"PF\n1 1\n-1\n".to_vec(), "one channel"),
         (b"Pf\n1 1\n-1\n\0\0".to_vec(), "ends too early"),
-        (b"\xff\xd8\xff\xe0 a JPEG".to_vec(), "JPEG alters the numbers"),
+        (b"\xff\xd8\xff\xe0 a JPEG".to_vec(), "JPEG alters the values"),
         (vec![], "is empty"),
     ] {
         let path = folder.path().join("z");

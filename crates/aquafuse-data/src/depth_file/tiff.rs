@@ -33,11 +33,11 @@ pub(super) fn decode(reader: impl BufRead + Seek, wanted: Wanted) -> Result<Rast
     }
     let compression = decoder.find_tag_unsigned::<u16>(Tag::Compression)?;
     if compression.is_some_and(|way| FAX.contains(&way)) {
-        return Err(Fault::Unsupported("the compression of faxes".into(), REMEDY));
+        return Err(Fault::Unsupported("fax compression".into(), REMEDY));
     }
     // Strips of JPEG have sizes of their own, and lose what depth is measured by.
     if compression.is_some_and(|way| JPEG.contains(&way)) {
-        return Err(Fault::Unsupported("the compression of JPEG".into(), REMEDY));
+        return Err(Fault::Unsupported("JPEG compression".into(), REMEDY));
     }
     if let Some(found) = too_many_pieces(&mut decoder) {
         return Err(Fault::Unsupported(found, LARGER_PIECES));

@@ -17,29 +17,29 @@ use crate::pairs::Pair;
 use crate::run::{Budget, Event, RunOptions};
 use agreement::{Agreement, Unit};
 
-/// Images whose depth is known, and what is held against it.
+/// Images with known depth, and the models and maps to compare with it.
 #[derive(Clone, Debug)]
 pub struct Depth {
     /// Images with known depth.
     pub pairs: Vec<Pair>,
-    /// What the values of the known depth are.
+    /// The kind of the known depth.
     pub kind: SuppliedKind,
-    /// Ways from colour to depth, by name.
+    /// Depth models, by name.
     pub models: Vec<(String, DepthModel)>,
-    /// Maps from elsewhere.
+    /// Other depth maps.
     pub maps: Vec<Maps>,
-    /// What resamplings are drawn by.
+    /// Random seed of the bootstrap.
     pub seed: u64,
     /// How to run.
     pub run_options: RunOptions,
 }
 
-/// A folder of depth maps from elsewhere, one for each image, of the same stem.
+/// A folder of depth maps, one for each image, with the same stem.
 #[derive(Clone, Debug)]
 pub struct Maps {
-    /// What they are called in the report.
+    /// Their name in the report.
     pub name: String,
-    /// What their values are.
+    /// The kind of their values.
     pub kind: SuppliedKind,
     /// The files.
     pub folder: DepthFolder,
@@ -57,10 +57,10 @@ const COMPARED: u64 = 80;
 /// The prior that the top of an image is far.
 const ROW: &str = "image row";
 
-const ABOUT: &str = "At the pixels whose depth is known: Spearman's rank correlation (1 is the right order everywhere), then, \
-    after the scale and shift that fit best image by image and never turn near and far round, the RMSE and the share \
-    of pixels within a factor of 1.25. Depth from a network (inverse) is fitted as 1 / z. Image row: no image at all, the \
-    higher the farther. Brackets: where the mean lies in 95 of 100 resamplings of the images.";
+const ABOUT: &str = "Scores use the pixels with known depth: Spearman's rank correlation (1 is the right order everywhere), and, \
+    after fitting scale and shift to each image without inverting it, the RMSE and the share of pixels within a factor \
+    of 1.25. Maps of kind `inverse` (networks) are fitted as 1 / z. Image row: a baseline that assumes higher pixels are \
+    farther. Brackets: 95 % bootstrap interval of the mean over images.";
 
 /// The scores of one image, by each model and each folder of maps.
 type Found = Vec<Option<Agreement>>;
@@ -193,7 +193,7 @@ impl Depth {
     }
 }
 
-/// How high each pixel stands in the image as seen.
+/// The height of each pixel in the upright image.
 fn rows((width, height): (usize, usize), top: TopEdge) -> Vec<f32> {
     let height_of = |x: usize, y: usize| match top {
         TopEdge::First => height.saturating_sub(y),

@@ -15,7 +15,7 @@ use crate::pipeline::{DepthSource, analyse_in};
 use crate::pipeline::{Operation, WaterEstimate};
 use crate::run::{Budget, Event, RunOptions};
 
-/// Images fused with clear water, and what other tools make of them, scored before and after.
+/// Images scored before and after fusion with clear water, and after other tools.
 #[derive(Clone, Debug)]
 pub struct Enhancement {
     /// The images.
@@ -24,19 +24,19 @@ pub struct Enhancement {
     pub clear: WaterEstimate,
     /// How to fuse.
     pub options: Options,
-    /// How to come by depth.
+    /// How depth is obtained.
     pub source: DepthSource,
-    /// What other tools have made, in files of the images' stems.
+    /// Outputs of other tools, in files with the images' stems.
     pub outputs: Vec<Outputs>,
-    /// What resamplings are drawn by.
+    /// Random seed of the bootstrap.
     pub seed: u64,
     /// How to run.
     pub run_options: RunOptions,
-    /// What the clear water is, for the report.
+    /// The name of the clear water, for the report.
     pub water: String,
 }
 
-/// What is called before, and our own method.
+/// The names of the original images and of our method.
 const BEFORE: &str = "before";
 const OURS: &str = "AquaFuse enhance";
 
@@ -51,10 +51,10 @@ const COUNT: Score = Score { key: "pictures", title: "images", digits: 0, shown:
 /// What scoring takes in bytes a pixel: colours in CIELab, chroma and lightness by themselves.
 const SCORED: u64 = 48;
 
-const ABOUT: &str = "UCIQE and UIQM, the colour (deviation of chroma) and contrast (of lightness) that are parts of the \
-    first, the sharpness that is part of the second. Higher is held to be better; all are fooled by oversaturation and \
-    noise, so look at the images. Brackets: where the mean lies in 95 of 100 resamplings of the images. The change is \
-    taken image by image, so that its interval tells whether it is one.";
+const ABOUT: &str = "UCIQE and its parts colour (deviation of chroma) and contrast (of lightness), UIQM and its part \
+    sharpness. Higher counts as better, but oversaturation and noise raise all of them: look at the images too. Brackets: \
+    95 % bootstrap interval of the mean over images. The change is computed for each image: if its interval excludes 0, \
+    it is significant.";
 
 /// The scores of an image: as it is, and by each method that made something of it.
 type Found = Vec<Option<[Option<f64>; 5]>>;
@@ -64,7 +64,7 @@ impl Enhancement {
     ///
     /// # Errors
     ///
-    /// [`EvaluateError`] when outputs of other tools cannot be told apart.
+    /// [`EvaluateError`] when outputs of other tools cannot be matched.
     pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         if !self.outputs.is_empty() {
             refuse_ambiguous(&self.images)?;

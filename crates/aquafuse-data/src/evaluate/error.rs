@@ -19,15 +19,15 @@ pub enum EvaluateError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
     /// A folder holds no image.
-    #[error("{} holds no {LISTED}; name the folder in which the images stand", display(folder))]
+    #[error("{} holds no {LISTED}; name the folder that contains the images", display(folder))]
     NoImages {
         /// The folder.
         folder: PathBuf,
     },
     /// No content has a reference.
     #[error(
-        "no content has a reference of another group: all {contents} contents and {references} references are of \
-         {group}. Group them another way, or name another folder"
+        "no content has a reference of another group: all {contents} contents and {references} references belong to \
+         {group}. Use another --group-by, or name another folder"
     )]
     NoPairs {
         /// Contents.
@@ -39,7 +39,7 @@ pub enum EvaluateError {
     },
     /// Two contents would have outputs of one name.
     #[error(
-        "{} and {} share their stem, so that outputs of other tools cannot be told apart; rename one of them",
+        "{} and {} share their stem, so outputs of other tools cannot be matched to them; rename one of them",
         display(.one), display(.other)
     )]
     Ambiguous {
@@ -49,7 +49,7 @@ pub enum EvaluateError {
         other: PathBuf,
     },
     /// An output of another tool is missing, or there are several.
-    #[error("{} holds {found} images named {stem}; put exactly one there", display(folder))]
+    #[error("{} holds {found} images with the stem {stem}; it needs exactly one", display(folder))]
     NoOutput {
         /// Where was looked.
         folder: PathBuf,
@@ -60,7 +60,7 @@ pub enum EvaluateError {
     },
     /// An output of another tool has another size than its content.
     #[error(
-        "{} has {}x{} pixels, but {} has {}x{}; scores compare pixel by pixel, so let the tool write its full size",
+        "{} has {}x{} pixels, but {} has {}x{}; scores need equal sizes, so let the tool write the full size",
         display(output), .found.0, .found.1, display(content), .expected.0, .expected.1
     )]
     Size {
@@ -75,7 +75,7 @@ pub enum EvaluateError {
     },
     /// A file is no network of LPIPS, or cannot take an image.
     #[error(
-        "cannot take {} for the network of LPIPS: {cause}. Write it again with lpips/export.py of crates/aquafuse-data",
+        "cannot use {} as the network of LPIPS: {cause}. Export it again with lpips/export.py of crates/aquafuse-data",
         display(path)
     )]
     NoLpips {
@@ -85,10 +85,7 @@ pub enum EvaluateError {
         cause: String,
     },
     /// An image is too small to be scored.
-    #[error(
-        "{} is smaller than the 11 x 11 pixels that SSIM looks at; leave it out of the folder",
-        display(path)
-    )]
+    #[error("{} is smaller than the 11 x 11 pixel window of SSIM; remove it from the folder", display(path))]
     TooSmall {
         /// The image.
         path: PathBuf,

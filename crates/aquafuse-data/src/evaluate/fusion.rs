@@ -18,46 +18,46 @@ use crate::pipeline::{Operation, PixelEncoding, WaterEstimate};
 use crate::run::{Budget, Event, RunOptions};
 use tables::Likeness;
 
-/// Contents fused with references by one method or several, each result scored against its content.
+/// Contents fused with references by one or several methods, each result scored against its content.
 #[derive(Clone, Debug)]
 pub struct Fusion {
-    /// What keeps its objects.
+    /// The contents.
     pub contents: Vec<Member>,
-    /// What gives its water.
+    /// The references, whose water is used.
     pub references: Vec<Member>,
-    /// Which of them meet.
+    /// Which contents and references are paired.
     pub pairing: Pairing,
-    /// How our own method fuses.
+    /// The settings of our method.
     pub settings: Settings,
     /// The methods, in the order of the tables.
     pub methods: Vec<Method>,
-    /// The network of LPIPS, if that is to be scored too.
+    /// The network of LPIPS, if it is to be scored too.
     pub lpips: Option<Lpips>,
     /// How to run.
     pub run_options: RunOptions,
 }
 
-/// Everything that decides how our own method fuses.
+/// The settings of our method.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
-    /// How depth is told from colour.
+    /// The depth model.
     pub depth_model: DepthModel,
     /// How to fuse.
     pub options: Options,
-    /// How to smooth what comes out.
+    /// How outputs are smoothed.
     pub smoothing: Smoothing,
     /// Which values to work on.
     pub encoding: PixelEncoding,
 }
 
-/// A way to make an image of a content and a reference.
+/// A method that makes an image from a content and a reference.
 #[derive(Clone, Debug)]
 pub enum Method {
-    /// Ours, called as given.
+    /// Our method, with its name in reports.
     Aquafuse(String),
-    /// One that knows colours alone.
+    /// Colour transfer.
     Rival(Rival),
-    /// What another tool has made, in files named `CONTENT__REFERENCE`.
+    /// Outputs of another tool, in files named `CONTENT__REFERENCE`.
     Outputs(Outputs),
 }
 
@@ -103,7 +103,7 @@ impl Fusion {
     ///
     /// # Errors
     ///
-    /// [`EvaluateError`] when no content has a reference, or outputs of other tools cannot be told apart.
+    /// [`EvaluateError`] when no content has a reference, or outputs of other tools cannot be matched.
     pub fn run(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         let pairs = self.pairs()?;
         let used = self.used(&pairs);

@@ -24,7 +24,7 @@ pub enum GroupBy {
     /// Nothing: there is one group, of all.
     #[default]
     Nothing,
-    /// The folders in the folder; images that stand in it directly are the group of its name.
+    /// The subfolders; images directly in the folder are the group with its name.
     Folder,
     /// What the name of the file has before its first `_`.
     Prefix,

@@ -1,4 +1,4 @@
-//! What another tool has made, told apart by the names of its files.
+//! Outputs of another tool, matched by file name.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ impl Outputs {
     }
 }
 
-/// Refuses images that share a stem: outputs could not be told apart.
+/// Refuses images that share a stem: outputs could not be matched to them.
 pub(crate) fn refuse_ambiguous(members: &[Member]) -> Result<(), EvaluateError> {
     let mut taken: BTreeMap<String, &Path> = BTreeMap::new();
     for member in members {

@@ -19,7 +19,7 @@ pub use image::thumbnail;
 pub use json::document as json;
 pub use markdown::{document as markdown, table as markdown_of_table};
 
-/// The figures of an evaluation, with what they were made from.
+/// The figures of an evaluation, with its settings and results.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// The command that makes it.
@@ -28,28 +28,28 @@ pub struct Report {
     pub title: String,
     /// What was measured, a paragraph each.
     pub about: Vec<String>,
-    /// Everything that decides the figures but the images.
+    /// Everything except the images that determines the figures.
     pub settings: Value,
     /// The figures.
     pub tables: Vec<Table>,
-    /// The scores that they summarise, one by one.
+    /// The single scores that they summarise.
     pub items: Items,
     /// What failed, by name.
     pub failed: Vec<Failed>,
-    /// Images to look at.
+    /// Example images.
     pub gallery: Vec<Strip>,
 }
 
 /// Rows of scores.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// What programs call it.
+    /// Its key for programs.
     pub name: &'static str,
-    /// What people call it.
+    /// Its title.
     pub title: String,
-    /// What the labels of a row are.
+    /// The headings of the labels.
     pub labels: Vec<&'static str>,
-    /// What the cells of a row are.
+    /// The headings of the cells.
     pub scores: Vec<Score>,
     /// The rows.
     pub rows: Vec<Row>,
@@ -58,22 +58,22 @@ pub struct Table {
 /// A column of figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Score {
-    /// What programs call it.
+    /// Its key for programs.
     pub key: &'static str,
-    /// What people call it, with its unit.
+    /// Its title, with its unit.
     pub title: &'static str,
-    /// Digits behind the point.
+    /// Digits after the decimal point.
     pub digits: usize,
-    /// What of a summary people are shown.
+    /// Which part of a summary people see.
     pub shown: Shown,
 }
 
-/// What of a cell people are shown; programs are given all of it.
+/// Which part of a cell people see; programs get all of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     /// Mean ± variance, as the paper prints it, and the interval.
     MeanAndVariance,
-    /// The same, of a score that another column has on another scale.
+    /// The same, for a score that another column gives on another scale.
     OtherScale,
     /// The mean and the interval.
     Mean,
@@ -93,7 +93,7 @@ pub struct Row {
 /// One figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// There is none.
+    /// No figure.
     Nothing,
     /// A number.
     Number(f64),
@@ -101,7 +101,7 @@ pub enum Cell {
     Summary(Summary),
 }
 
-/// The scores of everything one by one.
+/// The scores of each result.
 #[derive(Clone, Debug)]
 pub struct Items {
     /// What the labels are.
@@ -117,7 +117,7 @@ pub struct Items {
 pub struct ItemsRow {
     /// What it is about.
     pub labels: Vec<String>,
-    /// Its scores; none where there is none.
+    /// Its scores; `None` for a missing score.
     pub values: Vec<Option<f64>>,
 }
 
@@ -131,7 +131,7 @@ pub struct Strip {
 }
 
 impl Cell {
-    /// The figure as people are shown it; empty where there is none.
+    /// The figure as people see it; empty if there is none.
     pub(crate) fn text(&self, score: &Score) -> String {
         let digits = score.digits;
         match self {

@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn values_of_one_image_stand_and_fall_together() {
-        // Sixteen values either way: of two images they tell less than of sixteen.
+        // Sixteen values either way: the interval is wider for two images than for sixteen.
         let width = |images: &[Vec<f64>]| {
             let [low, high] = of(images).unwrap().interval.unwrap();
             high - low

@@ -22,11 +22,11 @@ use ways::{Found, ways};
 /// the truths themselves.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// Exchanges: a content each, and a reference in another water.
+    /// Number of exchanges, each a content and a reference in another water.
     pub exchanges: usize,
-    /// Work in linear light: scenes are formed, told and fused there.
+    /// Form scenes, estimate and fuse in linear light.
     pub linear: bool,
-    /// What resamplings are drawn by.
+    /// Random seed of the bootstrap.
     pub seed: u64,
     /// How to run.
     pub run_options: RunOptions,
@@ -49,12 +49,12 @@ const ITEM_SCORES: [Score; 5] = [SCORES[0], SCORES[4], SCORES[6], SCORES[7], SCO
 
 const ABOUT: &str = "Synthetic harbours in Jerlov's waters, half of the contents with open water in view; the reference is \
     another place in a water whose veil differs by at least .2 in some channel. Share of the true change: 1 is the truth, 0 \
-    the content, below 0 farther from the truth than the content was. Truth A is the same place with only B∞ exchanged, \
-    truth B the same place wholly in the other water. Structure kept: SSIM of luma with the content; the truths \
-    themselves stand at the end, for a true change takes contrast away or gives it back. Brackets: where the mean lies \
-    in 95 of 100 resamplings of the exchanges. The rivals get the whole reference image.";
+    the content, below 0 farther from the truth than the content. Truth A is the scene with only B∞ exchanged, truth B \
+    the scene with the whole water exchanged. Structure kept: SSIM of luma with the content; the last rows give it for \
+    the truths, because a true change also changes contrast. Brackets: 95 % bootstrap interval of the mean over \
+    exchanges. The rivals get the whole reference image.";
 
-/// A row of the table: what is given or told, and who fuses.
+/// A row of the table: what is given or estimated, and the method.
 struct Line {
     way: &'static str,
     method: String,

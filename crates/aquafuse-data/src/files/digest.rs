@@ -1,4 +1,4 @@
-//! SHA-256: what a file was, as the tools of every system tell it.
+//! SHA-256 digests of files.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -31,7 +31,7 @@ pub(crate) fn hexadecimal(digest: &[u8]) -> String {
     digits
 }
 
-/// Passes on what is written, and tells its digest.
+/// Passes on what is written, and computes its digest.
 pub(crate) struct Hashed<W> {
     out: W,
     digest: Sha256,

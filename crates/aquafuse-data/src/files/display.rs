@@ -1,4 +1,4 @@
-//! File names, and what stands in files, in messages.
+//! File names, and content of files, in messages.
 
 use std::borrow::Cow;
 use std::fmt::{self, Write};

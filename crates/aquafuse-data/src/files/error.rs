@@ -19,21 +19,21 @@ pub enum FileError {
         error: std::io::Error,
     },
     /// There is nothing in the file.
-    #[error("cannot read {}: the file is empty. Get a whole copy of it", display(path))]
+    #[error("cannot read {}: the file is empty. Get a complete copy", display(path))]
     Empty {
         /// The file.
         path: PathBuf,
     },
-    /// There is something of that name that is no file.
+    /// A device, a pipe or a socket has that name.
     #[error(
-        "cannot read {}: it is no file but a device, a pipe or a socket. Save what it gives to a file first",
+        "cannot read {}: it is a device, a pipe or a socket. Save its content to a file first",
         display(path)
     )]
     NoFile {
-        /// What is no file.
+        /// The device, pipe or socket.
         path: PathBuf,
     },
-    /// The content is none of our formats.
+    /// The content has none of the supported formats.
     #[error(
         "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is an image, convert it first",
         display(path)
@@ -42,7 +42,7 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
-    /// The pixels, or the texts of a table, are of a kind we do not read.
+    /// The pixels, or the strings of a table, are of a kind that is not supported.
     #[error("cannot read {}: it is {found}. {remedy}", display(path))]
     UnsupportedPixels {
         /// The file.
@@ -52,17 +52,17 @@ pub enum FileError {
         /// What to do.
         remedy: &'static str,
     },
-    /// The content is no format of depth maps that we read.
+    /// The content has no supported format of depth maps.
     #[error(
-        "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY or PFM. Convert it first, best to one of \
-         floats; JPEG alters the numbers",
+        "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY or PFM. Convert it first, best to a float \
+         format; JPEG alters the values",
         display(path)
     )]
     UnknownDepthFormat {
         /// The file.
         path: PathBuf,
     },
-    /// The values of a depth map are of a kind we do not read.
+    /// The values of a depth map are of a kind that is not supported.
     #[error("cannot read {} as depth: it holds {found}. {remedy}", display(path))]
     UnsupportedDepth {
         /// The file.
@@ -72,25 +72,25 @@ pub enum FileError {
         /// What to do.
         remedy: &'static str,
     },
-    /// A depth map does not suit its image or what it was declared to be.
+    /// A depth map does not fit its image or its declared kind.
     #[error("cannot use {} as depth: {error}. {}", display(path), unfit_remedy(error, *turned))]
     UnfitDepth {
         /// The depth map.
         path: PathBuf,
         /// What is wrong.
         error: SuppliedError,
-        /// Whether the image is turned by its EXIF orientation.
+        /// Whether the image is rotated by its EXIF orientation.
         turned: bool,
     },
     /// No file, or more than one, is the depth map of an image.
     #[error(
-        "{} holds {found} depth maps named as {}; put exactly one .png, .tif, .tiff, .exr, .npy or .pfm of that \
-         name there",
+        "{} holds {found} depth maps with the stem of {}; it needs exactly one (.png, .tif, .tiff, .exr, .npy or \
+         .pfm)",
         display(folder),
         display(image)
     )]
     NoDepthBeside {
-        /// Where was looked.
+        /// The folder that was searched.
         folder: PathBuf,
         /// The image.
         image: PathBuf,
@@ -98,17 +98,17 @@ pub enum FileError {
         found: usize,
     },
     /// The file is damaged.
-    #[error("cannot decode {}: {cause}. The file seems damaged; get a whole copy of it", display(path))]
+    #[error("cannot decode {}: {cause}. The file seems damaged; get an intact copy", display(path))]
     Damaged {
         /// The file.
         path: PathBuf,
         /// What the decoder said.
         cause: String,
     },
-    /// There is less of the file than it says.
+    /// The file is truncated.
     #[error(
-        "cannot decode {}: it was cut short ({cause}). Get a whole copy of it; if there is none, --lenient takes what is \
-         left of an image",
+        "cannot decode {}: it is truncated ({cause}). Get a complete copy, or decode what is left of an image with \
+         --lenient",
         display(path)
     )]
     CutShort {
@@ -117,25 +117,25 @@ pub enum FileError {
         /// What the decoder said.
         cause: String,
     },
-    /// The image is larger than we take on.
-    #[error("cannot decode {}: {cause}. Raise the limit, scale it down or cut it into parts", display(path))]
+    /// The file exceeds a limit.
+    #[error("cannot decode {}: {cause}. Raise the limit, or scale or split the file", display(path))]
     TooLarge {
         /// The file.
         path: PathBuf,
         /// What the decoder said.
         cause: String,
     },
-    /// The output's extension names no format we write.
+    /// The extension of the output names no supported format.
     #[error("cannot write {}: its name must end in {expected}", display(path))]
     UnknownExtension {
         /// The file.
         path: PathBuf,
-        /// What is written.
+        /// The supported extensions.
         expected: &'static str,
     },
     /// There is already a file of that name.
     #[error(
-        "{} exists and was not touched; give another output, or --overwrite to replace it",
+        "{} exists and was not changed; give another output, or --overwrite to replace it",
         display(path)
     )]
     Exists {
@@ -143,7 +143,7 @@ pub enum FileError {
         path: PathBuf,
     },
     /// A folder for outputs cannot be made.
-    #[error("cannot make the folder {}: {cause}. Name another output", display(path))]
+    #[error("cannot create the folder {}: {cause}. Give another output", display(path))]
     Folder {
         /// The folder.
         path: PathBuf,
@@ -151,12 +151,12 @@ pub enum FileError {
         cause: String,
     },
     /// Another process works in the folder.
-    #[error("another aquafuse works in {}; wait for it, or give another output", display(folder))]
+    #[error("another aquafuse process writes to {}; wait for it, or give another output", display(folder))]
     Busy {
         /// The folder.
         folder: PathBuf,
     },
-    /// The outputs in a folder were made with other settings than asked for now.
+    /// The outputs in a folder were made with other settings.
     #[error(
         "{} holds images that were made with other settings ({differences}); give another output, or --overwrite \
          to make them again",
@@ -168,9 +168,9 @@ pub enum FileError {
         /// What differs, in words.
         differences: String,
     },
-    /// The record of a job is no such thing.
+    /// The record of a run is invalid.
     #[error(
-        "cannot go on from {}: line {line} is no record of ours. Move it away, or give another output",
+        "cannot continue from {}: line {line} is no record of aquafuse. Move the file away, or give another output",
         display(path)
     )]
     DamagedRecord {
@@ -180,16 +180,13 @@ pub enum FileError {
         line: usize,
     },
     /// The run was stopped before the file took its name.
-    #[error(
-        "{} is not written: the run was stopped. The same command goes on where it stopped",
-        display(path)
-    )]
+    #[error("{} was not written: the run was stopped. Repeat the command to continue", display(path))]
     Stopped {
         /// The file.
         path: PathBuf,
     },
     /// The file cannot be written.
-    #[error("cannot write {}: {cause}. Whatever was there before is still there", display(path))]
+    #[error("cannot write {}: {cause}. An earlier file of this name is unchanged", display(path))]
     Write {
         /// The file.
         path: PathBuf,
@@ -202,27 +199,25 @@ pub enum FileError {
 fn remedy(error: &std::io::Error) -> &'static str {
     match error.kind() {
         std::io::ErrorKind::NotFound => "Check the name",
-        std::io::ErrorKind::PermissionDenied => "Ask for the right to read it",
+        std::io::ErrorKind::PermissionDenied => "Get permission to read it",
         std::io::ErrorKind::IsADirectory => "Name an image in it instead",
-        _ => "Check that it is a file on a disk that works",
+        _ => "Check the file and its disk",
     }
 }
 
-/// What to do about a depth map that does not suit.
+/// What to do about a depth map that does not fit the image or its kind.
 fn unfit_remedy(error: &SuppliedError, turned: bool) -> &'static str {
     match error {
         SuppliedError::Size { map, image } if turned && (map.1, map.0) == *image => {
-            "The image is turned by its EXIF orientation when seen, and the map was made for that: turn the map \
-             back to the order in which the image is stored"
+            "The map was made for the image as rotated by its EXIF orientation: rotate the map back to the stored order \
+             of the pixels"
         }
-        SuppliedError::Size { .. } => {
-            "Depth belongs to single pixels: scale the map to the image's size yourself, by nearest neighbour"
-        }
+        SuppliedError::Size { .. } => "Scale the map to the size of the image, by nearest neighbour",
         SuppliedError::AboveOne { .. } => {
-            "Divide the map by its largest distance, or declare what it is: metres, millimetres, inverse or disparity"
+            "Divide the map by its largest distance, or declare another kind: metres, millimetres, inverse or disparity"
         }
         SuppliedError::TooFewValid { .. } => {
-            "Check what it was declared to be, or leave it out: depth is then estimated from colour"
+            "Check the declared kind, or leave the map out: depth is then estimated from colour"
         }
         _ => "Check that it is the right file, or leave it out: depth is then estimated from colour",
     }

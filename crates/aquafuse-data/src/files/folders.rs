@@ -21,7 +21,7 @@ pub fn make_folder(folder: &Path) -> Result<(), FileError> {
     })
 }
 
-/// Makes the folder that `file` is to stand in, and those above it, and names it.
+/// Makes the folder of `file` and its parents, and returns it.
 ///
 /// # Errors
 ///

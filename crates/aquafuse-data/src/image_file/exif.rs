@@ -34,7 +34,7 @@ const X_RESOLUTION: u16 = 0x011a;
 const Y_RESOLUTION: u16 = 0x011b;
 /// Fields that point to further directories: EXIF, GPS, and, in EXIF, interoperability.
 const INNER: [u16; 3] = [0x8769, 0x8825, 0xa005];
-/// What a directory tells about how pixels are stored: true of the file it stands in only. Size, bits, compression,
+/// Tags about how pixels are stored: they hold only for their own file. Size, bits, compression,
 /// strips, tiles, planes, palette, predictor, sample format, JPEG tables, subsampling, reference black and white.
 const OF_STORAGE: [u16; 32] = [
     0x00fe, 0x00ff, 0x0100, 0x0101, 0x0102, 0x0103, 0x0106, 0x010a, 0x0111, 0x0115, 0x0116, 0x0117, 0x0118,

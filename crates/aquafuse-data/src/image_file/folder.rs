@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::files::{FileError, Step, count};
 use crate::image_file::Format;
 
-/// What stands in a folder, by name.
+/// The content of a folder, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listing {
     /// Files whose extension names an image format (not GIF), sorted by name.

@@ -1,4 +1,4 @@
-//! Image formats: told by content when reading, by name when writing.
+//! Image formats: detected by content when reading, by name when writing.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What an image may ask for, told from its header before memory is taken.
+//! Limits on size and memory, checked from the header before memory is allocated.
 
 use std::num::Saturating;
 
@@ -9,7 +9,7 @@ use super::Format;
 pub struct ReadOptions {
     /// The most pixels an image may have. Default: 268,435,456, a square of 16,384.
     pub max_pixels: u64,
-    /// The most memory that work on one image may take, in bytes, as far as its header tells. Default: 2 GiB.
+    /// The most memory that work on one image may take, in bytes, as far as its header shows. Default: 2 GiB.
     pub max_memory: u64,
     /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::ImageFile::damage) then
     /// says so. By default that is an error.

@@ -31,7 +31,7 @@ pub struct Resolution {
 /// The unit of a [`Resolution`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResolutionUnit {
-    /// None: only the shape of a pixel is told.
+    /// None: the file gives only the shape of a pixel.
     Unknown,
     /// An inch.
     Inch,

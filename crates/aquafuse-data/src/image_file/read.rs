@@ -121,7 +121,7 @@ pub(crate) fn read_beside(path: &Path, options: &ReadOptions) -> Result<Vec<u8>,
     };
     if length > most {
         let cause = format!(
-            "it has {length} bytes, and files that go along with images may have {most}, a quarter of --max-memory"
+            "it has {length} bytes; an annotation file or list may have {most}, a quarter of --max-memory"
         );
         return Err(FileError::TooLarge { path: path.to_owned(), cause });
     }
@@ -168,18 +168,18 @@ fn header(format: Format, reader: &mut (impl BufRead + Seek)) -> Result<Size, Fa
         Format::Bmp => bmp::header(reader),
         Format::Gif => gif::header(reader),
     });
-    size.unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on its header".into())))
+    size.unwrap_or_else(|| Err(Fault::Damaged("the decoder panicked on its header".into())))
 }
 
 /// Refuses what is empty or too large.
 fn check(size: Size, length: u64, options: &ReadOptions) -> Result<Size, Fault> {
     let Size { width, height, .. } = size;
     if width == 0 || height == 0 {
-        return Err(Fault::Damaged(format!("it says that it has {width}x{height} pixels")));
+        return Err(Fault::Damaged(format!("its header declares {width}x{height} pixels")));
     }
     if size.pixels() > options.max_pixels {
         return Err(Fault::TooLarge(format!(
-            "it has {width}x{height} pixels, {} are allowed (--max-pixels)",
+            "it has {width}x{height} pixels, but the limit is {} (--max-pixels)",
             options.max_pixels
         )));
     }
@@ -191,7 +191,7 @@ fn check_memory(size: Size, memory: u64, options: &ReadOptions) -> Result<u64, F
     let Size { width, height, .. } = size;
     if memory > options.max_memory {
         return Err(Fault::TooLarge(format!(
-            "work on its {width}x{height} pixels may take {} MiB of memory, {} are allowed (--max-memory)",
+            "its {width}x{height} pixels may need {} MiB of memory, but the limit is {} (--max-memory)",
             memory.div_ceil(1 << 20),
             options.max_memory >> 20
         )));
@@ -200,7 +200,7 @@ fn check_memory(size: Size, memory: u64, options: &ReadOptions) -> Result<u64, F
 }
 
 impl Opened {
-    /// The most memory that reading and analysing the image takes, in bytes, as far as the header tells.
+    /// The most memory that reading and analysing the image takes, in bytes, as far as the header shows.
     pub fn memory(&self) -> u64 {
         self.size.memory(self.length)
     }
@@ -221,7 +221,7 @@ impl Opened {
         self.size.pixels()
     }
 
-    /// Columns and rows, as its header tells.
+    /// Columns and rows, from its header.
     pub fn size(&self) -> (u64, u64) {
         (self.size.width, self.size.height)
     }
@@ -280,11 +280,11 @@ fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<ImageFile, Faul
         Format::Gif => gif::decode(bytes, lenient),
     });
     let Decoded { pixels, metadata, damage } =
-        decoded.unwrap_or_else(|| Err(Fault::Damaged("the decoder gave up on it".into())))?;
+        decoded.unwrap_or_else(|| Err(Fault::Damaged("the decoder panicked on it".into())))?;
     Ok(ImageFile { pixels, metadata, damage })
 }
 
-/// Size and kind of pixels as a decoder of `image` tells them.
+/// Size and kind of pixels from a decoder of `image`.
 fn size_of(decoder: &impl ImageDecoder) -> Size {
     let (width, height) = decoder.dimensions();
     let colour = decoder.color_type();

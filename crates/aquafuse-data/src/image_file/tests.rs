@@ -218,11 +218,11 @@ fn refusals_name_the_file_the_cause_and_what_to_do() {
     for (name, cause, remedy) in [
         ("missing.png", "No such file", "Check the name"),
         ("folder.png", "directory", "Name an image in it"),
-        ("palette.png", "cannot decode", "get a whole copy"),
-        ("bomb.png", "20000x20000", "scale it down"),
+        ("palette.png", "cannot decode", "get an intact copy"),
+        ("bomb.png", "20000x20000", "scale or split"),
         ("note.txt", "none of PNG, JPEG", "convert it"),
-        ("empty.png", "is empty", "Get a whole copy"),
-        ("cut.png", "cut short", "Get a whole copy"),
+        ("empty.png", "is empty", "Get a complete copy"),
+        ("cut.png", "truncated", "Get a complete copy"),
     ] {
         let said = message(name);
         assert!(said.contains(name) && said.contains(cause) && said.contains(remedy), "{said}");
@@ -418,7 +418,7 @@ fn what_does_not_travel_is_named() {
     let path = folder.path().join("a.png");
     let data = [0x78, 1, 1, 4, 0, 0xfb, 0xff, 0, 1, 2, 3, 0, 0x0e, 0, 7];
     std::fs::write(&path, png(1, 1, 2, &[(b"tEXt", b"Comment\0reef"), (b"IDAT", &data)])).unwrap();
-    assert_eq!(ImageFile::read(&path).unwrap().metadata.left_out, ["its texts"]);
+    assert_eq!(ImageFile::read(&path).unwrap().metadata.left_out, ["its text chunks"]);
     let mut jpeg = Vec::new();
     JpegEncoder::new(&mut jpeg).write_image(&[128; 3 * 64], 8, 8, ExtendedColorType::Rgb8).unwrap();
     let xmp = b"\xff\xe1\0\x25http://ns.adobe.com/xap/1.0/\0<x/>  ";

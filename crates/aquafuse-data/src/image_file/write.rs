@@ -85,7 +85,7 @@ fn check(image: &ImageFile, metadata: &Metadata, format: Format) -> Result<(), S
         _ => (i32::MAX as usize, "the format"),
     };
     if width.max(height) > most {
-        return Err(format!("{width}x{height} pixels are more than {name} can hold; write .png or .tif"));
+        return Err(format!("{width}x{height} pixels exceed the limit of {name}; write .png or .tif"));
     }
     match (format, &metadata.exif) {
         (Format::Jpeg, _) if image.pixels.has_alpha() => {

@@ -1,4 +1,4 @@
-//! Depth and water of one image, estimated.
+//! The estimate of an image's depth and water.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::depth_file;
 use crate::files::{FileError, Step, count};
 use crate::image_file::ImageFile;
 
-/// How an image's depth is obtained.
+/// How the depth of an image is obtained.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DepthSource {
     /// From colour.
@@ -20,7 +20,7 @@ pub enum DepthSource {
     Supplied {
         /// The file, of the image's size in stored order.
         path: PathBuf,
-        /// What its values are.
+        /// The kind of its values.
         kind: SuppliedKind,
     },
 }
@@ -33,7 +33,7 @@ impl Default for DepthSource {
 }
 
 impl DepthSource {
-    /// The name used in reports: that of the model, or `supplied`.
+    /// The name used in reports: the model, or `supplied`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Estimated(model) => model.name(),
@@ -50,9 +50,9 @@ pub struct Analysis<W = Estimate<Encoded>> {
     pub depth: DepthMap,
     /// How it was obtained.
     pub depth_source: DepthSource,
-    /// What is known of supplied depth, with warnings; `None` for depth from colour.
+    /// The report on supplied depth; `None` for depth from colour.
     pub supplied: Option<SuppliedReport>,
-    /// Its water, and how that was found.
+    /// Its water, with intervals and verdict.
     pub estimate: W,
 }
 
@@ -63,18 +63,20 @@ impl From<Analysis> for Analysis<WaterEstimate> {
     }
 }
 
-/// Estimates depth and water of an image, in the encoded values that its file holds. Every command that needs either
-/// calls this or [`analyse_in`].
+/// Estimates depth and water of an image. Every command that needs either calls this.
+///
+/// The water has the encoding `E`: encoded values as in the file, or linear light.
 ///
 /// # Errors
 ///
-/// [`FileError`] when supplied depth cannot be read or does not suit the image; depth from colour never fails.
+/// [`FileError`] when supplied depth cannot be read or does not fit the image; depth from colour never fails.
 ///
 /// # Examples
 ///
 /// ```
 /// use aquafuse::depth::SuppliedKind;
-/// use aquafuse::image::Image;
+/// use aquafuse::image::{Encoded, Image};
+/// use aquafuse_data::pipeline::{DepthSource, analyse};
 /// use aquafuse_data::image_file::ImageFile;
 /// use aquafuse_data::pipeline::{DepthSource, analyse};
 ///
@@ -141,7 +143,7 @@ fn analyse_typed<E: Encoding>(
     Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
 }
 
-/// As [`analyse`], with what the water was fitted to: for plots of an estimate.
+/// The data that the water of [`Analysis::estimate`] was fitted to, read again from the `image` that was analysed.
 ///
 /// # Errors
 ///

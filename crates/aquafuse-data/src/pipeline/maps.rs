@@ -1,4 +1,4 @@
-//! What a fusion or restoration is made from, as images to look at.
+//! The maps behind a fusion or restoration, as images.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::image_file::{ImageFile, Pixels, WriteOptions};
 use crate::pipeline::Analysis;
 use crate::pipeline::{Operation, WaterEstimate, with_estimate};
 
-/// What making them takes in bytes a pixel: a map in floats, and the image treated and not.
+/// Bytes per pixel that the maps take: a map in floats, and the image before and after the operation.
 pub(crate) const BYTES_A_PIXEL: u64 = 40;
 
 /// The maps, by what is put between an image's stem and `.png`.

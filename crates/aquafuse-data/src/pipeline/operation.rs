@@ -1,4 +1,4 @@
-//! What is done to an image: its water exchanged, or taken out.
+//! Operations on an image: its water is exchanged or removed.
 
 use aquafuse::depth::DepthMap;
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
@@ -47,10 +47,10 @@ pub enum OperationError {
     },
 }
 
-/// What was done.
+/// The outcome of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Values that did not fit into the range.
+    /// Values that were clipped.
     pub clipping: Clipping,
     /// Which safety bounds acted.
     pub limited: Limited,
@@ -60,10 +60,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Less contrast than this is left of a scene that has all but vanished.
+    /// A scene with less contrast left than this is hidden.
     pub const VANISHED: f64 = 0.1;
 
-    /// Whether the scene has all but vanished.
+    /// Whether the water hides the scene.
     pub fn has_vanished(&self) -> bool {
         self.contrast_left.is_some_and(|left| left < Self::VANISHED)
     }

@@ -10,7 +10,7 @@ use serde::Serialize;
 ///
 /// ```
 /// use aquafuse::image::Image;
-/// use aquafuse_data::scores::Scores;
+/// use aquafuse_data::pipeline::Scores;
 ///
 /// let flat: Image<u8> = Image::from_raw(10, 10, [90, 90, 90].repeat(100))?;
 /// let found = Scores::of(&flat);
@@ -21,7 +21,7 @@ use serde::Serialize;
 pub struct Scores {
     /// UCIQE.
     pub uciqe: f64,
-    /// UIQM; none for images smaller than its blocks of 10 x 10.
+    /// UIQM; `None` for images smaller than its blocks of 10 x 10.
     pub uiqm: Option<f64>,
     /// Deviation of chroma, the first part of UCIQE.
     pub colour: f64,

@@ -1,16 +1,16 @@
-//! One budget of memory for all images that are in work at once.
+//! One memory budget for all images processed at once.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
 /// Memory that a run may take for its images, shared by its threads.
 ///
-/// Each image reserves what it needs, as far as its header tells, before it is decoded; where too little is
+/// Each image reserves what it needs, as far as its header shows, before it is decoded; where too little is
 /// free it waits for others to be done.
 ///
 /// # Examples
 ///
 /// ```
-/// use aquafuse_data::memory::Budget;
+/// use aquafuse_data::run::Budget;
 ///
 /// let budget = Budget::new(100 << 20);
 /// let room = budget.reserve(60 << 20);

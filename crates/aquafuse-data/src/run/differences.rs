@@ -1,4 +1,4 @@
-//! What settings differ in, to be told.
+//! The differences of settings, in words.
 
 use serde_json::Value;
 

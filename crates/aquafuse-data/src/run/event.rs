@@ -2,8 +2,7 @@
 
 use crate::files::FileError;
 
-/// One step of a run, reported to whoever started it: `I` is an item, `R` what is known of one that is done, `E` why
-/// one failed.
+/// One step of a run, reported to its caller: `I` is an item, `R` the outcome of an item, `E` the error of an item.
 ///
 /// Events arrive from several threads, in the order in which items end. No output depends on that order.
 #[derive(Debug)]
@@ -14,7 +13,7 @@ pub enum Event<'a, I: ?Sized, R = (), E = FileError> {
         /// Items in it.
         total: usize,
     },
-    /// A run before this one has made the item.
+    /// An earlier run has made the item.
     Skipped {
         /// The item.
         item: &'a I,
@@ -23,7 +22,7 @@ pub enum Event<'a, I: ?Sized, R = (), E = FileError> {
     Done {
         /// The item.
         item: &'a I,
-        /// What is known of it.
+        /// Its outcome.
         result: R,
     },
     /// The item failed, or a part of it; the others go on.

@@ -62,7 +62,7 @@ impl RunOptions {
         Summary { done, skipped, failed, left: items.len().saturating_sub(tried) }
     }
 
-    /// Does `work` on every item; the results stand in the order of the items.
+    /// Does `work` on every item; the results are in the order of the items.
     ///
     /// # Errors
     ///

@@ -26,7 +26,7 @@ pub struct Stop(Arc<AtomicBool>);
 
 /// The run was stopped before this was done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the run was stopped; the same command goes on where it stopped")]
+#[error("the run was stopped; repeat the command to continue")]
 pub struct Stopped;
 
 impl Stop {

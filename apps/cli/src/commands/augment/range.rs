@@ -15,10 +15,10 @@ impl std::str::FromStr for Range {
 
     fn from_str(text: &str) -> Result<Self> {
         let (low, high) = text.split_once(',').ok_or_else(|| anyhow!("give two numbers, as 0,60"))?;
-        let number = |text: &str| text.trim().parse::<f32>().map_err(|_| anyhow!("{text:?} is no number"));
+        let number = |text: &str| text.trim().parse::<f32>().map_err(|_| anyhow!("{text:?} is not a number"));
         let (low, high) = (number(low)?, number(high)?);
         if low > high {
-            return Err(anyhow!("the first number is not to be above the second"));
+            return Err(anyhow!("the first number must not exceed the second"));
         }
         Ok(Self { low, high })
     }

@@ -1,60 +1,91 @@
-//! What is said about a dataset that was multiplied.
+//! The summary of an augmentation: counts, what needs action, and details on request.
 
 use std::fmt::Write;
+use std::iter::repeat_n;
 
 use aquafuse::waterbody::Verdict;
-use aquafuse_data::augment::{Augmentation, Multiplied, Plan};
+use aquafuse_data::augment::{Augmentation, Multiplied, Plan, Water};
 use aquafuse_data::dataset::Layout;
 use aquafuse_data::files::display;
 use aquafuse_data::run::Summary;
 
-use crate::report::water::reasons;
+use crate::report::water::{estimate_counts, reasons};
 
-/// What is counted while a run goes on.
+/// What is counted during a run.
 #[derive(Default)]
 pub(super) struct Tally {
     variants: usize,
     vanished: usize,
-    doubtful: usize,
-    failed_estimates: usize,
+    /// Images whose own water is estimated well.
+    good: usize,
+    /// The keys of the other images.
+    others: Vec<(String, Verdict)>,
 }
 
 impl Tally {
-    pub(super) fn add(&mut self, made: &Multiplied) {
+    pub(super) fn add(&mut self, key: &str, made: &Multiplied) {
         self.variants += made.variants;
         self.vanished += made.vanished;
         match made.verdict {
-            Some(Verdict::Doubtful) => self.doubtful += 1,
-            Some(Verdict::Failed) => self.failed_estimates += 1,
-            _ => {}
+            Some(Verdict::Good) => self.good += 1,
+            Some(verdict) => self.others.push((key.to_owned(), verdict)),
+            None => {}
         }
+    }
+
+    /// The verdicts in one clause; nothing if the layout gives none.
+    fn verdicts(&self) -> String {
+        let others = self.others.iter().map(|(_, verdict)| *verdict);
+        match (self.good, self.others.len()) {
+            (0, 0) => String::new(),
+            (good, _) => format!("; {}", estimate_counts(repeat_n(Verdict::Good, good).chain(others))),
+        }
+    }
+
+    /// The images whose estimate is not good, by verdict; one line if a verdict holds for every image.
+    fn details(&self) -> String {
+        let mut text = String::new();
+        for wanted in [Verdict::Failed, Verdict::Doubtful] {
+            let of_verdict = self.others.iter().filter(|(_, verdict)| *verdict == wanted);
+            let mut names: Vec<&str> = of_verdict.map(|(key, _)| key.as_str()).collect();
+            names.sort_unstable();
+            let (count, name) = (names.len(), wanted.name());
+            let _ = match count {
+                0 => Ok(()),
+                _ if count == self.good + self.others.len() && count > 1 => {
+                    writeln!(text, "  all {count} images: estimate {name}")
+                }
+                _ => writeln!(text, "  estimate {name}: {}", names.join(", ")),
+            };
+        }
+        text
     }
 }
 
-/// What a run would make.
-pub(super) fn planned(job: &Augmentation, plan: &Plan<'_>, bad: usize) -> String {
-    let mut text = heading(job);
+/// What a run would write.
+pub(super) fn planned(job: &Augmentation, plan: &Plan<'_>, bad: usize, verbose: bool) -> String {
+    let mut text = heading(job, verbose);
     let (images, variants) = (plan.files(), plan.variants());
-    let kept = if job.recipe.keep_originals { ", and carry them over" } else { "" };
+    let originals = if job.recipe.keep_originals { ", and copy the originals" } else { "" };
     let _ = match job.dataset.layout {
         layout if layout.holds_many() => writeln!(
             text,
-            "would make {} variants of each image in {images} {}{kept}",
+            "would make {} variants of each image in {images} {}{originals}",
             job.recipe.per_image,
-            things(layout)
+            files(layout)
         ),
-        _ => writeln!(text, "would make {variants} variants of {images} images{kept}"),
+        _ => writeln!(text, "would make {variants} variants of {images} images{originals}"),
     };
     left_out(&mut text, bad);
     text
 }
 
-/// What a run has made.
-pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize) -> String {
-    let mut text = heading(job);
-    let things = things(job.dataset.layout);
+/// What a run has written.
+pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize, verbose: bool) -> String {
+    let mut text = heading(job, verbose);
+    let files = files(job.dataset.layout);
     if ended.skipped > 0 {
-        let _ = writeln!(text, "{} {things} were done already, by a run before this one", ended.skipped);
+        let _ = writeln!(text, "{} {files} skipped: an earlier run wrote their variants", ended.skipped);
     }
     if ended.done == 0 && ended.failed == 0 {
         let _ = writeln!(text, "nothing is left to do");
@@ -62,34 +93,29 @@ pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize)
     }
     let _ = writeln!(
         text,
-        "{} variants of {} {things} written to {}",
+        "{} variants of {} {files} written to {}{}",
         tally.variants,
         ended.done,
-        display(&job.output)
+        display(&job.output),
+        tally.verdicts()
     );
     left_out(&mut text, bad);
     if tally.vanished > 0 {
         let _ = writeln!(
             text,
-            "  variants in which the water hides the scene: {}; a smaller --metres-at-one lets through more, --model \
-             physical all; `contrast_left` in the manifest names them",
+            "  WARNING: the water hides the scene in {} variants (`contrast_left` in the manifest); use a smaller \
+             --metres-at-one, or --model physical",
             tally.vanished
         );
     }
-    for (count, verdict) in [(tally.failed_estimates, Verdict::Failed), (tally.doubtful, Verdict::Doubtful)] {
-        if count > 0 {
-            let _ = writeln!(
-                text,
-                "  images whose own water is {}: {count}; the manifest names them",
-                verdict.name()
-            );
-        }
+    if verbose {
+        text += &tally.details();
     }
     text
 }
 
 /// What a layout's files are.
-fn things(layout: Layout) -> &'static str {
+fn files(layout: Layout) -> &'static str {
     match layout {
         Layout::Shards => "shards",
         Layout::Parquet => "tables",
@@ -97,14 +123,17 @@ fn things(layout: Layout) -> &'static str {
     }
 }
 
-fn heading(job: &Augmentation) -> String {
-    let (layout, waters) = (job.dataset.layout.name(), job.recipe.waters.len());
-    let mut text = format!("{}: layout {layout}, {waters} waters\n", display(&job.dataset.root));
-    for water in &job.recipe.waters {
-        let quality = water.file.estimate.quality();
-        if quality.verdict != Verdict::Good {
-            let _ = writeln!(text, "  {}: {} ({})", quality.verdict.name(), water.name, reasons(quality));
-        }
+/// The dataset and the waters; with `verbose`, the waters that are not good.
+fn heading(job: &Augmentation, verbose: bool) -> String {
+    let waters = &job.recipe.waters;
+    let quality = |water: &Water| water.file.estimate.quality();
+    let bad: Vec<_> = waters.iter().filter(|water| quality(water).verdict != Verdict::Good).collect();
+    let counted = if bad.is_empty() { String::new() } else { format!(" ({} not good)", bad.len()) };
+    let (root, layout) = (display(&job.dataset.root), job.dataset.layout.name());
+    let mut text = format!("{root}: layout {layout}, {} waters{counted}\n", waters.len());
+    for water in bad.into_iter().filter(|_| verbose) {
+        let quality = quality(water);
+        let _ = writeln!(text, "  {}: {} ({})", quality.verdict.name(), water.name, reasons(quality));
     }
     text
 }

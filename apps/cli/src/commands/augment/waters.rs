@@ -1,4 +1,4 @@
-//! The waters to draw from.
+//! The waters to sample from.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use crate::args::common::Common;
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
 
-/// What was named, folders taken for the images and water files in them.
+/// The named waters; a folder contributes its images and water files.
 pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
     let mut sources = Vec::new();
     for path in named {
@@ -30,7 +30,10 @@ pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
             inside.extend(Some(entry.map_err(failed)?.path()).filter(|path| has_suffix(path)));
         }
         if inside.is_empty() {
-            let cause = anyhow!("{} holds no images and no waters; name one that does", display(path));
+            let cause = anyhow!(
+                "{} holds no images and no *.water.json files; name a folder that does",
+                display(path)
+            );
             return Err(Failure::usage(cause));
         }
         inside.sort();
@@ -61,7 +64,7 @@ pub(super) fn read(
     Ok(Water { name: source.name(), sha256, file })
 }
 
-/// The waters to draw from, after what is to be done about doubtful ones.
+/// The waters to sample from, after --on-doubtful.
 pub(super) fn without_doubtful(waters: Vec<Water>, how: &OnDoubtful) -> Vec<Water> {
     let is_good = |water: &Water| water.file.estimate.quality().verdict == Verdict::Good;
     match how {
@@ -70,7 +73,7 @@ pub(super) fn without_doubtful(waters: Vec<Water>, how: &OnDoubtful) -> Vec<Wate
         OnDoubtful::Instead(water) => {
             let mut good: Vec<Water> = Vec::new();
             for kept in waters.into_iter().map(|own| if is_good(&own) { own } else { (**water).clone() }) {
-                // One that stands for several is drawn no oftener for it.
+                // A water that replaces several is not sampled more often for that.
                 if !good.iter().any(|other| other.name == kept.name) {
                     good.push(kept);
                 }

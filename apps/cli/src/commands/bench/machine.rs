@@ -17,9 +17,9 @@ pub(super) struct Machine {
 
 impl Machine {
     pub(super) fn this() -> Self {
-        // Linux alone says it in a file; elsewhere the architecture must do.
-        let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let processor = told.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+        // Only Linux has a file with it; elsewhere the architecture is used.
+        let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let processor = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
         Self {
             processor: processor.map_or(std::env::consts::ARCH, |(_, name)| name).to_owned(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),

@@ -15,7 +15,7 @@ use aquafuse::waterbody::{self, Estimate};
 use clap::ValueEnum;
 use serde::Serialize;
 
-/// How long one case is tried if nobody says how often.
+/// How long one case is measured without --frames.
 const TRIED: Duration = Duration::from_millis(500);
 const FEWEST_FRAMES: usize = 5;
 
@@ -23,9 +23,9 @@ const FEWEST_FRAMES: usize = 5;
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Reference {
-    /// The content.
+    /// Estimate only the content.
     Cached,
-    /// The reference too.
+    /// Estimate content and reference.
     Estimated,
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Case {
 
 impl Case {
     pub(super) const HEADING: &str =
-        "         size  threads  reference  smoothing  ms a frame  frames/s  ns/pixel";
+        "         size  threads  reference  smoothing    ms/frame  frames/s  ns/pixel";
 
     pub(super) fn new(
         Size { width, height }: Size,

@@ -14,13 +14,14 @@ use crate::args::water::WaterSource;
 use crate::failure::Failure;
 
 const HELP: &str = "\
-UCIQE and UIQM need no other image; higher is held to be better, and both are fooled by oversaturation
-and noise. The second table takes the change image by image, so that its interval tells whether it is one.
+UCIQE and UIQM need no reference image. Higher counts as better, but oversaturation and noise
+raise both. The second table scores the change of each image: if its interval excludes 0, the
+change is significant.
 
 Examples:
   aquafuse evaluate enhancement dives/ -o enhanced.html
   aquafuse evaluate enhancement dives/ --method sea-thru=restored/ -o methods.md
-                                                     beside what another tool wrote as restored/PICTURE.png";
+                                                     also scores another tool's restored/STEM.png";
 
 /// Score images before and after `enhance`, and after other tools.
 #[derive(Args)]
@@ -33,13 +34,13 @@ pub(crate) struct EnhancementArguments {
     clear: PathBuf,
     #[command(flatten)]
     settings: EnhanceSettings,
-    /// Work in linear light.
+    /// Compute in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
-    /// Also score what another tool has made: images in DIR of the same stems. May be given several times.
+    /// Also score outputs of another tool: images in DIR with the same stems. May be repeated.
     #[arg(long, value_name = "NAME=DIR", value_parser = named)]
     method: Vec<Named>,
-    /// What resamplings are drawn by.
+    /// Random seed of the bootstrap.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     #[command(flatten)]

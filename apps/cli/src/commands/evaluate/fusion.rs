@@ -1,4 +1,4 @@
-//! `aquafuse evaluate fusion`: the paper's Tables 1 and 3, on anybody's images.
+//! `aquafuse evaluate fusion`: Tables 1 and 3 of the paper on any images.
 
 use std::path::PathBuf;
 
@@ -13,53 +13,53 @@ use crate::failure::Failure;
 use crate::report::published;
 
 const HELP: &str = "\
-Scores compare each fused image with its content, as the paper does: PSNR, SSIM of luma, the RMSE of
-Eq. 3 depth estimated again (percent of the range, and levels of 255), and depth consistency. They say
-how little was lost, not whether the water is right; `evaluate truth` asks for that.
+Scores compare each fused image with its content, as in the paper: PSNR, SSIM of luma, the RMSE of
+Eq. 3 depth estimated from both (percent of the range, and levels of 255), and depth consistency.
+They measure how much of the content is preserved, not whether the water is right; for that use
+`evaluate truth`.
 
 Examples:
   aquafuse evaluate fusion --contents dives/ --references waters/ -o report.html
                                                      every image of dives/ in every water
-  aquafuse evaluate fusion --contents dives/ --references dives/ --group-by prefix --pairs 8 -o report/
-                                                     blue_1.jpg, green_1.jpg, ...: each with eight of another
-                                                     group; report/ gets all formats
-  aquafuse evaluate fusion --contents dives/ --references waters/ --rivals --method mine=out/ -o methods.md
-                                                     beside colour transfer, and beside what another tool wrote
-                                                     as out/CONTENT__REFERENCE.png";
+  aquafuse evaluate fusion --contents dives/ --references dives/ --group-by prefix --pairs 8 -o out/
+                                                     groups blue_*.jpg, green_*.jpg, ...; each image
+                                                     with 8 of other groups; all report formats
+  aquafuse evaluate fusion --contents dives/ --references waters/ --rivals --method my=my/ -o all.md
+                                                     also scores colour transfer, and the outputs
+                                                     my/CONTENT__REFERENCE.png of another tool";
 
-/// Score fused images against their contents: the paper's tables, on your images.
+/// Score fused images against their contents: the tables of the paper on your images.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct FusionArguments {
-    /// A folder of images that keep their objects.
+    /// A folder of content images.
     #[arg(long, value_name = "DIR")]
     contents: PathBuf,
-    /// A folder of images that give their water; may be the same.
+    /// A folder of reference images; may be the same folder.
     #[arg(long, value_name = "DIR")]
     references: PathBuf,
-    /// What makes images a group: the folders in DIR, or the names before the first `_`. The report has a row for each
-    /// group of contents, and each content meets the references of other groups. Without it all are one group, and a
-    /// content meets all but itself.
+    /// How images are grouped. The report has one row per group of contents, and each content is paired with the
+    /// references of other groups. Without it, a content is paired with every reference except itself.
     #[arg(long, value_enum)]
     group_by: Option<By>,
-    /// Draw this many references for each content, instead of taking all.
+    /// Sample N references for each content [default: all].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pairs: Option<u32>,
-    /// What pairs and resamplings are drawn by.
+    /// Random seed of the pairs and of the bootstrap.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Also score what colour transfer makes: Reinhard, Monge–Kantorovich, histogram matching, gray world.
+    /// Also score colour transfer: Reinhard, Monge–Kantorovich, histogram matching, gray world.
     #[arg(long)]
     rivals: bool,
-    /// Also score what another tool has made: images in DIR named CONTENT__REFERENCE, both without extension. May be
-    /// given several times. What is missing is named.
+    /// Also score outputs of another tool: images in DIR named CONTENT__REFERENCE (stems). Missing ones are reported.
+    /// May be repeated.
     #[arg(long, value_name = "NAME=DIR", value_parser = named)]
     method: Vec<Named>,
     #[command(flatten)]
     lpips: LpipsArguments,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Fuse in linear light.
+    /// Compute in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
     #[command(flatten)]
@@ -68,9 +68,9 @@ pub(crate) struct FusionArguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum By {
-    /// The folders in DIR.
+    /// By the subfolders of DIR.
     Folder,
-    /// What stands before the first `_` of a name.
+    /// By the part of a name before the first `_`.
     Prefix,
 }
 

@@ -1,4 +1,4 @@
-//! `aquafuse evaluate truth`: how much of the true change each method makes.
+//! `aquafuse evaluate truth`: the share of the true change that each method achieves.
 
 use aquafuse_data::evaluate::{Listener, Truth};
 use clap::Args;
@@ -8,29 +8,29 @@ use crate::args::evaluation::ReportArguments;
 use crate::failure::Failure;
 
 const HELP: &str = "\
-Share of the true change: 1 is the truth, 0 the content, below 0 farther from the truth than the content
-was. Truth A is the content's place with nothing exchanged but the veiling light, truth B the same place
-wholly in the other water. `z` is the depth, given or told from colour.
+Share of the true change: 1 is the truth, 0 the content, below 0 farther from the truth than the
+content. Truth A is the scene with only the veiling light exchanged, truth B the scene with the
+whole water exchanged. `z` is the depth, true or estimated from colour.
 
 Examples:
   aquafuse evaluate truth -o truth.html
   aquafuse evaluate truth --exchanges 12             a first look, in seconds
   aquafuse evaluate truth --linear -o linear.md";
 
-/// Measure how much of the true change each method makes, on synthetic scenes whose truth is known.
+/// Score how much of the true change each method achieves, on synthetic scenes.
 ///
-/// The three models with depth and water given or told, and colour transfer. Needs no images: scenes are numbered, and
-/// the same everywhere.
+/// Scores the three models with true and estimated depth and water, and colour transfer. Needs no images: the scenes
+/// are numbered and the same on every machine.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct TruthArguments {
-    /// Exchanges: a content each, and a reference in another water.
+    /// Number of exchanges, each a content and a reference in another water.
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     exchanges: u32,
-    /// Form, tell and fuse scenes in linear light.
+    /// Form scenes, estimate and fuse in linear light.
     #[arg(long)]
     linear: bool,
-    /// What resamplings are drawn by.
+    /// Random seed of the bootstrap.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     #[command(flatten)]

@@ -7,7 +7,7 @@ use aquafuse::fusion::{Gain, Incidence, Options};
 use aquafuse::image::Image;
 use aquafuse_data::batch::Item;
 use aquafuse_data::drawing::{Cell, contact_sheet};
-use aquafuse_data::files::{display, make_folder_of, remove_stale_parts};
+use aquafuse_data::files::{make_folder_of, remove_stale_parts};
 use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
 use aquafuse_data::pipeline::{Operation, WaterEstimate, analyse_in};
 
@@ -38,7 +38,7 @@ impl FromStr for Sweep {
         };
         let values: Vec<&str> = values.split(',').map(str::trim).collect();
         if values.len() > MOST {
-            bail!("{} values; give {MOST} at most", values.len());
+            bail!("{} values are too many; give at most {MOST}", values.len());
         }
         let number = |value: &str| value.parse::<f32>().map_err(|_| anyhow!("{value:?} is not a number"));
         let theta = |value: &str| Ok((value.to_owned(), Incidence::from_degrees(number(value)?)?));
@@ -46,7 +46,7 @@ impl FromStr for Sweep {
         match name {
             "theta" => Ok(Self::Theta(values.into_iter().map(theta).collect::<anyhow::Result<_>>()?)),
             "alpha" => Ok(Self::Alpha(values.into_iter().map(alpha).collect::<anyhow::Result<_>>()?)),
-            _ => bail!("{name:?} cannot be swept; theta and alpha can"),
+            _ => bail!("{name:?} cannot be swept; give theta or alpha"),
         }
     }
 }
@@ -82,9 +82,7 @@ impl Sweep {
         common: &Common,
     ) -> Result<(), Failure> {
         let [item] = items else {
-            return Err(Failure::usage(anyhow!(
-                "--sweep makes a strip of one image; name one, not a folder"
-            )));
+            return Err(Failure::usage(anyhow!("--sweep takes one image; name an image, not a folder")));
         };
         let steps = self.steps(settings.options);
         let opened = ImageFile::open(&item.input, &common.reading.options())?;
@@ -107,7 +105,7 @@ impl Sweep {
         let strip = ImageFile::new(contact_sheet(&[cells], WIDTH, room).map_err(Failure::work)?);
         remove_stale_parts(make_folder_of(&item.output)?);
         strip.write(&item.output, &WriteOptions { overwrite: batch.overwrite, quality: batch.quality })?;
-        if common.quiet { Ok(()) } else { output::print(&format!("{}: written\n", display(&item.output))) }
+        output::written(&item.output, common.quiet)
     }
 }
 

@@ -38,34 +38,34 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
     }
     let unit = match depth.kind {
         DepthKind::Metres => "metres",
-        _ => "relative: 0 near, 1 far; it has no unit",
+        _ => "relative, without a unit: 0 near, 1 far",
     };
     line("depth z", format!("{}, {unit}", depth.source));
     if let Some(supplied) = &depth.supplied {
         let invalid = 100.0 * supplied.invalid_share;
         line("  file", format!("{}, {}", display(supplied.file.as_ref()), supplied.kind.name()));
-        line("  without a value", format!("{invalid:.1} % of the pixels: depth from colour there"));
+        line("  invalid", format!("{invalid:.1} % of the pixels; they are filled from colour"));
         for warning in &supplied.warnings {
             line("  WARNING", format!("the map {warning}"));
         }
     }
     line("  mean, 5 %, 95 %", format!("{:.2} {:.2} {:.2}", depth.mean, depth.p05, depth.p95));
     line("veiling light B∞", format!("{r:.3} {g:.3} {b:.3} (red, green, blue)   {}", hex([r, g, b])));
-    line("  nine in ten within", ranges(found.estimate.intervals.veiling_light, 3));
+    line("  90 % interval", ranges(found.estimate.intervals.veiling_light, 3));
     line("  read from", source((found.estimate.veiling_light_source, found.estimate.veiling_light_share)));
     line("backscatter β_B", format!("{beta_r:.2} {beta_g:.2} {beta_b:.2} per unit of z"));
-    line("  nine in ten within", ranges(found.estimate.intervals.backscatter_coefficient, 2));
+    line("  90 % interval", ranges(found.estimate.intervals.backscatter_coefficient, 2));
     line("  at the far end, β_B z95", format!("{tau_r:.2} {tau_g:.2} {tau_b:.2}"));
     if found.estimate.depth_factors.is_some() {
         line(
             "  for `physical`",
-            "how much of each depth is open water too: the table F(z), in --json".to_owned(),
+            "F(z) is a table that accounts for open water at each depth; see --json".to_owned(),
         );
     }
-    line("attenuation", "the curve β_D(z), in --json".to_owned());
+    line("attenuation", "a curve β_D(z); see --json".to_owned());
     line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
     if let Some(path) = plot {
-        line("drawn", display(path).to_string());
+        line("plot", display(path).to_string());
     }
     text
 }

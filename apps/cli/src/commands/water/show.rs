@@ -1,4 +1,4 @@
-//! `aquafuse water show`: a water in numbers, and all that a preset rests on.
+//! `aquafuse water show`: a water in numbers, and the sources of a preset.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -17,20 +17,20 @@ use crate::failure::Failure;
 use crate::report::output;
 use crate::report::water::{hex, reasons};
 
-/// Show a water: its numbers, and where they come from.
+/// Show the numbers of a water and their sources.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  aquafuse water show preset:jerlov-3C\n  aquafuse water show harbour.water.json"
+    after_help = "Examples:\n  aquafuse water show preset:jerlov-3C\n  aquafuse water show harbour.water.json"
 )]
 pub(super) struct Show {
     /// preset:NAME, NAME.water.json, or an image.
     water: PathBuf,
     #[command(flatten)]
     waters: WaterArguments,
-    /// The water of linear light rather than of the values that cameras write.
+    /// Show the water in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
-    /// Print JSON for programs; of a preset, all spectra with their sources.
+    /// Print JSON; for a preset, with all spectra and their sources.
     #[arg(long)]
     json: bool,
 }
@@ -58,7 +58,7 @@ impl Show {
     }
 }
 
-/// A preset with all that it rests on, for programs.
+/// A preset with its spectra and sources, as JSON.
 pub(super) fn preset_json(preset: Preset, conditions: &Conditions) -> Value {
     let (encoded, linear) = (preset.derive::<Encoded>(conditions), preset.derive::<Linear>(conditions));
     json!({
@@ -101,7 +101,7 @@ fn numbers(file: &WaterFile) -> String {
 }
 
 fn basis(assumed: &Assumptions, residual: &Residual) -> String {
-    let mut text = String::from("\nrests on\n");
+    let mut text = String::from("\nsources\n");
     for spectrum in &assumed.spectra {
         let _ = writeln!(text, "  {}, {}: {}", spectrum.quantity, spectrum.unit, spectrum.source);
     }
@@ -115,7 +115,7 @@ fn basis(assumed: &Assumptions, residual: &Residual) -> String {
     let conditions = &assumed.conditions;
     let _ = writeln!(
         text,
-        "  looked at {} m below the surface, white at {}, curves fitted to {} m, veil factor {}: {}",
+        "  scene {} m below the surface, white at {}, curves fitted to {} m, veil factor {}: {}",
         conditions.depth_below_surface_m(),
         conditions.white_level(),
         conditions.range_m(),
@@ -125,7 +125,7 @@ fn basis(assumed: &Assumptions, residual: &Residual) -> String {
     let worst = |of: [f32; 3]| of.into_iter().fold(0.0, f32::max);
     let _ = writeln!(
         text,
-        "one curve a channel is off from the sum over the spectrum by at most {:.3} (backscatter), {:.3} (a grey as seen)",
+        "one curve per channel differs from the sum over the spectrum by at most {:.3} (backscatter), {:.3} (a grey card)",
         worst(residual.backscatter),
         worst(residual.seen)
     );

@@ -21,7 +21,7 @@ use crate::image_file::{Format, ReadOptions, open_file};
 /// Bytes of rows that are written as a group, so that no reader needs more.
 const GROUP: usize = 32 << 20;
 
-/// A row to write: which of those read it equals, and what stands in the place of its image.
+/// A row to write: the row read that it copies, and the image that replaces its image.
 struct Row {
     of: u64,
     instead: Option<(String, Vec<u8>)>,
@@ -140,7 +140,7 @@ impl Maker<'_> {
         let name = input.join(number.to_string());
         let none = || FileError::Damaged {
             path: name.clone(),
-            cause: "the row only names its image; put the files into the table first".into(),
+            cause: "the row only names its image; embed the image files in the table first".into(),
         };
         let bytes = found.bytes.ok_or_else(none)?;
         let own_name = found.name.map_or("", |called| split(called).1);

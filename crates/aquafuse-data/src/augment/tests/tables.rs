@@ -250,7 +250,7 @@ fn a_row_with_a_list_that_takes_more_memory_than_is_allowed_is_refused() {
     }
 }
 
-/// Such a page begins with the number of its texts, and its reader makes room for them, however many, before it looks further.
+/// Such a page begins with the number of its strings, and its reader makes room for them, however many, before it looks further.
 #[test]
 fn texts_written_as_differences_are_refused() {
     let place = tempfile::tempdir().unwrap();
@@ -304,7 +304,7 @@ fn a_footer_whose_list_has_more_values_than_bytes_is_refused_and_not_counted_thr
 fn a_footer_whose_field_holds_what_it_never_holds_is_refused() {
     let never = "holds what it never holds";
     let refused = [
-        // The version, a struct; the schema, a number; the schema, a list of texts; the name in it, a struct.
+        // The version, a struct; the schema, a number; the schema, a list of strings; the name in it, a struct.
         [0x1c, 0, 0, 0, 0].as_slice(),
         &[0x25, 0, 0],
         &[0x29, 0x18, 0, 0],

@@ -31,10 +31,10 @@ pub(crate) struct Table {
     path: PathBuf,
     reader: ParquetRecordBatchReader,
     pub(crate) schema: SchemaRef,
-    /// Which column holds the images.
+    /// The column that holds the images.
     pub(crate) column: usize,
     pub(crate) compression: Compression,
-    /// What programs have written about the table beside its schema.
+    /// Metadata beside the schema.
     pub(crate) notes: Vec<KeyValue>,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Table {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell<'a> {
     pub(crate) bytes: Option<&'a [u8]>,
-    /// What it was called when it was a file.
+    /// The name of its original file.
     pub(crate) name: Option<&'a str>,
 }
 
@@ -68,7 +68,7 @@ impl Table {
             let needed = needed.map_err(|error| match error.kind() {
                 ErrorKind::Unsupported => FileError::UnsupportedPixels {
                     path: path.to_owned(),
-                    found: format!("a table with texts in the encoding {error}"),
+                    found: format!("a table with strings in the encoding {error}"),
                     remedy: "Write it in the encodings PLAIN and RLE_DICTIONARY, as most programs do",
                 },
                 _ => damaged(one_line(&error.to_string())),
@@ -85,7 +85,7 @@ impl Table {
             metadata.row_groups().iter().map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
         let rows = rows.fold(0, u64::saturating_add);
         if rows > bytes {
-            return Err(damaged(format!("it says that it has {rows} rows, and has {bytes} bytes")));
+            return Err(damaged(format!("it declares {rows} rows, but has only {bytes} bytes")));
         }
         let schema = loaded.schema().clone();
         let column = column(&schema).map_err(damaged)?;
@@ -116,9 +116,9 @@ impl Table {
     }
 }
 
-const FELL: &str = "its reader fell over it";
+const FELL: &str = "the Parquet decoder panicked on it";
 
-/// The column of images: the one there is, or the one of this name.
+/// The column of images: the only one, or the one with this name.
 fn column(schema: &SchemaRef) -> Result<usize, String> {
     let is_image = |field: &Field| match field.data_type() {
         DataType::Struct(fields) => fields.iter().any(|field| {
@@ -137,10 +137,10 @@ fn column(schema: &SchemaRef) -> Result<usize, String> {
         .collect();
     match found[..] {
         [(column, _)] => Ok(column),
-        [] => Err("it has no column of images: structs with `bytes`, as Hugging Face's Image".into()),
+        [] => Err("it has no column of images (structs with `bytes`, as Hugging Face's Image)".into()),
         [(_, one), (_, other), ..] => {
             found.iter().find(|(_, name)| *name == "image").map(|(column, _)| *column).ok_or_else(|| {
-                format!("{one} and {other} may both be the images; call the right column image")
+                format!("{one} and {other} may both hold the images; name the right column `image`")
             })
         }
     }
@@ -178,7 +178,7 @@ fn text_at(array: &ArrayRef, row: usize) -> Option<&str> {
     }
 }
 
-/// Bytes as a column of this kind of them.
+/// Bytes as a column of this kind.
 pub(crate) fn binary(kind: &DataType, values: &[Option<&[u8]>]) -> ArrayRef {
     let values = values.iter().copied();
     match kind {
@@ -188,7 +188,7 @@ pub(crate) fn binary(kind: &DataType, values: &[Option<&[u8]>]) -> ArrayRef {
     }
 }
 
-/// Texts as a column of this kind of them; none where it is a column of something else.
+/// Strings as a column of this kind; `None` if it is a column of another kind.
 pub(crate) fn texts(kind: &DataType, values: &[Option<&str>]) -> Option<ArrayRef> {
     let values = values.iter().copied();
     match kind {

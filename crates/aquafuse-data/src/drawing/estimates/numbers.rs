@@ -27,7 +27,7 @@ pub(super) fn write(panel: &Panel<'_>, found: &Analysis, unit: &str) -> Result<(
     line(panel, &format!("verdict: {}", quality.verdict.name()), y, (24, colour))?;
     y += LINE + 8;
     if quality.reasons.is_empty() {
-        line(panel, "nothing speaks against these numbers", y, (15, INK))?;
+        line(panel, "no reason to doubt these numbers", y, (15, INK))?;
         y += LINE;
     }
     for reason in quality.reasons.iter().map(Reason::describe) {

@@ -26,9 +26,9 @@ const COUNTS: [Score; 2] = [
 ];
 
 const ABOUT: &str = "Each content was fused with references, and each result compared with its content: PSNR of all \
-    channels, SSIM of luma, and the RMSE of Eq. 3 depth estimated again, on both scales; depth consistency is 100 % less \
-    that. A high score says that little was lost, not that the water is right. Cells: mean ± variance over all pairs \
-    of the row and, in brackets, where the mean lies in 95 of 100 resamplings of whole contents.";
+    channels, SSIM of luma, and the RMSE of Eq. 3 depth estimated from both, in percent and in levels; depth consistency \
+    is 100 % minus the percentage. A high score means that the content is preserved, not that the water is right. Cells: \
+    mean ± variance over all pairs of the row and, in brackets, the 95 % bootstrap interval of the mean over contents.";
 
 /// How much an image looks like its content, by the paper's scores.
 #[derive(Clone, Copy, Debug)]

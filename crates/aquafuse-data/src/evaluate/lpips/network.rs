@@ -47,12 +47,14 @@ impl Lpips {
         read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
         let unfit = |cause: String| EvaluateError::NoLpips { path: path.to_owned(), cause: one_line(&cause) };
         let sha256 = sha256(&bytes);
-        let model = catch_panic(|| Model::load(bytes)).ok_or_else(|| unfit("its reader gave up".into()))?;
+        let model = catch_panic(|| Model::load(bytes)).ok_or_else(|| unfit("its reader panicked".into()))?;
         let model = model.map_err(|error| unfit(error.to_string()))?;
         let (inputs, outputs) = (model.input_ids(), model.output_ids());
         let (&[a, b], &[output]) = (inputs, outputs) else {
             let (inputs, outputs) = (inputs.len(), outputs.len());
-            return Err(unfit(format!("it has {inputs} inputs and {outputs} outputs, not two and one")));
+            return Err(unfit(format!(
+                "it has {inputs} inputs and {outputs} outputs instead of two and one"
+            )));
         };
         let alone = Arc::new(ThreadPool::with_num_threads(1));
         Ok(Self { path: path.to_owned(), sha256, model: Arc::new(model), inputs: [a, b], output, alone })
@@ -76,12 +78,14 @@ impl Lpips {
         let inputs = vec![(first, input(a)), (second, input(b))];
         let inputs = inputs.into_iter().map(|(node, value)| (node, value.into())).collect();
         let run = || self.model.run_n(inputs, [self.output], Some(options));
-        let ended = catch_panic(run).ok_or_else(|| unfit("it gave up on images of this size".into()))?;
+        let ended = catch_panic(run).ok_or_else(|| unfit("it panicked on images of this size".into()))?;
         let [output] = ended.map_err(|error| unfit(error.to_string()))?;
         let values = output.as_tensor_view::<f32>().map(|values| values.iter().copied().collect::<Vec<_>>());
         match values.as_deref() {
             Some([distance]) => Ok(f64::from(*distance)),
-            other => Err(unfit(format!("it gives {} numbers, not one", other.map_or(0, <[f32]>::len)))),
+            other => {
+                Err(unfit(format!("it returns {} numbers instead of one", other.map_or(0, <[f32]>::len))))
+            }
         }
     }
 }

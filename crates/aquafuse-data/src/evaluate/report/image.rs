@@ -29,7 +29,7 @@ fn scaled(side: f64, scale: f64) -> u32 {
     ((side * scale).round() as u32).max(1)
 }
 
-/// The image as a JPEG that stands in a page by itself.
+/// The image as a JPEG embedded in a page.
 pub(super) fn data_uri(image: &Image<u8>) -> String {
     let [width, height] = [image.width(), image.height()].map(|side| u16::try_from(side).unwrap_or(u16::MAX));
     let mut jpeg = Vec::new();

@@ -29,7 +29,7 @@ pub fn document(report: &Report) -> String {
         items: items(&report.items),
         failed: &report.failed,
     };
-    // Numbers, texts and lists of them: nothing that JSON cannot hold.
+    // Numbers, strings and lists of them: JSON can hold them all.
     serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
 }
 

@@ -43,7 +43,7 @@ impl Part {
             let mut in_work = in_work();
             let part = builder().tempfile_in(folder)?;
             // Between making and locking it, another process may have taken it for one left behind. A file system
-            // without locks cannot tell whose a part is; then nobody removes it but we.
+            // without locks cannot show whose a part is; then only its own process removes it.
             let taken = matches!(part.as_file().try_lock(), Err(TryLockError::WouldBlock));
             if !taken && part.path().exists() {
                 in_work.paths.push(part.path().to_owned());
@@ -98,7 +98,7 @@ fn builder() -> Builder<'static, 'static> {
 
 /// Removes the temporary files that this process is filling; whoever would begin another waits for ever.
 ///
-/// For a program that was told to stop, right before it ends: what has its name by then is whole, and nothing
+/// For a program that received a signal, right before it ends: what has its name by then is whole, and nothing
 /// else is left.
 pub fn abandon_parts() {
     let mut in_work = IN_WORK.lock().unwrap_or_else(PoisonError::into_inner);

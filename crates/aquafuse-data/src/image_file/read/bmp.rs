@@ -15,7 +15,7 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
     // The decoder reads on past the end of run-length coded pixels.
     let length = bytes.get(2..6).and_then(|length| length.try_into().ok()).map_or(0, u32::from_le_bytes);
     let whole = bytes.len() as u64 >= u64::from(length);
-    let cause = || format!("it says that it has {length} bytes");
+    let cause = || format!("it declares {length} bytes");
     if !whole && !lenient {
         return Err(Fault::CutShort(cause()));
     }

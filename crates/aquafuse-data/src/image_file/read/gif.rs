@@ -78,7 +78,7 @@ impl Blocks {
     }
 }
 
-/// Pixels of a screen or a frame, by its width and its height as they stand in the file.
+/// Pixels of a screen or a frame, from its width and height in the file.
 fn pixels([w0, w1, h0, h1]: [u8; 4]) -> u64 {
     u64::from(u16::from_le_bytes([w0, w1])).saturating_mul(u16::from_le_bytes([h0, h1]).into())
 }

@@ -20,7 +20,7 @@ const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
 const PROGRESSIVE: u8 = 0xc2;
 
-/// Size and components as the frame header has them, read as far as the first scan, which tells how they are coded.
+/// Size and components as the frame header has them, read as far as the first scan, which defines their coding.
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
     let mut fixed = [0; 2];
     reader.read_exact(&mut fixed)?;
@@ -53,7 +53,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
                 });
             }
             (START_OF_SCAN | END_OF_IMAGE, _) => {
-                return Err(Fault::Damaged("it does not say how large it is".into()));
+                return Err(Fault::Damaged("it does not state its size".into()));
             }
             _ if is_frame(marker) => {
                 let mut found = [0; 6];
@@ -65,7 +65,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
         };
         // The length counts itself.
         let Some(rest) = u16::from_be_bytes(length).checked_sub(read) else {
-            return Err(Fault::Damaged("a part of it says that it is shorter than it can be".into()));
+            return Err(Fault::Damaged("a segment declares an impossible length".into()));
         };
         reader.seek(SeekFrom::Current(rest.into()))?;
     }
@@ -81,7 +81,7 @@ fn next_marker(reader: &mut impl BufRead) -> Result<u8, Fault> {
     let mut byte = [0];
     reader.read_exact(&mut byte)?;
     if byte != [0xff] {
-        return Err(Fault::Damaged("it holds something between its parts".into()));
+        return Err(Fault::Damaged("it holds data between its segments".into()));
     }
     while byte == [0xff] {
         reader.read_exact(&mut byte)?;
@@ -165,11 +165,11 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
             "Save it as a baseline JPEG first",
         ));
     }
-    // Without the mark of the end the decoder can tell data that is missing from data that is there: where it
+    // Without the mark of the end the decoder can distinguish missing data from present data: where it
     // meets a mark it takes zeros for the rest. Of a progressive image it wants to see the mark.
     let strictly = marks.before_end.filter(|_| !marks.progressive).unwrap_or(bytes);
     let cause = match (try_decode(strictly, true), marks.before_end) {
-        (Ok(_), _) if marks.lacks_data() => "there are more blocks of pixels than bits in it".into(),
+        (Ok(_), _) if marks.lacks_data() => "it declares more blocks of pixels than it has bits".into(),
         (Ok(decoded), Some(_)) => return Ok(decoded),
         (Ok(_), None) => "its end is missing".into(),
         (Err(Fault::Damaged(cause)), _) => cause,

@@ -17,7 +17,7 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     let mut head = [0; 26];
     reader.read_exact(&mut head)?;
     let [.., b'I', b'H', b'D', b'R', x3, x2, x1, x0, y3, y2, y1, y0, bits, _colour] = head else {
-        return Err(Fault::Damaged("it does not begin with its header".into()));
+        return Err(Fault::Damaged("its header is missing".into()));
     };
     let side = |bytes| u64::from(u32::from_be_bytes(bytes));
     let (width, height) = (side([x3, x2, x1, x0]), side([y3, y2, y1, y0]));
@@ -37,7 +37,8 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
             "Save the frame you mean as an image of its own",
         ));
     }
-    let size = reader.output_buffer_size().ok_or_else(|| Fault::TooLarge("no memory holds it".into()))?;
+    let size =
+        reader.output_buffer_size().ok_or_else(|| Fault::TooLarge("it does not fit into memory".into()))?;
     let mut samples = vec![0; size];
     let read = reader.next_frame(&mut samples).map(|_| ()).and_then(|()| reader.finish());
     let damage = match read.map_err(Fault::from) {
@@ -47,7 +48,7 @@ pub(super) fn decode(bytes: &[u8], lenient: bool) -> Result<Decoded, Fault> {
         Err(fault) => return Err(fault),
     };
     let mut metadata = metadata(&reader);
-    metadata.leave_out(has_texts(bytes), "its texts");
+    metadata.leave_out(has_texts(bytes), "its text chunks");
     let (width, height) = reader.info().size();
     let (width, height) = (width as usize, height as usize);
     let (colour, depth) = reader.output_color_type();
@@ -110,9 +111,7 @@ impl From<DecodingError> for Fault {
     fn from(error: DecodingError) -> Self {
         match error {
             DecodingError::IoError(error) => error.into(),
-            DecodingError::LimitsExceeded => {
-                Self::TooLarge("what it holds beside its pixels is too large".into())
-            }
+            DecodingError::LimitsExceeded => Self::TooLarge("its metadata is too large".into()),
             other => Self::Damaged(other.to_string()),
         }
     }

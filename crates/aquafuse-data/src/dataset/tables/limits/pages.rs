@@ -12,7 +12,7 @@ use super::thrift::{next_field, number, odd, pass_over, unfolded};
 
 /// Structs within structs, of which a header has two.
 const DEEPEST: u32 = 8;
-/// Encodings of texts in which the first bytes of a page say how many there are, and the library makes room for as many.
+/// Encodings of strings in which the first bytes of a page say how many there are, and the library makes room for as many.
 const DELTAS: [(u64, &str); 2] = [(6, "DELTA_LENGTH_BYTE_ARRAY"), (7, "DELTA_BYTE_ARRAY")];
 
 /// The pages of a column in a group together.
@@ -125,7 +125,7 @@ fn sizes(from: &mut impl Read, shape: Option<Shape>, wanted: [i16; 2]) -> io::Re
 /// A size of 32 bits: more would be cut off by the library, which would then look for the next page elsewhere.
 fn size(from: &mut impl Read) -> io::Result<u64> {
     let size = i32::try_from(unfolded(number(from)?)).ok().and_then(|size| u64::try_from(size).ok());
-    size.ok_or_else(|| odd("a page of less than nothing, or of more than there can be"))
+    size.ok_or_else(|| odd("a page with an impossible size"))
 }
 
 /// Bytes that were read.

@@ -1,6 +1,6 @@
 //! Thrift's compact protocol, as far as it takes to pass over what is not needed: fields with their kind and number, and
 //! values of every kind. Within a list each value has at least one byte, so that a length is as good as the bytes that
-//! follow it; lists of Booleans, which stand in no header or footer, are refused, for the library that reads tables
+//! follow it; lists of Booleans, which no header or footer contains, are refused, for the library that reads tables
 //! afterwards takes them to have no bytes, and would count through thousands of millions of them.
 //! <https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md>
 
@@ -21,7 +21,7 @@ pub(super) fn next_field(from: &mut impl Read, field: &mut i16) -> io::Result<Op
         0 => i16::try_from(unfolded(number(from)?)).ok(),
         further => field.checked_add(i16::from(further)),
     };
-    *field = next.ok_or_else(|| odd("a field with a number beyond all fields"))?;
+    *field = next.ok_or_else(|| odd("a field number that is out of range"))?;
     Ok(Some(byte & 0xf))
 }
 
@@ -42,9 +42,9 @@ pub(super) fn pass_over(
     deepest: u32,
 ) -> io::Result<()> {
     if shape.is_some_and(|shape| !shape.is(kind)) {
-        return Err(odd("a field that holds what it never holds in a table"));
+        return Err(odd("a field of the wrong type"));
     }
-    let deeper = || deepest.checked_sub(1).ok_or_else(|| odd("structs within structs without end"));
+    let deeper = || deepest.checked_sub(1).ok_or_else(|| odd("structs nested too deeply"));
     match kind {
         // Of a Boolean the kind is the value.
         1 | 2 => Ok(()),

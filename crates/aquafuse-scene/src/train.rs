@@ -22,6 +22,7 @@ use crate::medium::{Medium, PARAMETERS, Water};
 use crate::render::render;
 use crate::splats::{HARMONICS, LOG_SCALE, OPACITY, ROTATION, Splats};
 use adam::Moments;
+use aquafuse::random::{FNV_BASIS, fnv};
 use loss::{Loss, Target, loss};
 use state::State;
 
@@ -178,13 +179,12 @@ impl Trainer {
 
 /// All images and cameras as one number (FNV-1a, a value at a time): a run is not gone on with on others.
 fn subject(shots: &[Shot]) -> u64 {
-    let add = |sum: u64, value: u64| (sum ^ value).wrapping_mul(0x0000_0100_0000_01b3);
-    shots.iter().fold(0xcbf2_9ce4_8422_2325, |sum, Shot { camera, target }| {
+    shots.iter().fold(FNV_BASIS, |sum, Shot { camera, target }| {
         let Camera { width, height, focal, centre, rotation, translation } = camera;
         let numbers = focal.iter().chain(centre).chain(rotation.as_flattened()).chain(translation);
-        let sum = [*width, *height].iter().fold(sum, |sum, side| add(sum, *side as u64));
-        let sum = numbers.fold(sum, |sum, number| add(sum, number.to_bits()));
-        target.values().fold(sum, |sum, value| add(sum, u64::from(value.to_bits())))
+        let sum = [*width, *height].iter().fold(sum, |sum, side| fnv(sum, *side as u64));
+        let sum = numbers.fold(sum, |sum, number| fnv(sum, number.to_bits()));
+        target.values().fold(sum, |sum, value| fnv(sum, value.to_bits()))
     })
 }
 

@@ -1,16 +1,14 @@
 //! Numbers by chance that are the same for a seed on every machine: SplitMix64.
 
+use aquafuse::random::split_mix;
+
 /// A stream of numbers. Its state is all there is to keep.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+        split_mix(&mut self.0)
     }
 
     /// In [0, 1).

@@ -23,6 +23,7 @@ use crate::medium::{Medium, PARAMETERS, Water};
 use crate::render::render;
 use crate::splats::{HARMONICS, LOG_SCALE, OPACITY, ROTATION, Splats};
 use adam::Moments;
+use aquafuse::random::{FNV_BASIS, fnv};
 use loss::{Loss, Target, loss};
 use state::State;
 
@@ -185,13 +186,12 @@ impl Trainer {
 
 /// A digest of all images and cameras (FNV-1a, a value at a time): a run does not go on with others.
 fn subject(views: &[TrainView]) -> u64 {
-    let add = |sum: u64, value: u64| (sum ^ value).wrapping_mul(0x0000_0100_0000_01b3);
-    views.iter().fold(0xcbf2_9ce4_8422_2325, |sum, TrainView { camera, target }| {
+    views.iter().fold(FNV_BASIS, |sum, TrainView { camera, target }| {
         let Camera { width, height, focal, centre, rotation, translation } = camera;
         let numbers = focal.iter().chain(centre).chain(rotation.as_flattened()).chain(translation);
-        let sum = [*width, *height].iter().fold(sum, |sum, side| add(sum, *side as u64));
-        let sum = numbers.fold(sum, |sum, number| add(sum, number.to_bits()));
-        target.values().fold(sum, |sum, value| add(sum, u64::from(value.to_bits())))
+        let sum = [*width, *height].iter().fold(sum, |sum, side| fnv(sum, *side as u64));
+        let sum = numbers.fold(sum, |sum, number| fnv(sum, number.to_bits()));
+        target.values().fold(sum, |sum, value| fnv(sum, value.to_bits()))
     })
 }
 

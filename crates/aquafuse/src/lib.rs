@@ -96,6 +96,8 @@ pub mod image;
 mod integration;
 pub mod metrics;
 mod names;
+#[doc(hidden)]
+pub mod random;
 mod rank;
 #[doc(hidden)]
 pub mod simd;

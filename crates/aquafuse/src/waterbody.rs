@@ -20,7 +20,7 @@ mod veiling_light;
 pub use attenuation::{Attenuation, AttenuationError};
 pub use backscatter::BackscatterMethod;
 pub use depth_factors::DepthFactors;
-pub use evidence::{DepthBin, Evidence, evidence};
+pub use evidence::{DepthBin, Evidence, estimate_with_evidence, evidence};
 pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
@@ -245,22 +245,7 @@ fn estimate_from<E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Estimate<E> {
-    let Look { statistics, light, growth, attenuation } = look::<E>(whole, image, quantised, depth, options);
-    let intervals = judge::intervals::<E>(&growth, &light, depth);
-    let quality = judge::quality(&growth, &light, &statistics, &attenuation, depth);
-    Estimate {
-        water: Waterbody {
-            veiling_light: VeilingLight::new(growth.veil),
-            backscatter_coefficient: growth.coefficient,
-            attenuation: attenuation.map(|fit| fit.curve),
-        },
-        veiling_light_source: light.source,
-        veiling_light_share: light.share as f32,
-        depth_model: depth.model(),
-        depth_factors: growth.depth_factors,
-        intervals,
-        quality,
-    }
+    look::<E>(whole, image, quantised, depth, options).judged(depth)
 }
 
 /// All that was read and fitted: what [`estimate`] judges and [`evidence`] shows.
@@ -269,6 +254,26 @@ struct Look<E: Encoding> {
     light: Reading,
     growth: Growth,
     attenuation: [attenuation::Fit; 3],
+}
+
+impl<E: Encoding> Look<E> {
+    /// The water, and what it is worth.
+    fn judged(&self, depth: &DepthMap) -> Estimate<E> {
+        let Self { statistics, light, growth, attenuation } = self;
+        Estimate {
+            water: Waterbody {
+                veiling_light: VeilingLight::new(growth.veil),
+                backscatter_coefficient: growth.coefficient,
+                attenuation: attenuation.each_ref().map(|fit| fit.curve),
+            },
+            veiling_light_source: light.source,
+            veiling_light_share: light.share as f32,
+            depth_model: depth.model(),
+            depth_factors: growth.depth_factors,
+            intervals: judge::intervals::<E>(growth, light, depth),
+            quality: judge::quality(growth, light, statistics, attenuation, depth),
+        }
+    }
 }
 
 fn look<E: Encoding>(

@@ -1,20 +1,17 @@
 //! Chance keyed on names: what is drawn for an image does not depend on the others, nor on who draws it.
 
+use aquafuse::random::{FNV_BASIS, GOLDEN, fnv, split_mix};
+
 /// SplitMix64 from a seed and names.
 #[derive(Clone, Debug)]
 pub(crate) struct Chance(u64);
 
-/// Of FNV-1a.
-const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-const PRIME: u64 = 0x0000_0100_0000_01b3;
-
 impl Chance {
     /// The same numbers for the same seed and the same names in their order.
     pub(crate) fn keyed(seed: u64, names: &[&str]) -> Self {
-        let absorb = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(PRIME);
         // No name holds a zero byte, so that `a, b` is not `ab`.
-        let hash = names.iter().fold(BASIS, |hash, name| absorb(name.bytes().fold(hash, absorb), 0));
-        let mut chance = Self(hash ^ seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        let hash = names.iter().fold(FNV_BASIS, |hash, name| fnv(name.bytes().fold(hash, fnv), 0_u8));
+        let mut chance = Self(hash ^ seed.wrapping_mul(GOLDEN));
         // Once round, so that neighbouring seeds have nothing in common.
         chance.0 = chance.number();
         chance
@@ -22,11 +19,7 @@ impl Chance {
 
     /// Any number.
     pub(crate) fn number(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        x ^ (x >> 31)
+        split_mix(&mut self.0)
     }
 
     /// One of `things`, each as likely.

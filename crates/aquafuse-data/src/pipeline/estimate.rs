@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
-use aquafuse::image::{Encoded, Encoding, Linear};
+use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
 
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
@@ -118,6 +118,31 @@ fn analyse_typed<E: Encoding>(
     image: &ImageFile,
     source: &DepthSource,
 ) -> Result<Analysis<Estimate<E>>, FileError> {
+    analyse_by(image, source, |bytes, depth| {
+        let estimate = waterbody::estimate(bytes, depth, &options(image))?;
+        Ok((estimate, ()))
+    })
+    .map(|(found, ())| found)
+}
+
+/// As [`analyse`], with what the estimate was fitted to; both come of one pass.
+///
+/// # Errors
+///
+/// As [`analyse`].
+pub fn analyse_with_evidence(
+    image: &ImageFile,
+    source: &DepthSource,
+) -> Result<(Analysis, Evidence), FileError> {
+    analyse_by(image, source, |bytes, depth| waterbody::estimate_with_evidence(bytes, depth, &options(image)))
+}
+
+/// Obtains depth, then the water by `estimate`, which may return more than the estimate.
+fn analyse_by<E: Encoding, M>(
+    image: &ImageFile,
+    source: &DepthSource,
+    estimate: impl FnOnce(&Image<u8>, &DepthMap) -> Result<(Estimate<E>, M), ImageError>,
+) -> Result<(Analysis<Estimate<E>>, M), FileError> {
     let top = image.top_edge();
     // Estimators count in 256 steps: what lies between is of no use to them.
     let bytes = image.bytes();
@@ -135,28 +160,11 @@ fn analyse_typed<E: Encoding>(
         }
     };
     count(Step::WaterEstimated);
-    let mut estimate =
-        waterbody::estimate(&bytes, &depth, &options(image)).expect("the depth map was made for this image");
+    let (mut estimate, more) = estimate(&bytes, &depth).expect("the depth map was made for this image");
     if supplied.is_some_and(|report| report.looks_turned_round()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }
-    Ok(Analysis { depth, depth_source: source.clone(), supplied, estimate })
-}
-
-/// The data that the water of [`Analysis::estimate`] was fitted to, read again from the `image` that was analysed.
-///
-/// # Errors
-///
-/// As [`analyse`].
-pub fn analyse_with_evidence(
-    image: &ImageFile,
-    source: &DepthSource,
-) -> Result<(Analysis, Evidence), FileError> {
-    let found = analyse(image, source)?;
-    // The core gives either the estimate or its evidence, and works out both each time: so it is counted twice.
-    count(Step::WaterEstimated);
-    let evidence = waterbody::evidence::<Encoded>(&image.bytes(), &found.depth, &options(image));
-    Ok((found, evidence.expect("the depth map was made for this image")))
+    Ok((Analysis { depth, depth_source: source.clone(), supplied, estimate }, more))
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {

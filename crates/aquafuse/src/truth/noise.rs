@@ -1,13 +1,14 @@
 //! Chance that can be repeated: numbers from a seed, and textures without memory.
 
 use super::geometry::{Vec3, vec3};
+use crate::random::{GOLDEN, split_mix};
 
 /// SplitMix64: good enough to lay out a sea floor, and the same on every machine.
 pub(super) struct Random(u64);
 
 impl Random {
     pub(super) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66)
+        Self(seed.wrapping_mul(GOLDEN) ^ 0x5DEE_CE66)
     }
 
     /// With this state, as it is.
@@ -16,11 +17,7 @@ impl Random {
     }
 
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        x ^ (x >> 31)
+        split_mix(&mut self.0)
     }
 
     /// Evenly in `[low, high)`.

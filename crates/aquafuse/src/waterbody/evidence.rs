@@ -1,6 +1,7 @@
 //! What an estimate was fitted to, for whoever wants to see it.
 
-use super::{EstimateOptions, Look, Seen, VeilingLight, attenuation, backscatter, look};
+use super::thumbnail::{Scratch, Thumbnail};
+use super::{Estimate, EstimateOptions, Look, Seen, VeilingLight, attenuation, backscatter, look};
 use crate::depth::DepthMap;
 use crate::image::{Encoding, ImageError, ImageRef};
 
@@ -62,19 +63,81 @@ pub fn evidence<'a, E: Encoding>(
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
     let whole = Seen { image, levels: &quantised.levels };
-    let Look { statistics, light, growth, attenuation } = look::<E>(whole, image, &quantised, depth, options);
-    let envelopes = backscatter::envelopes(&statistics, &light);
-    let veil = VeilingLight::<E>::new(growth.veil).rgb();
-    let bins = statistics.bins.iter().enumerate().map(|(i, bin)| {
-        let direct: [f32; 3] =
-            std::array::from_fn(|c| attenuation::direct_signal(bin, c, veil[c], growth.coefficient[c]));
-        DepthBin {
-            z: bin.z,
-            pixels: bin.count,
-            dark: std::array::from_fn(|c| envelopes[c][i].dark),
-            direct,
-            illumination: std::array::from_fn(|c| attenuation[c].illumination(direct[c])),
+    Ok(look::<E>(whole, image, &quantised, depth, options).shown(whole))
+}
+
+/// [`estimate`](super::estimate) and what it was fitted to, in one pass: for whoever wants to see both. Of a large
+/// image the bins are those of the thumbnail in which the estimate counted.
+///
+/// # Errors
+///
+/// [`ImageError`] when image and depth map differ in size.
+pub fn estimate_with_evidence<'a, E: Encoding>(
+    image: impl Into<ImageRef<'a, u8>>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+) -> Result<(Estimate<E>, Evidence), ImageError> {
+    let image = image.into();
+    depth.check_fits(image.size())?;
+    let quantised = depth.quantised();
+    let whole = Seen { image, levels: &quantised.levels };
+    let look = match Thumbnail::of(image, &quantised, &mut Scratch::default()) {
+        Some(thumbnail) => look::<E>(whole, thumbnail.image.view(), &thumbnail.depth, depth, options),
+        None => look::<E>(whole, image, &quantised, depth, options),
+    };
+    Ok((look.judged(depth), look.shown(whole)))
+}
+
+impl<E: Encoding> Look<E> {
+    /// What was read, with its places in the whole image.
+    fn shown(&self, whole: Seen<'_>) -> Evidence {
+        let Self { statistics, light, growth, attenuation } = self;
+        let envelopes = backscatter::envelopes(statistics, light);
+        let veil = VeilingLight::<E>::new(growth.veil).rgb();
+        let bins = statistics.bins.iter().enumerate().map(|(i, bin)| {
+            let direct: [f32; 3] =
+                std::array::from_fn(|c| attenuation::direct_signal(bin, c, veil[c], growth.coefficient[c]));
+            DepthBin {
+                z: bin.z,
+                pixels: bin.count,
+                dark: std::array::from_fn(|c| envelopes[c][i].dark),
+                direct,
+                illumination: std::array::from_fn(|c| attenuation[c].illumination(direct[c])),
+            }
+        });
+        Evidence { bins: bins.collect(), z95: statistics.z95, read_from: light.places.mask(whole) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Encoded, Image};
+    use crate::truth::{Scene, Size, waters};
+    use crate::waterbody::{estimate, evidence};
+
+    #[test]
+    fn both_together_are_both_one_by_one() {
+        let size = Size { width: 96, height: 64 };
+        let image: Image<u8> = Scene::new(2, size).seen_through(&waters()[1].water).convert();
+        let z = crate::depth::estimate(&image);
+        for options in [EstimateOptions::default(), EstimateOptions::as_published()] {
+            let (estimated, seen) = estimate_with_evidence::<Encoded>(&image, &z, &options).unwrap();
+            assert_eq!(Ok(estimated), estimate(&image, &z, &options));
+            assert_eq!(Ok(seen), evidence::<Encoded>(&image, &z, &options));
         }
-    });
-    Ok(Evidence { bins: bins.collect(), z95: statistics.z95, read_from: light.places.mask(whole) })
+    }
+
+    #[test]
+    fn of_a_large_image_the_estimate_is_that_of_the_thumbnail_and_the_places_are_all() {
+        let (width, height) = (2000, 1001);
+        let sample =
+            |i: usize| (60 + 90 * (i / 3 / width) / height + i.wrapping_mul(2_654_435_761) % 40) as u8;
+        let image = Image::from_raw(width, height, (0..3 * width * height).map(sample).collect()).unwrap();
+        let z = crate::depth::estimate(&image);
+        let options = EstimateOptions::default();
+        let (estimated, seen) = estimate_with_evidence::<Encoded>(&image, &z, &options).unwrap();
+        assert_eq!(Ok(estimated), estimate(&image, &z, &options));
+        assert_eq!(seen.read_from, evidence::<Encoded>(&image, &z, &options).unwrap().read_from);
+    }
 }

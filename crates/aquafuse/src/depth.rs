@@ -1,7 +1,7 @@
 //! Distance from the camera: estimated from colour (Eq. 3), or given.
 //!
-//! Water takes red away first, so red against the stronger of green and blue tells how much water a
-//! pixel was seen through. [`DepthModel`] holds the ways from colour to depth; [`estimate`] takes the paper's,
+//! Water takes red away first, so red against the stronger of green and blue shows how much water a
+//! pixel was seen through. [`DepthModel`] lists the depth models; [`estimate`] uses the paper's,
 //! [`Eq3`], with our coefficients. Depth from elsewhere comes in as
 //! [`Supplied`], of a declared kind, and [`DepthMap`] holds it in metres or relative.
 

@@ -54,7 +54,7 @@ pub struct Waters<'a, E: Encoding> {
     /// coefficients must then be per the same unit of z as the content's. Metres and metres are, and so
     /// are depths from colour by one [`DepthModel`](crate::depth::DepthModel).
     pub reference: &'a Waterbody<E>,
-    /// The content's F by the depth map it was estimated with, where β_B does not tell it (see
+    /// The content's F by the depth map it was estimated with, where β_B does not describe it (see
     /// [`Estimate::depth_factors`](crate::waterbody::Estimate::depth_factors)); only [`Model::Physical`] reads it.
     pub depth_factors: Option<&'a DepthFactors>,
 }

@@ -24,7 +24,7 @@
 //! - somebody else's buffer, with padding between its rows: [`image::ImageRef`] and [`image::ImageMut`];
 //! - [`Fuser`] also fuses in place, into a buffer, with supplied depth, and into a known water; [`stream::Stream`] is
 //!   the same for video;
-//! - another look: [`fusion::Model`] has three, from a safe veil to the whole water, and [`fusion::Options`] how much;
+//! - how much water: [`fusion::Model`] goes from a safe veil to the whole water, and [`fusion::Options`] sets its strength;
 //! - measured depth: [`depth::Supplied`], of a declared kind;
 //! - the steps one by one: [`depth::estimate`], [`waterbody::estimate`] (with intervals and a verdict),
 //!   [`fusion::Bounded`] (the safety bounds) and [`fusion::fuse`];
@@ -36,7 +36,7 @@
 //!
 //! The **content** is the image that keeps its objects, the **reference** the one that gives its water. A
 //! **waterbody** is a dozen numbers: the veiling light B∞ (the colour of water at infinity), β_B (how fast
-//! backscatter grows with the distance z) and β_D(z) (how fast the scene's own light fades). A camera sees
+//! backscatter grows with the distance z) and β_D(z) (how fast the scene's own light fades). A camera records
 //! `U = I e^(-β_D z) + B∞ (1 - e^(-β_B z))`, where I is the **clear image**, as seen through air.
 //!
 //! The modules, read in this order, are the pipeline of the paper:
@@ -45,7 +45,7 @@
 //! |---|---|---|
 //! | [`image`] | pixels and what their values mean | |
 //! | [`depth`] | image → [`DepthMap`](depth::DepthMap), 0 near, larger farther | Eq. 3 |
-//! | [`depth::Supplied`] | depth from elsewhere, of a declared kind → the same | |
+//! | [`depth::Supplied`] | supplied depth of a declared kind → [`DepthMap`](depth::DepthMap) | |
 //! | [`depth::fit`] | images with known depth → coefficients of Eq. 3 | Eq. 4 |
 //! | [`waterbody`] | image + depth → [`Waterbody`](waterbody::Waterbody) {B∞, β_B, β_D} | Eq. 5-8 |
 //! | [`waterbody::presets`] | waters from published tables, per metre | |
@@ -54,7 +54,7 @@
 //! | [`fuser`] | all of it in one call, within safety bounds | |
 //! | [`stream`] | the same, frame after frame, in the memory of the last | |
 //! | [`smooth`] | the bilateral filter the paper ends with; off by default | |
-//! | [`metrics`] | scores: PSNR, SSIM, what fusion does to depth, rank correlation, UCIQE, UIQM | |
+//! | [`metrics`] | scores: PSNR, SSIM, depth consistency, rank correlation, UCIQE, UIQM | |
 //! | [`truth`] | a ray-marched scene whose clear image, depth and water are known | |
 //!
 //! Colours are RGB in `[0, 1]`, whatever the sample type. Encoded (sRGB) values are the default, as in the
@@ -63,8 +63,10 @@
 //!
 //! # Features
 //!
-//! - `simd` (default): AVX2 where the processor has it, NEON on 64-bit Arm. Off, the crate has no unsafe code; no bit changes.
-//! - `threads` (default): several cores for large images, by bands of rows. Off, no thread is started; no bit changes.
+//! - `simd` (default): AVX2 where the processor has it, NEON on 64-bit Arm. Without it the crate has no unsafe code; the results are
+//!   the same to the bit.
+//! - `threads` (default): several cores for large images, by bands of rows. Without it no thread is started; the results are the
+//!   same to the bit.
 //! - `serde`: `Serialize` and `Deserialize` for the types that describe water and depth; what is read is checked.
 //! - `image`: views of the crate `image`'s buffers (`RgbImage`, 16 bits, floats), and images for it.
 //! - `ndarray`: views of arrays of shape (height, width, 3).
@@ -75,7 +77,7 @@
 //! - β_B does not depend on the distance, and β_D on nothing else. Light is not blurred on its way.
 //! - Encoded values are treated as if light added up in them, as in the paper; where that is too wrong, fuse
 //!   [`Linear`](image::Linear) ones.
-//! - Depth from colour is relative, has no unit that two images share, and fails where red is dead.
+//! - Depth from colour is relative, has no unit that two images share, and fails where no red is left.
 //!
 //! Where the paper leaves something open, `docs/method.md` of the repository says what we chose and what the
 //! other choices do to the scores.

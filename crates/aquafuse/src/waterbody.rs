@@ -1,4 +1,4 @@
-//! What one image tells about its water: a dozen numbers, and how they are estimated.
+//! The water of one image: a dozen numbers, and how they are estimated.
 //!
 //! The steps are the paper's, in its order: veiling light from open water or the farthest pixels, backscatter
 //! from the darkest (Eq. 5), attenuation from what is left (Eq. 6-8). Each step is a module; [`estimate`] runs all.
@@ -95,7 +95,7 @@ impl<E: Encoding> Waterbody<E> {
     }
 }
 
-/// An estimated waterbody and how it was come by.
+/// An estimated waterbody and how it was obtained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Estimate<E: Encoding = Encoded> {
@@ -108,9 +108,9 @@ pub struct Estimate<E: Encoding = Encoded> {
     /// Of the farthest pixels whole depth levels are taken, so a saturated level may bring far more than the
     /// 5 % asked for.
     pub veiling_light_share: f32,
-    /// The way from colour by which depth was come by; none for depth that was given.
+    /// The depth model used; `None` for supplied depth.
     pub depth_model: Option<DepthModel>,
-    /// F by depth where one β_B does not tell it: with depth from colour, open water seen.
+    /// F by depth, where one β_B does not describe it: with depth from colour and open water in view.
     pub depth_factors: Option<DepthFactors>,
     /// How far off the water may be.
     pub intervals: Intervals,
@@ -139,7 +139,7 @@ pub struct EstimateOptions {
     pub top: TopEdge,
     /// Where the veiling light is looked for first. Default: smooth open water.
     pub veiling_light: VeilingLightMethod,
-    /// What tells how fast backscatter grows. Default: the dark envelope.
+    /// How the growth of backscatter is estimated. Default: from the dark envelope.
     pub backscatter: BackscatterMethod,
 }
 

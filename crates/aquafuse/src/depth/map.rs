@@ -9,8 +9,8 @@ use crate::simd;
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
 ///
-/// **0 is at the camera, larger is farther.** Inverse depth and disparity run the other way: turn them
-/// round before they come here. Depth estimated from colour has 256 levels in `[0, 1]` and is kept as
+/// **0 is at the camera, larger is farther.** Inverse depth and disparity run the other way: invert them
+/// first, or use [`Supplied`](super::Supplied). Depth estimated from colour has 256 levels in `[0, 1]` and is kept as
 /// bytes, or 65536 of an image of more than 8 bits; given depth is kept as floats in its own unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMap {
@@ -190,7 +190,7 @@ impl DepthMap {
         Self { model: Some(model), ..self }
     }
 
-    /// The way from colour by which it was come by; none for depth that was given.
+    /// The depth model it was obtained by; `None` for supplied depth.
     pub fn model(&self) -> Option<DepthModel> {
         self.model
     }
@@ -215,7 +215,7 @@ impl DepthMap {
         }
     }
 
-    /// The bytes of depth that has 256 levels; none for finer depth.
+    /// The bytes of depth that has 256 levels; `None` for finer depth.
     pub fn levels(&self) -> Option<&[u8]> {
         match &self.values {
             Values::Levels(levels) => Some(levels),

@@ -1,4 +1,4 @@
-//! The ways from colour to depth.
+//! The depth models: from colour to depth.
 
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -7,7 +7,7 @@ use super::tables::{Square, Tables};
 use super::{DARK, DepthMap, Eq3, layout, median};
 use crate::image::{ImageRef, Sample, TopEdge};
 
-/// A way from colour to relative depth.
+/// A depth model: from colour to relative depth.
 ///
 /// All read **encoded** values and give 256 levels in `[0, 1]`, 0 near (images of more than 8 bits: 65536, but
 /// for `Layout`), and fail where red is dead:
@@ -40,7 +40,7 @@ pub enum DepthModel {
     /// the bottom; `n` takes mean and deviation over the image away.
     ///
     /// **Wrong for a rolled camera and for one that looks down or up**: it takes for granted that what is
-    /// higher in the image is farther. [`DepthModel::estimate_oriented`] is told which edge is the top.
+    /// higher in the image is farther. [`DepthModel::estimate_oriented`] takes the edge that is the top.
     Layout,
 }
 
@@ -92,7 +92,7 @@ impl DepthModel {
     /// ```
     /// use aquafuse::{depth::DepthModel, image::{Image, TopEdge}};
     ///
-    /// // One colour tells nothing: what is left is height, here from the right to the left.
+    /// // One colour shows nothing: what is left is height, here from the right to the left.
     /// let image = Image::<u8>::from_raw(64, 8, vec![90; 64 * 8 * 3])?;
     /// let z = DepthModel::Layout.estimate_oriented(&image, TopEdge::Right);
     /// assert!(z.at(60, 4) > 0.9 && z.at(3, 4) < 0.1);

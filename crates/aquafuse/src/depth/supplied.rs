@@ -74,7 +74,7 @@ impl SuppliedReport {
         self.invalid as f64 / self.pixels.max(1) as f64
     }
 
-    /// Whether large values seem to be near although the declared kind says far, or the other way round.
+    /// Whether near and far look swapped: large values seem near although the declared kind says far, or the reverse.
     ///
     /// A hint to a person: views from above and images without red may deserve it wrongly.
     pub fn looks_turned_round(&self) -> bool {

@@ -3,7 +3,7 @@
 /// The stored edge of an image that is up as seen.
 ///
 /// Pixels stay in stored order, so for a camera held on its side "the top corners" are not the first
-/// rows. The EXIF orientation tag tells which edge it is.
+/// rows. The EXIF orientation tag says which edge it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TopEdge {
     /// Row 0 is up: orientation 1 and 2, or none given.

@@ -27,7 +27,7 @@ impl DepthRmse {
     }
 }
 
-/// Compares depth estimated again from a fused image with that of its content.
+/// Compares depth estimated again from a fused image with the depth estimated from its content.
 ///
 /// Both by `model`, median included; the paper uses Eq. 3.
 ///

@@ -3,6 +3,9 @@
 //! The weight between two pixels is the same seen from either, so that half the window is weighed: the weights of a
 //! row are kept until the second row after it is done. What is averaged is by how much the others differ: weights are
 //! small where differences are large, so that the sums of twelve fit into 16 bits with five behind the point.
+//!
+//! Why the vectors are written by hand: at 1920 x 1080 on one core the plain code takes 47 ms, the same code compiled for
+//! AVX2 22 ms, `avx2.rs` 9 ms (17.5, 10.0 and 3.4 million instructions at 256 x 256).
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;

@@ -21,7 +21,7 @@ use envelope::Point;
 use posterior::{Bell, Grid, Posterior, Trust, weigh};
 use veils::Veils;
 
-/// What tells how fast backscatter grows with distance.
+/// How the growth of backscatter with distance is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BackscatterMethod {

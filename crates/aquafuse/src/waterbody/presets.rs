@@ -18,12 +18,12 @@
 //! (Duntley 1963).
 //!
 //! A sum of many exponentials is no exponential, and encoding bends it once more. [`Preset::derive`] fits β_B and
-//! β_D(z) and tells how far they are off: in linear light by less than .002; encoded, the backscatter by up to .16 of
+//! β_D(z) and reports how far they are off: in linear light by less than .002; encoded, the backscatter by up to .16 of
 //! B∞, close to the camera, where encoding rises too steeply for one exponential, and a grey as seen by up to .11
 //! (all presets, to 20 m below the surface, ranges of 3 to 50 m). Where that matters, work in linear light.
 //! β_D falls with z: the light that goes first leaves the light that stays.
 //!
-//! # What the tables do not tell
+//! # What the tables do not contain
 //!
 //! a and b were measured for IB to 5C; for I, IA, 7C and 9C they were found from K_d. In 7C and 9C one sees less
 //! than two metres. What a real sea of a type looks like varies with sun, bottom and camera by far more than the

@@ -9,7 +9,7 @@ pub enum Verdict {
     Good,
     /// Something does: it may be right, look at the image.
     Doubtful,
-    /// The image does not tell what its water is; the numbers are a guess.
+    /// The image does not show what its water is; the numbers are a guess.
     Failed,
 }
 
@@ -20,7 +20,7 @@ pub enum Verdict {
 pub enum Reason {
     /// No smooth open water was found: the veiling light was read from things, or from corners.
     NoOpenWater,
-    /// All depths are alike: nothing can be told to grow with distance.
+    /// All depths are alike: growth with distance cannot be seen.
     FlatDepth,
     /// Much of the depth lies at one end of its range.
     SaturatedDepth,
@@ -28,7 +28,7 @@ pub enum Reason {
     LightOutsideWaterHues,
     /// The dark envelope does not follow the curve of backscatter.
     LargeResidual,
-    /// Too few dark things: what backscatter adds to them cannot be told from what they are.
+    /// Too few dark things: their own light cannot be separated from backscatter.
     FewDarkPixels,
     /// Hardly any red is left: its water, and depth from colour, are not known.
     DeadRed,
@@ -39,7 +39,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// All reasons, in the order they are told in.
+    /// All reasons, in the order they are reported in.
     pub const ALL: &'static [Self] = &[
         Self::NoOpenWater,
         Self::FlatDepth,

@@ -17,7 +17,7 @@ use super::SuppliedError;
 /// v01 and v99 are the 1st and 99th percentile of the valid values; results are clipped to `[0, 1]`.
 ///
 /// Disparity has a true zero, so 1 / v is right up to a scale. What a monocular network calls inverse depth has
-/// not: with b unknown, 1 / v would be ruled by b just where the water is thickest. Turning the values round keeps
+/// not: with b unknown, 1 / v would be ruled by b just where the water is thickest. Inverting the values linearly keeps
 /// their order and a bound, and understates how far the far end is.
 /// A disparity of 0 would be infinitely far, but matchers write it where they found nothing, near or far, so colour
 /// decides. A network's 0 is the end of its stretch to 8 or 16 bits: often a fifth of an image, and its open water.

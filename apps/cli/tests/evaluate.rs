@@ -126,7 +126,7 @@ fn another_tools_images_are_scored_as_ours_and_what_is_missing_is_named() {
 
     std::fs::remove_file(run.path("mine/wall__milky.png")).unwrap();
     let ended = run.fails(1, &with(&evaluate, &["-o", "report.md"]));
-    assert!(ended.stderr.contains("mine holds 0 images named wall__milky"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("mine holds 0 images with the stem wall__milky"), "{}", ended.stderr);
     assert!(ended.stdout.contains("| mine | all | 1 | 1 |"), "{}", ended.stdout);
     let report = String::from_utf8(run.bytes("report.md")).unwrap();
     assert!(

@@ -48,7 +48,10 @@ fn millions_of_wrong_annotations_are_counted() {
     let json = |images: &str| format!("{{\"images\": [{images}], \"annotations\": []}}");
     fs::write(run.path("data/a.json"), json(&vec!["0"; 4_000_000].join(","))).unwrap();
     let said = within_bounds(&run, 2, &AUGMENT);
-    assert!(said.contains("images[9]: it is no object") && said.contains("and 3999990 more"), "{said}");
+    assert!(
+        said.contains("images[9]: it is not a JSON object") && said.contains("and 3999990 more"),
+        "{said}"
+    );
     fs::remove_file(run.path("data/a.json")).unwrap();
 
     fs::create_dir(run.path("data/labels")).unwrap();
@@ -70,7 +73,7 @@ fn annotations_are_written_entry_by_entry_and_have_a_quarter_of_memory() {
     let text = format!("{{\"images\":[{images}],\"annotations\":[{}]}}", annotations.join(","));
     fs::write(run.path("data/a.json"), &text).unwrap();
     let said = within_bounds(&run, 2, &[&AUGMENT[..], &["--max-memory", "64MiB"]].concat());
-    let expected = format!("a.json: it has {} bytes, and files that go along", text.len());
+    let expected = format!("a.json: it has {} bytes; an annotation file or list may have", text.len());
     assert!(said.contains(&expected) && said.contains("a quarter of --max-memory"), "{said}");
 
     let often = [&AUGMENT[..], &["--per-image", "10", "--with-replacement", "--keep-originals"]].concat();

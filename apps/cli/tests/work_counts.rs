@@ -59,6 +59,8 @@ fn inspecting_an_image_decodes_it_and_estimates_its_water_once() {
     scene(&run.path("reef.png"), 1, "blue");
     let once = "1 image decoded, 1 water estimated";
     assert_eq!(work(&run, &["inspect", "reef.png"]), once);
+    // Estimate and evidence come of one pass.
+    assert_eq!(work(&run, &["inspect", "reef.png", "--plots", "plots"]), once);
 }
 
 #[test]

@@ -352,7 +352,7 @@ mod tests {
             (text.replace(held_beyond, "\"attenuation_held_beyond\": [\n      -5"), "attenuation: "),
             (
                 text.replace("\"veiling_light\": [\n      0", "\"veiling_light\": [\n      7"),
-                "between 0 and 1",
+                "must be from 0 to 1",
             ),
         ];
         for (text, expected) in cases {

@@ -264,7 +264,7 @@ fn a_variant_is_made_again_from_its_manifest() {
         assert_eq!(files(&out)[&name], bytes, "{name}");
     }
     let none = replay(&manifest, &making(Some("x"), Some(&moved), &again));
-    assert!(none.unwrap_err().to_string().contains("no variant \"x\""));
+    assert!(none.unwrap_err().to_string().contains("no variant and no image \"x\""));
 }
 
 #[test]

@@ -130,7 +130,7 @@ fn bad_annotations_are_named_with_their_place() {
     let found = opened(&masks);
     assert_eq!(
         faults(&found),
-        ["images/b.jpg: it has no mask", "masks/c.png: there is no image of this mask"]
+        ["images/b.jpg: it has no mask", "masks/c.png: no image belongs to this mask"]
     );
     assert_eq!(found.faults.first()[0].sample.as_deref(), Some("images/b.jpg"));
     let yolo = folder(&[
@@ -140,7 +140,7 @@ fn bad_annotations_are_named_with_their_place() {
     ]);
     let said = faults(&opened(&yolo));
     assert!(said[0].starts_with("labels/a.txt:2: the box reaches from 0.7000 to 1.1000"), "{said:?}");
-    assert!(said[1].starts_with("labels/b.txt: there is no image"), "{said:?}");
+    assert!(said[1].starts_with("labels/b.txt: no image belongs"), "{said:?}");
 }
 
 /// One annotation that is no text spoils no other, and a file that is too large is reported, not skipped.
@@ -152,7 +152,7 @@ fn a_file_that_is_no_text_is_a_fault_of_its_image_and_one_too_large_is_refused()
     let found = opened(&yolo);
     assert_eq!(
         faults(&found),
-        ["labels/a.txt", "notes.txt"].map(|path| format!("{path}: it is no text in UTF-8; save it as one"))
+        ["labels/a.txt", "notes.txt"].map(|path| format!("{path}: it is not UTF-8 text; save it as UTF-8"))
     );
     assert!(found.faults.concern("images/a.jpg") && found.samples.len() == 2);
 
@@ -161,7 +161,7 @@ fn a_file_that_is_no_text_is_a_fault_of_its_image_and_one_too_large_is_refused()
     fs::write(voc.path().join("Annotations/a.xml"), b"<annotation><folder>\xe9</folder></annotation>")
         .unwrap();
     let found = opened(&voc);
-    assert_eq!(faults(&found), ["Annotations/a.xml: it is no text in UTF-8; save it as one"]);
+    assert_eq!(faults(&found), ["Annotations/a.xml: it is not UTF-8 text; save it as UTF-8"]);
     assert!(found.faults.concern("JPEGImages/a.jpg"));
 
     let tight = ReadOptions { max_memory: 400, ..ReadOptions::default() };

@@ -380,7 +380,7 @@ fn a_file_beside_images_has_a_quarter_of_memory_at_most_and_may_be_empty() {
     assert_eq!(read_beside(&path, &options).unwrap(), [0; 1_000]);
     file.set_len(1_001).unwrap();
     let said = read_beside(&path, &options).unwrap_err().to_string();
-    assert!(said.contains("labels.txt: it has 1001 bytes, and files that go along with images may have 1000, a quarter of --max-memory"), "{said}");
+    assert!(said.contains("labels.txt: it has 1001 bytes; an annotation file or list may have 1000, a quarter of --max-memory"), "{said}");
 }
 
 #[test]

@@ -302,7 +302,7 @@ fn a_footer_whose_list_has_more_values_than_bytes_is_refused_and_not_counted_thr
 /// The library would take the bytes of such a field for something else, and what follows for other fields.
 #[test]
 fn a_footer_whose_field_holds_what_it_never_holds_is_refused() {
-    let never = "holds what it never holds";
+    let never = "a field of the wrong type";
     let refused = [
         // The version, a struct; the schema, a number; the schema, a list of strings; the name in it, a struct.
         [0x1c, 0, 0, 0, 0].as_slice(),
@@ -321,7 +321,7 @@ fn a_footer_whose_field_holds_what_it_never_holds_is_refused() {
     assert!(unknown.contains("version is missing"), "{unknown}");
     // Nor does a number of 16 bits wrap, so that it is one that is known.
     let beyond = refusal_of_footer(&[0x0c, 0x82, 0x80, 8, 0, 0]);
-    assert!(beyond.contains("a number beyond all fields"), "{beyond}");
+    assert!(beyond.contains("a field number that is out of range"), "{beyond}");
 }
 
 /// Why a table of nothing but this footer is refused.

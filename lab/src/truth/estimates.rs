@@ -139,7 +139,7 @@ fn verdicts(given: &[Found]) -> Result<String> {
     writeln!(text, "\n| reason | scenes | of them clean |")?;
     writeln!(text, "|---|---|---|")?;
     for reason in Reason::ALL {
-        let holding = |one: &&Found| one.reasons.contains(&reason);
+        let holding = |one: &&Found| one.reasons.contains(reason);
         writeln!(
             text,
             "| {} | {} | {} |",

@@ -30,7 +30,7 @@ fn model(name: &str) -> anyhow::Result<DepthModel> {
         return Ok(model);
     }
     if model_file::check_name(Path::new(name)).is_err() {
-        let names = DepthModel::ALL.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
+        let names = DepthModel::ALL.iter().map(DepthModel::name).collect::<Vec<_>>().join(", ");
         return Err(anyhow!("unknown depth model; give one of {names}, or a FILE.toml from `aquafuse fit`"));
     }
     Ok(DepthModel::Eq3(ModelFile::read(Path::new(name))?.eq3))

@@ -102,7 +102,7 @@ fn written(text: &mut String, reports: &[(Item, Report)]) {
         }
         _ => {
             let verdicts = reports.iter().map(|(_, report)| report.quality.verdict);
-            writeln!(text, "{} written; {}; {clipped}", images(reports.len()), estimate_counts(verdicts))
+            writeln!(text, "{} written; {}; {clipped}", images(reports.len()), estimate_counts(&verdicts))
         }
     };
 }

@@ -17,7 +17,7 @@ pub(crate) fn verdict(quality: Quality) -> String {
 }
 
 /// How many estimates have which verdict.
-pub(crate) fn estimate_counts(verdicts: impl Iterator<Item = Verdict> + Clone) -> String {
+pub(crate) fn estimate_counts(verdicts: &(impl Iterator<Item = Verdict> + Clone)) -> String {
     let count = |wanted| verdicts.clone().filter(|verdict| *verdict == wanted).count();
     let [good, doubtful, failed] = [Verdict::Good, Verdict::Doubtful, Verdict::Failed].map(count);
     format!("estimates: {good} good, {doubtful} doubtful, {failed} failed")

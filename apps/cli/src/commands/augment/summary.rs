@@ -38,7 +38,7 @@ impl Tally {
         let others = self.others.iter().map(|(_, verdict)| *verdict);
         match (self.good, self.others.len()) {
             (0, 0) => String::new(),
-            (good, _) => format!("; {}", estimate_counts(repeat_n(Verdict::Good, good).chain(others))),
+            (good, _) => format!("; {}", estimate_counts(&repeat_n(Verdict::Good, good).chain(others))),
         }
     }
 

@@ -9,7 +9,7 @@ of depth for the fusion. Attenuation is left out: fusion does not use it.
     opencv_pipeline.py time CONTENT.ppm REFERENCE.ppm --frames N
 
 `time` prints the median milliseconds of a frame whose reference's water is known already, and of a frame
-for which both pictures are estimated.
+for which both images are estimated.
 """
 
 import argparse
@@ -304,7 +304,7 @@ def backscatter(bgr, levels, veil, noise, seen):
 
 def quality(found, veil, levels, z, number, values, seen):
     """Whether nothing speaks against an estimate, and whether its light is glare. L_z, the one reason that
-    needs β_D, is left out: where it speaks against depth from colour, others did as well in every picture tried."""
+    needs β_D, is left out: where it speaks against depth from colour, others did as well in every image tried."""
     visible = [one for c, one in enumerate(found) if veil[c] >= VISIBLE]
     dark = any(floor > MOST_FLOOR or ln_tau[1] > MOST_DEVIATION for ln_tau, _, floor, _ in visible)
     off = any(on < LEAST_ON for *_, on in visible)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Median milliseconds of what others use to give a picture another look, on one thread.
+"""Median milliseconds of what others use to give an image another look, on one thread.
 
     python rivals.py CONTENT.ppm REFERENCE.ppm --frames N
 

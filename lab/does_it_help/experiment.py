@@ -3,7 +3,7 @@
     python experiment.py SCENES AQUAFUSE WORK [--seeds N] [--steps N]
 
 SCENES is the built example `labelled_scenes`, AQUAFUSE the command, WORK a folder to fill. It prints a table in Markdown:
-the mean intersection over union in the water not seen, for every way to multiply the pictures of training; every way
+the mean intersection over union in the water not seen, for every way to multiply the images of training; every way
 trains for as many steps.
 """
 
@@ -19,16 +19,16 @@ import numpy as np
 import network
 
 WATERS = ["blue", "green", "turbid", "clear", "deep"]
-# Pictures are made and multiplied large, and learned small.
+# Images are made and multiplied large, and learned small.
 LARGE, SMALL = (144, 120), (48, 40)
 TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 3
 PRESETS = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
-# By what the pictures are multiplied: the model, whether by the presets or by pictures of the new water, and colours.
+# By what the images are multiplied: the model, whether by the presets or by images of the new water, and colours.
 WAYS = {
     "none": (None, False, False),
     "ColorJitter": (None, False, True),
-    "`aquafuse`, 3 unlabelled pictures": ("aquafuse", False, False),
-    "`physical`, 3 unlabelled pictures": ("physical", False, False),
+    "`aquafuse`, 3 unlabelled images": ("aquafuse", False, False),
+    "`physical`, 3 unlabelled images": ("physical", False, False),
     "`physical`, presets": ("physical", True, False),
     "`physical`, presets, and ColorJitter": ("physical", True, True),
 }
@@ -46,7 +46,7 @@ def arguments():
 
 
 def loaded(folder):
-    """Pictures and labels of a data set, small."""
+    """Images and labels of a dataset, small."""
     pictures, labels = [], []
     for path in sorted((folder / "images").iterdir()):
         picture = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
@@ -65,7 +65,7 @@ class Data:
         work = given.work / held_out
         train, home = (self.of_both(given.work / kind, seen, work / kind) for kind in ("train", "test"))
         self.test, self.home = loaded(given.work / "test" / held_out), loaded(home)
-        # Pictures of the new water without labels, of places that are not tested.
+        # Images of the new water without labels, of places that are not tested.
         unlabelled = given.work / "unlabelled" / held_out / "images"
         self.train = {}
         for model, presets, _ in WAYS.values():
@@ -77,7 +77,7 @@ class Data:
 
     @staticmethod
     def of_both(scenes, waters, folder):
-        """A data set of all scenes, one in the first water, the next in the other."""
+        """A dataset of all scenes, one in the first water, the next in the other."""
         for kind in ("images", "masks"):
             (folder / kind).mkdir(parents=True, exist_ok=True)
             for number, path in enumerate(sorted((scenes / waters[0] / kind).iterdir())):
@@ -92,7 +92,7 @@ class Data:
 
 
 def batches(data, seed, jitter):
-    """Batches without end: any picture, turned round or not."""
+    """Batches without end: any image, turned round or not."""
     random = np.random.default_rng(seed)
     pictures, labels = data
     colours = albumentations.ColorJitter(brightness=0.4, contrast=0.4, saturation=0.4, hue=0.1, p=1.0)

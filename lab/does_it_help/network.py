@@ -60,7 +60,7 @@ def halved(x):
 
 
 def scores(layers, pictures):
-    """How much speaks for each class, pixel by pixel; pictures are in 0..1."""
+    """How much speaks for each class, pixel by pixel; images are in 0..1."""
     x, kept = 2 * pictures - 1, []
     for level in range(len(WIDTHS)):
         x = block(layers[f"down{level}b"], block(layers[f"down{level}a"], x))
@@ -92,7 +92,7 @@ def step(layers, moments, count, rate, pictures, labels):
 
 
 def trained(batches, steps, seed):
-    """A network after `steps` batches of pictures (bytes) and labels."""
+    """A network after `steps` batches of images (bytes) and labels."""
     layers = new(seed)
     moments = (jax.tree.map(jnp.zeros_like, layers), jax.tree.map(jnp.zeros_like, layers))
     for count in range(1, steps + 1):

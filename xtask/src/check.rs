@@ -9,11 +9,12 @@ use crate::api;
 
 const STRICT: [&str; 3] = ["--", "-D", "warnings"];
 /// Tests and examples ask for no feature but `serde`: with the others they are what they are without.
-const FEATURES: [&[&str]; 4] = [
+const FEATURES: [&[&str]; 5] = [
     &["--all-targets"],
     &["--features", "simd"],
     &["--features", "threads"],
     &["--features", "serde", "--all-targets"],
+    &["--features", "image,ndarray"],
 ];
 
 /// What was skipped, a line each.

@@ -1,9 +1,9 @@
-"""Reads a data set and what `aquafuse augment` made of it with the readers that people use, and compares annotations.
+"""Reads a dataset and what `aquafuse augment` made of it with the readers that people use, and compares annotations.
 
     read_datasets.py yolo|coco|voc|masks|shards|parquet|kinds BEFORE AFTER
 
-Every picture of BEFORE must be in AFTER with its variants, STEM__WATER__NUMBER, of the same size, and each with the
-annotations of its picture.
+Every image of BEFORE must be in AFTER with its variants, STEM__WATER__NUMBER, of the same size, and each with the
+annotations of its image.
 """
 
 import io
@@ -19,7 +19,7 @@ PICTURES = {".png", ".jpg", ".jpeg", ".tif", ".bmp", ".webp"}
 
 
 def source(name):
-    """The stem of the picture that a picture of this stem was made from."""
+    """The stem of the image that an image of this stem was made from."""
     return name.rsplit("__", 2)[0]
 
 
@@ -33,7 +33,7 @@ def pictures(folder):
 
 
 def by_supervision(load):
-    """Boxes and classes of each picture, by its stem."""
+    """Boxes and classes of each image, by its stem."""
     data = load()
     found = {}
     for path, _, detections in data:
@@ -62,7 +62,7 @@ def voc(root):
 
     names = {path.stem for path in (root / "Annotations").glob("*.xml")}
     listed = (root / "ImageSets/Main/train.txt").read_text().split()
-    assert set(listed) == names and len(listed) == len(names), "the list does not name every picture once"
+    assert set(listed) == names and len(listed) == len(names), "the list does not name every image once"
     return by_supervision(
         lambda: sv.DetectionDataset.from_pascal_voc(str(root / "JPEGImages"), str(root / "Annotations"))
     )
@@ -75,7 +75,7 @@ def coco(root):
     data = COCO(str(path))
     ids = [annotation["id"] for annotation in data.dataset["annotations"]]
     assert len(ids) == len(set(ids)), "an id twice"
-    assert len(data.imgs) == len(data.dataset["images"]), "an id of a picture twice"
+    assert len(data.imgs) == len(data.dataset["images"]), "an id of an image twice"
     found = {}
     for image in data.loadImgs(data.getImgIds()):
         (file,) = list(root.rglob(Path(image["file_name"]).name))

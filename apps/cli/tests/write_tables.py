@@ -1,4 +1,4 @@
-"""Writes pictures as tables of Parquet in the way of Hugging Face, and in the folder `kinds` beside it as tables with columns of
+"""Writes images as tables of Parquet in the way of Hugging Face, and in the folder `kinds` beside it as tables with columns of
 every kind, in all the ways that pyarrow writes them.
 
     write_tables.py FOLDER PICTURE...

@@ -1,4 +1,4 @@
-"""Writes and reads pictures with Pillow, OpenCV and tifffile, for independent_images.rs.
+"""Writes and reads images with Pillow, OpenCV and tifffile, for independent_images.rs.
 
 `write FOLDER`: one file of each kind we claim to read, and for each what an independent decoder makes of it:
 FOLDER/NAME.npy, RGB or RGBA, 8 or 16 bits.

@@ -1,4 +1,4 @@
-"""Transfer of colours by scikit-image and NumPy, compared with what the test has written beside the pictures."""
+"""Transfer of colours by scikit-image and NumPy, compared with what the test has written beside the images."""
 
 import sys
 from pathlib import Path

@@ -15,7 +15,7 @@ const LEAST_SWAY: f64 = 0.08;
 /// Steps in which up is made to lie across what is right of all cameras: they look down, or up, but seldom aslant. Where all
 /// look the same way, it stays as it is in their images.
 const LEVELLED: usize = 64;
-/// Splats fainter than this do not tell where things are.
+/// Splats fainter than this do not show where objects are.
 const FAINT: f32 = 0.5;
 /// How far a view from above is from the middle, in distances of the cameras from it.
 const ABOVE: f64 = 1.2;

@@ -73,7 +73,7 @@ fn radii(points: &[Point]) -> Vec<f64> {
         let mut nearest = [f64::INFINITY; NEIGHBOURS];
         for_each_nearer(&order, rank, |j, farthest| {
             let apart: [f64; 3] = std::array::from_fn(|a| points[j].position[a] - points[i].position[a]);
-            // Beyond what rounding may have made of it; and nothing is nearer than what stands in the same place.
+            // Beyond what rounding may have made of it; and nothing is nearer than what is in the same place.
             if (along[j] - along[i]).powi(2) > *farthest * (1.0 + 1e-9) || *farthest == 0.0 {
                 return false;
             }

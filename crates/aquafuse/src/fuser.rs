@@ -260,7 +260,7 @@ impl<'z> Fuser<'z> {
         self.fuse_in(Some(content.try_into()?), fused.try_into()?, None, &mut Memory::default())
     }
 
-    /// Fuses the content, or what stands in `fused` if there is none, into `fused`, in the memory of the last image.
+    /// Fuses the content, or `fused` itself if there is none, into `fused`, in the memory of the last image.
     /// The content's water is estimated unless it is `known`.
     pub(crate) fn fuse_in<T: Sample>(
         &self,

@@ -142,7 +142,7 @@ pub fn fuse_into<'a, 'b, T: Sample, E: Encoding>(
     fuse_from(Some(content), fused, depth, waters, options)
 }
 
-/// Fuses the content, or what stands in `fused` if there is none, into `fused`.
+/// Fuses the content, or `fused` itself if there is none, into `fused`.
 fn fuse_from<T: Sample, E: Encoding>(
     content: Option<ImageRef<'_, T, E>>,
     mut fused: ImageMut<'_, T, E>,

@@ -37,7 +37,7 @@ pub const OPEN_WATER: f32 = render::FAR;
 /// The tangent of half the angle that an image is wide: its focal length is `width / (2 HALF_VIEW)` pixels.
 pub const HALF_VIEW: f32 = render::HALF_VIEW;
 
-/// Where a camera stands in a place and looks, for more than one image of it.
+/// The position and gaze of a camera, for more than one image of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Metres to the right of, above and ahead of where the place's own camera stands.

@@ -79,11 +79,11 @@ impl Augmentation {
                     |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
                 std::fs::create_dir_all(above).map_err(failed)?;
             }
-            let (mut told, mut changed) = ((0, String::new()), None);
+            let (mut digest, mut changed) = ((0, String::new()), None);
             let result = write_atomically(&path, true, |out| -> io::Result<()> {
                 let mut hashed = Hashed::new(out);
                 let written = annotations::write(index, &bytes, &made, &mut hashed);
-                told = hashed.told();
+                digest = hashed.result();
                 changed = written
                     .as_ref()
                     .err()
@@ -96,7 +96,7 @@ impl Augmentation {
                 return Err(FileError::Damaged { path, cause });
             }
             result?;
-            let (bytes, sha256) = told;
+            let (bytes, sha256) = digest;
             Ok(Written { output, bytes, sha256 })
         };
         let mut written: Vec<Written> =

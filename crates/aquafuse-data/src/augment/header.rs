@@ -87,9 +87,9 @@ impl Header {
     }
 
     /// A copy with shortened waters, for messages about differences.
-    pub(super) fn told(&self) -> Self {
-        let waters = self.waters.iter().map(StoredWater::told).collect();
-        Self { waters, instead: self.instead.as_ref().map(StoredWater::told), ..self.clone() }
+    pub(super) fn bounded(&self) -> Self {
+        let waters = self.waters.iter().map(StoredWater::bounded).collect();
+        Self { waters, instead: self.instead.as_ref().map(StoredWater::bounded), ..self.clone() }
     }
 
     /// Whether two runs make the same of the same images.

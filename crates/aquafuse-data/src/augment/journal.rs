@@ -282,7 +282,7 @@ fn cannot_write(path: &Path, error: &io::Error) -> FileError {
 
 /// What is said where a folder was filled with other settings.
 fn other_settings(folder: &Path, was: &Header, is: &Header) -> AugmentError {
-    let value = |header: &Header| serde_json::to_value(header.told()).unwrap_or_default();
+    let value = |header: &Header| serde_json::to_value(header.bounded()).unwrap_or_default();
     let differences = differences(&value(was), &value(is));
     FileError::OtherSettings { folder: folder.to_owned(), differences }.into()
 }

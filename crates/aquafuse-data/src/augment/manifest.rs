@@ -98,7 +98,7 @@ impl<W: Write> Sealing<W> {
         for written in indices {
             self.add(Line::Index(written).text().as_bytes())?;
         }
-        let (_, sha256) = self.0.told();
+        let (_, sha256) = self.0.result();
         self.add(Line::End { sha256 }.text().as_bytes())?;
         Ok(self.0.into_inner())
     }
@@ -196,7 +196,7 @@ pub(super) fn scan(
         match line {
             Line::Job(found) if found.schema == SCHEMA => header = Some(*found),
             Line::Job(_) => return Err(ScanError::Line(number)),
-            Line::End { sha256: told } => sealed = Some(hexadecimal(&digest.clone().finalize()) == told),
+            Line::End { sha256 } => sealed = Some(hexadecimal(&digest.clone().finalize()) == sha256),
             line => {
                 is_body &= !matches!(line, Line::Index(_));
                 each(line, Place { first, bytes });

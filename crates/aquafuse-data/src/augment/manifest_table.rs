@@ -45,7 +45,7 @@ pub(super) fn write(
 }
 
 fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch, ParquetError> {
-    fn texts<'a>(all: &[(&'a Variant, Option<&'a str>)], of: impl Fn(&'a Variant) -> &'a str) -> ArrayRef {
+    fn strings<'a>(all: &[(&'a Variant, Option<&'a str>)], of: impl Fn(&'a Variant) -> &'a str) -> ArrayRef {
         Arc::new(StringArray::from_iter_values(all.iter().map(|(variant, _)| of(variant))))
     }
     let water = |variant: &Variant| header.waters.get(variant.water).map(|water| water.name.as_str());
@@ -54,17 +54,17 @@ fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch
         Some(words.join("; "))
     });
     let columns: Vec<(&str, ArrayRef)> = vec![
-        ("key", texts(all, |variant| &variant.key)),
+        ("key", strings(all, |variant| &variant.key)),
         ("number", Arc::new(all.iter().map(|(variant, _)| Some(variant.number)).collect::<UInt32Array>())),
-        ("output", texts(all, |variant| &variant.output)),
+        ("output", strings(all, |variant| &variant.output)),
         ("container", Arc::new(all.iter().map(|(_, container)| *container).collect::<StringArray>())),
         ("bytes", Arc::new(all.iter().map(|(variant, _)| Some(variant.bytes)).collect::<UInt64Array>())),
-        ("sha256", texts(all, |variant| &variant.sha256)),
+        ("sha256", strings(all, |variant| &variant.sha256)),
         (
             "source_bytes",
             Arc::new(all.iter().map(|(variant, _)| Some(variant.source.bytes)).collect::<UInt64Array>()),
         ),
-        ("source_sha256", texts(all, |variant| &variant.source.sha256)),
+        ("source_sha256", strings(all, |variant| &variant.source.sha256)),
         (
             "depth_sha256",
             Arc::new(
@@ -77,7 +77,7 @@ fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch
         ("model", Arc::new(StringArray::from_iter_values(all.iter().map(|_| &header.settings.model)))),
         ("theta", Arc::new(all.iter().map(|(variant, _)| Some(variant.theta)).collect::<Float32Array>())),
         ("alpha", Arc::new(all.iter().map(|(variant, _)| Some(variant.alpha)).collect::<Float32Array>())),
-        ("verdict", texts(all, |variant| &variant.verdict)),
+        ("verdict", strings(all, |variant| &variant.verdict)),
         ("reasons", Arc::new(reasons.collect::<StringArray>())),
         ("clipped", Arc::new(all.iter().map(|(variant, _)| Some(variant.clipped)).collect::<Float64Array>())),
         (

@@ -72,7 +72,7 @@ impl PartialEq for StoredWater {
 }
 
 /// Far more bytes than the numbers of a water have.
-const MOST_TOLD: usize = 1 << 14;
+const MAX_BYTES: usize = 1 << 14;
 
 /// A value as it is written.
 fn raw(value: &Value) -> Box<RawValue> {
@@ -81,9 +81,9 @@ fn raw(value: &Value) -> Box<RawValue> {
 
 impl StoredWater {
     /// The same, its numbers as a text if they are more than those of any water.
-    pub(super) fn told(&self) -> Self {
+    pub(super) fn bounded(&self) -> Self {
         match self.water.get() {
-            text if text.len() > MOST_TOLD => Self { water: raw(&text.into()), ..self.clone() },
+            text if text.len() > MAX_BYTES => Self { water: raw(&text.into()), ..self.clone() },
             _ => self.clone(),
         }
     }

@@ -9,7 +9,7 @@ mod rows;
 #[cfg(feature = "parquet")]
 pub(crate) use rows::try_parse;
 #[cfg(feature = "parquet")]
-pub(crate) use rows::{Cell, Table, binary, cell, texts};
+pub(crate) use rows::{Cell, Table, binary, cell, strings};
 
 use super::tree::Tree;
 use super::{Dataset, Sample, split};

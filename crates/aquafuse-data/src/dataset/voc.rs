@@ -115,7 +115,7 @@ impl Annotation {
 }
 
 /// An XML text, element by element.
-struct Texts<'a> {
+struct Pieces<'a> {
     reader: Reader<&'a [u8]>,
     /// Where the reader begins: it drops a byte order mark and does not count it.
     begin: usize,
@@ -126,7 +126,7 @@ struct Texts<'a> {
     ended: bool,
 }
 
-impl<'a> Texts<'a> {
+impl<'a> Pieces<'a> {
     fn of(text: &'a str) -> Self {
         let marked = text.len();
         let text = text.trim_start_matches('\u{feff}');
@@ -186,10 +186,10 @@ enum Piece {
 
 /// Reads an annotation; what is wrong with it otherwise.
 fn parse(text: &str) -> Result<Annotation, String> {
-    let (mut found, mut texts) = (Annotation::default(), Texts::of(text));
+    let (mut found, mut pieces) = (Annotation::default(), Pieces::of(text));
     let mut is_first = true;
-    while let Some((piece, range)) = texts.next()? {
-        let root = texts.stack.first().map(String::as_str);
+    while let Some((piece, range)) = pieces.next()? {
+        let root = pieces.stack.first().map(String::as_str);
         if is_first && piece == Piece::Start {
             if root != Some("annotation") {
                 return Err("its first element is not `annotation`".into());
@@ -197,25 +197,25 @@ fn parse(text: &str) -> Result<Annotation, String> {
             is_first = false;
         }
         if piece == Piece::Start {
-            if texts.is_in(&["annotation", "object", "bndbox"]) {
+            if pieces.is_in(&["annotation", "object", "bndbox"]) {
                 found.boxes.push([f64::NAN; 4]);
             }
             continue;
         }
         let said = text.get(range).unwrap_or_default().trim();
         let number = || said.parse::<f64>().ok();
-        if texts.is_in(&["annotation", "filename"]) {
+        if pieces.is_in(&["annotation", "filename"]) {
             let plain = quick_xml::escape::unescape(said);
             found.filename = Some(plain.map_or_else(|_| said.to_owned(), Cow::into_owned));
         }
         for (name, side) in ["width", "height"].into_iter().zip(&mut found.size) {
-            if texts.is_in(&["annotation", "size", name]) {
+            if pieces.is_in(&["annotation", "size", name]) {
                 *side = number();
             }
         }
         if let Some(last) = found.boxes.last_mut() {
             for (name, side) in ["xmin", "ymin", "xmax", "ymax"].into_iter().zip(last) {
-                if texts.is_in(&["annotation", "object", "bndbox", name]) {
+                if pieces.is_in(&["annotation", "object", "bndbox", name]) {
                     *side = number().unwrap_or(f64::NAN);
                 }
             }
@@ -227,11 +227,11 @@ fn parse(text: &str) -> Result<Annotation, String> {
 /// The annotation with another image's name in `filename`, and as the last part of `path`.
 pub(super) fn renamed(bytes: &[u8], image: &str) -> Vec<u8> {
     let Ok(text) = std::str::from_utf8(bytes) else { return bytes.to_vec() };
-    let (mut out, mut done, mut texts) = (String::with_capacity(text.len()), 0, Texts::of(text));
+    let (mut out, mut done, mut pieces) = (String::with_capacity(text.len()), 0, Pieces::of(text));
     let name = quick_xml::escape::escape(image);
-    while let Ok(Some((piece, range))) = texts.next() {
-        let is_path = texts.is_in(&["annotation", "path"]);
-        if piece != Piece::Text || !(is_path || texts.is_in(&["annotation", "filename"])) {
+    while let Ok(Some((piece, range))) = pieces.next() {
+        let is_path = pieces.is_in(&["annotation", "path"]);
+        if piece != Piece::Text || !(is_path || pieces.is_in(&["annotation", "filename"])) {
             continue;
         }
         let said = text.get(range.clone()).unwrap_or_default();

@@ -19,7 +19,7 @@ pub(crate) fn sha256_of(path: &Path) -> Result<String, FileError> {
     let mut digest = Hashed::new(io::sink());
     let read = File::open(path).and_then(|mut file| io::copy(&mut file, &mut digest));
     read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
-    Ok(digest.told().1)
+    Ok(digest.result().1)
 }
 
 /// The digits of a digest.
@@ -44,7 +44,7 @@ impl<W> Hashed<W> {
     }
 
     /// The bytes that were written, and their digest.
-    pub(crate) fn told(&self) -> (u64, String) {
+    pub(crate) fn result(&self) -> (u64, String) {
         (self.bytes, hexadecimal(&self.digest.clone().finalize()))
     }
 

@@ -81,7 +81,7 @@ impl RunOptions {
         slots.into_iter().map(|(_, slot)| slot.into_inner().ok_or(Stopped)).collect()
     }
 
-    /// Does `work`, which may fail, on every item; the results stand in the order of the items. No item begins after one
+    /// Does `work`, which may fail, on every item; results keep the order of the items. No item begins after one
     /// has failed.
     ///
     /// # Errors

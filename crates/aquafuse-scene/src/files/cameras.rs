@@ -29,7 +29,7 @@ pub struct Cameras {
     pub model: PathBuf,
 }
 
-/// Where a COLMAP model may stand in a scene's folder.
+/// Where a COLMAP model may be in a scene's folder.
 const PLACES: [&str; 4] = ["", "sparse/0", "sparse", "colmap_text"];
 
 /// Reads the cameras of a scene's folder: a COLMAP model, binary before text, or `transforms.json`.

@@ -38,7 +38,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .filter(|(_, line)| !line.starts_with('#'))
 }
 
-/// What stands in a line, field by field.
+/// The fields of a line.
 struct Fields<'a>(std::str::SplitWhitespace<'a>);
 
 impl<'a> Fields<'a> {

@@ -35,7 +35,7 @@ void main() {
   vec4 upper = uintBitsToFloat(second);
   vec2 lower = uintBitsToFloat(third.xy);
   mat3 spread = mat3(upper.xyz, upper.y, upper.w, lower.x, upper.z, lower);
-  // Flattened where it is; beyond the margin of the picture, where that would blow it up, at the margin.
+  // Flattened where it is; beyond the margin of the image, where that would blow it up, at the margin.
   vec2 low = -centre / focal, high = (size - centre) / focal, margin = 0.3 * 0.5 * size / focal;
   vec2 slant = clamp(seen.xy / seen.z, low - margin, high + margin);
   mat2x3 press = mat2x3(vec3(1.0, 0.0, -slant.x) * focal.x / seen.z, vec3(0.0, 1.0, -slant.y) * focal.y / seen.z);

@@ -6,7 +6,7 @@ use crate::scalar::Scalar;
 /// Columns and rows of a tile: a row of it is one vector of eight floats.
 pub(crate) const SIDE: usize = 8;
 
-/// For each tile, row by row, the footprints that touch it; and for each footprint, where it stands in these lists.
+/// For each tile, row by row, the footprints that touch it; and for each footprint, its indices in these lists.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tiles {
     pub(crate) across: usize,
@@ -40,7 +40,7 @@ impl Tiles {
         })
     }
 
-    /// Lists footprints that stand in order of distance: then so does each tile's list.
+    /// Lists footprints that are in order of distance: then so does each tile's list.
     pub(crate) fn new<T: Scalar>(width: usize, height: usize, footprints: &[Footprint<T>]) -> Self {
         let (across, down) = (width.div_ceil(SIDE), height.div_ceil(SIDE));
         let mut runs = Vec::with_capacity(2 * footprints.len());
@@ -95,7 +95,7 @@ impl Tiles {
         self.starts[row * self.across] as usize..self.starts[(row + 1) * self.across] as usize
     }
 
-    /// Where a footprint stands in the lists.
+    /// The indices of a footprint in the lists.
     pub(crate) fn places_of(&self, rank: usize) -> &[u32] {
         &self.places[self.firsts[rank] as usize..self.firsts[rank + 1] as usize]
     }

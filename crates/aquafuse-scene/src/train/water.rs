@@ -29,7 +29,7 @@ const REACH: f64 = 4.0;
 const STEPS: i32 = 4;
 /// The least step of the search in ln β.
 const FINEST: f64 = 0.01;
-/// What a factor of e away from where β was must gain at least: in a dead channel nothing tells.
+/// What a factor of e away from where β was must gain at least: a dead channel has no evidence.
 const INERTIA: f64 = 1e-6;
 
 /// A place as one view has it.

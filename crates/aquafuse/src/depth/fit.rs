@@ -164,7 +164,7 @@ pub struct Fit {
     /// Mean of the rank scores.
     pub rank_score: f64,
     /// Spearman's correlation of the model with the labels of each image, in the order of adding; 0 where
-    /// the model tells nothing apart.
+    /// the model distinguishes nothing.
     pub rank_scores: Vec<f64>,
     /// Huber's loss, mean over images, in units of the labels' spread squared.
     pub loss: f64,

@@ -120,7 +120,7 @@ impl Seen {
     }
 }
 
-/// A cue less its mean, over its deviation; 0 everywhere where it tells nothing apart.
+/// A cue less its mean, over its deviation; 0 everywhere where it distinguishes nothing.
 struct Standard {
     values: Vec<i32>,
     mean: f64,

@@ -22,7 +22,7 @@ pub struct RelativeScale {
     metres_at_one: f32,
 }
 
-/// As it stands in files.
+/// As it is written to files.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct StoredScale {

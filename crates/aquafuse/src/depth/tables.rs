@@ -124,7 +124,7 @@ impl Square {
     }
 }
 
-/// Where a colour stands in the square.
+/// The index of a colour in the square.
 #[inline]
 fn place(&[r, g, b]: &[u8; 3]) -> u16 {
     u16::from_be_bytes([r, g.max(b)])

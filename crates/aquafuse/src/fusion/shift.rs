@@ -5,7 +5,7 @@ use crate::simd::{self, Level, Work};
 
 /// Pixels shifted together: enough that what is looked up has left the processor's store queue before it is read.
 const BLOCK: usize = 512;
-/// Values after which the channels stand in the same order again, in whole vectors.
+/// Values after which the channels have the same order again, in whole vectors.
 const PERIOD: usize = 96;
 
 /// What is added to the three channels at each level of depth.

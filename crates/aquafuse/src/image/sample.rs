@@ -129,7 +129,7 @@ integer_sample!(
 );
 integer_sample!(u16, i32, |word: u16| ((u32::from(word) + 128) / 257) as u8, |word| word);
 
-/// Steps of a float: as many as its fraction tells apart below 1.
+/// Steps of a float: as many as its fraction distinguishes below 1.
 const FLOAT_STEPS: f64 = (1 << 24) as f64;
 
 impl Sample for f32 {

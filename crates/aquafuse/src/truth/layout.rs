@@ -1,4 +1,4 @@
-//! Where everything stands in a place.
+//! The layout of a place.
 
 mod harbour;
 

@@ -19,7 +19,7 @@ pub struct Attenuation {
     held_beyond: f32,
 }
 
-/// As it stands in files.
+/// As it is written to files.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct StoredAttenuation {

@@ -37,7 +37,7 @@ pub enum BackscatterMethod {
 /// β_B itself has no scale of its own: colour depth often ends at .12 to .6 of its range, so the same water
 /// gives very different β_B. Of all fixed answers an optical depth of 1.2 did best on truth scenes.
 const EXPECTED: Bell = Bell { mean: 0.182, deviation: 0.8 };
-/// Optical depths outside are not believed: thinner cannot be told from none, thicker from opaque.
+/// Optical depths outside are not believed: thinner looks like none, thicker like opaque.
 const RANGE: [f32; 2] = [0.03, 12.0];
 /// Places of the first look over [`RANGE`], and of the second around what it found.
 const COARSE: usize = 40;
@@ -48,7 +48,7 @@ const REACH: f32 = 3.5;
 const LEAST_DEVIATION: f32 = 0.06;
 
 /// With given depth a bin is wrong by its byte, and where the veiling light is fitted with the curve by what its darkest
-/// things are, which one floor for all bins does not tell; with depth from colour by a good deal, and all bins alike.
+/// things are, which one floor for all bins does not show; with depth from colour by a good deal, and all bins alike.
 const GIVEN: Trust = Trust { deviation: 1.0 / 255.0, weight: 1.0 };
 const GIVEN_BEHIND_THINGS: Trust = Trust { weight: 0.2, ..GIVEN };
 const FROM_COLOUR: Trust = Trust { deviation: 8.0 / 255.0, weight: 0.1 };
@@ -259,7 +259,7 @@ mod tests {
 
     #[test]
     fn a_channel_that_says_nothing_follows_the_others() {
-        // Red has no veil and no light; green and blue tell of thick water.
+        // Red has no veil and no light; green and blue show thick water.
         let (image, levels) = seen_through::<Encoded>(4.0, 0.6, 0.0);
         let dead = image.pixels().iter().flat_map(|&[_, g, b]| [0, g, b]).collect();
         let image = Image::from_raw(256, 64, dead).unwrap();

@@ -116,7 +116,7 @@ impl<'de> serde::Deserialize<'de> for Reasons {
     }
 }
 
-/// As it stands in files: the verdict must follow from the reasons.
+/// As it is written to files: the verdict must follow from the reasons.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct StoredQuality {

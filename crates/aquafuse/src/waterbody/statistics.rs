@@ -39,7 +39,7 @@ pub(super) struct Dark {
 }
 
 impl<E: Encoding> Statistics<E> {
-    /// Counts `image` by its depth. What lies beyond the steps of depth tells the veiling light, but not how
+    /// Counts `image` by its depth. What lies beyond the steps of depth gives the veiling light, but not how
     /// fast anything grows with distance: it joins no bin, unless there is nothing else.
     pub(super) fn gather(image: ImageRef<'_, u8>, depth: &Quantised<'_>) -> Self {
         let Quantised { levels, step, beyond } = depth;

@@ -1,6 +1,6 @@
 //! A large image thinned out to what is counted in it.
 //!
-//! Quantiles over depth are read off it, of which half a million pixels tell as much as many millions. Pixels are
+//! Quantiles over depth are read off it, of which half a million pixels are as good as many millions. Pixels are
 //! left out, not averaged: the noise of an image and its darkest places stay what they are.
 
 use crate::bands;

@@ -51,7 +51,7 @@ pub(crate) struct Sfm {
 
 /// The program's work folder in the scene's folder; a run that failed leaves it.
 const WORK: &str = ".aquafuse-sfm";
-/// Where models of COLMAP stand in a scene.
+/// Where a scene keeps models of COLMAP.
 const MODEL: &str = "sparse/0";
 const MODEL_FILES: [&str; 3] = ["cameras.bin", "images.bin", "points3D.bin"];
 

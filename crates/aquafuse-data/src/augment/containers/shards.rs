@@ -62,7 +62,7 @@ impl Maker<'_> {
                 unread = Some(error);
                 return Err(std::io::Error::other("its input cannot be read"));
             }
-            (container.bytes, container.sha256) = builder.into_inner()?.told();
+            (container.bytes, container.sha256) = builder.into_inner()?.result();
             Ok(())
         });
         match unread {

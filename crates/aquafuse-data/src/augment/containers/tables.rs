@@ -12,7 +12,7 @@ use parquet::schema::types::ColumnPath;
 use super::super::line::Container;
 use super::super::make::Maker;
 use super::{Held, written};
-use crate::dataset::tables::{Cell, Table, binary, cell, texts};
+use crate::dataset::tables::{Cell, Table, binary, cell, strings};
 use crate::dataset::{join, split, stem};
 use crate::files::{FileError, one_line, write_atomically};
 use crate::files::{Hashed, sha256_of};
@@ -88,7 +88,7 @@ impl Maker<'_> {
                 first = first.saturating_add(rows.num_rows() as u64);
             }
             writer.close()?;
-            (container.bytes, container.sha256) = hashed.told();
+            (container.bytes, container.sha256) = hashed.result();
             Ok(())
         });
         match unread {
@@ -182,7 +182,7 @@ fn with(table: &Table, rows: &RecordBatch, one: &Row) -> Result<RecordBatch, Arr
     for (field, array) in fields.iter().zip(&mut arrays) {
         let replaced: Option<ArrayRef> = match field.name().as_str() {
             "bytes" => Some(binary(field.data_type(), &[one.bytes(images)])),
-            "path" => texts(field.data_type(), &[one.name(images)]),
+            "path" => strings(field.data_type(), &[one.name(images)]),
             _ => None,
         };
         if let Some(replaced) = replaced {

@@ -20,7 +20,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use super::{files, job, making, run};
 use crate::augment::{replay, verify};
 use crate::dataset::Layout;
-use crate::dataset::tables::{Table, binary, cell, texts};
+use crate::dataset::tables::{Table, binary, cell, strings};
 use crate::image_file::{ReadOptions, open_file};
 
 const NOTE: &str = r#"{"info": {"features": {"image": {"_type": "Image"}}}}"#;
@@ -36,14 +36,14 @@ fn table(root: &Path, bytes: &DataType) {
         Field::new("path", DataType::Utf8, true),
     ]);
     let names =
-        texts(&DataType::Utf8, &[Some("a.jpg"), None, Some("deep/c.v2.jpg"), Some("d.jpg"), None]).unwrap();
+        strings(&DataType::Utf8, &[Some("a.jpg"), None, Some("deep/c.v2.jpg"), Some("d.jpg"), None]).unwrap();
     let image: ArrayRef = Arc::new(StructArray::new(fields, vec![binary(bytes, &held), names], None));
     let mut boxes = ListBuilder::new(Int64Builder::new());
     for row in 0..5_i64 {
         boxes.append_value((0..row).map(|place| Some(10 * row + place)));
     }
     let boxes: ArrayRef = Arc::new(boxes.finish());
-    let label = texts(&DataType::Utf8, &[Some("fish"), None, Some("reef"), Some("sand"), None]).unwrap();
+    let label = strings(&DataType::Utf8, &[Some("fish"), None, Some("reef"), Some("sand"), None]).unwrap();
     let columns = [("label", label), ("image", image), ("boxes", boxes)];
     let fields: Vec<Field> =
         columns.iter().map(|(name, column)| Field::new(*name, column.data_type().clone(), true)).collect();
@@ -161,7 +161,7 @@ fn tables_that_are_damaged_or_hold_no_images_are_refused_by_name() {
         fs::write(&path, &whole[..cut]).unwrap();
         assert_eq!((run(&job(&root, &out)).failed, files(&out).len()), (1, 1), "cut at {cut}");
     }
-    let plain = texts(&DataType::Utf8, &[Some("no image")]).unwrap();
+    let plain = strings(&DataType::Utf8, &[Some("no image")]).unwrap();
     let rows = RecordBatch::try_from_iter([("image", plain)]).unwrap();
     let mut writer = ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
     writer.write(&rows).unwrap();

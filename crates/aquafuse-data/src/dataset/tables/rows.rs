@@ -189,7 +189,7 @@ pub(crate) fn binary(kind: &DataType, values: &[Option<&[u8]>]) -> ArrayRef {
 }
 
 /// Strings as a column of this kind; `None` if it is a column of another kind.
-pub(crate) fn texts(kind: &DataType, values: &[Option<&str>]) -> Option<ArrayRef> {
+pub(crate) fn strings(kind: &DataType, values: &[Option<&str>]) -> Option<ArrayRef> {
     let values = values.iter().copied();
     match kind {
         DataType::Utf8 => Some(Arc::new(values.collect::<StringArray>())),

@@ -57,11 +57,11 @@ pub(super) fn settings(report: &Report) -> String {
         serde_json::Value::Null => None,
         serde_json::Value::String(text) => Some(format!("{name} {text}")),
         serde_json::Value::Array(of) => {
-            let texts: Vec<String> = of
+            let strings: Vec<String> = of
                 .iter()
                 .map(|value| value.as_str().map_or_else(|| value.to_string(), str::to_owned))
                 .collect();
-            Some(format!("{name} {}", texts.join(", ")))
+            Some(format!("{name} {}", strings.join(", ")))
         }
         other => Some(format!("{name} {other}")),
     };

@@ -16,12 +16,12 @@ use crate::lens::Lens;
 ///
 /// # Errors
 ///
-/// [`SceneFileError`] when a name cannot stand in a line of text, a file exists and may not be replaced, or the system
+/// [`SceneFileError`] when a name does not fit in a line of text, a file exists and may not be replaced, or the system
 /// refuses.
 pub fn write_cameras(folder: &Path, cameras: &Cameras, overwrite: bool) -> Result<(), SceneFileError> {
     let images = folder.join("images.txt");
     for one in &cameras.images {
-        // Fields are told apart by blanks: those at either end, or two in a row, would be lost.
+        // Blanks separate fields: those at either end, or two in a row, would be lost.
         let name =
             one.name.to_str().filter(|name| name.split_whitespace().collect::<Vec<_>>().join(" ") == **name);
         if name.is_none() {

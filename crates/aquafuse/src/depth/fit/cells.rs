@@ -1,4 +1,4 @@
-//! An image with known depth as what its colours tell: sufficient for every step of the fit.
+//! An image with known depth as statistics of its colours: sufficient for every step of the fit.
 
 use std::cmp::Ordering;
 
@@ -92,7 +92,7 @@ impl LabelledImage {
     }
 
     /// Spearman's correlation of a model with the labels, colours of one cell counting as equal; 0 where the
-    /// model tells nothing apart.
+    /// model distinguishes nothing.
     pub(super) fn rank_score(&self, eq3: &Eq3) -> f64 {
         let depth = |cell: &Cell| eq3.depth(f64::from(cell.red), f64::from(cell.max));
         let mut ordered: Vec<(f64, &Cell)> = self.cells.iter().map(|cell| (depth(cell), cell)).collect();

@@ -19,7 +19,7 @@ pub enum Doubt {
         /// Whether it is the term in red.
         red: bool,
     },
-    /// A term is as steep as it may be: a step that tells only the darkest or the brightest colours apart.
+    /// A term is as steep as it may be: a step that distinguishes only the darkest or the brightest colours.
     Steep {
         /// Whether it is the term in red.
         red: bool,
@@ -69,7 +69,7 @@ impl fmt::Display for Doubt {
                 term(red)
             ),
             Self::Steep { red } => {
-                write!(f, "{} is a step: hardly any colours are told apart by it", term(red))
+                write!(f, "{} is a step: it hardly distinguishes any colours", term(red))
             }
             Self::Backwards { images } => {
                 write!(f, "in {images} images depth falls where the model rises: are their labels inverted?")

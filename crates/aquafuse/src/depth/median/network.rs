@@ -1,6 +1,6 @@
 //! The comparators, each a pair of places: the smaller value comes to the first, the larger to the second.
 //!
-//! They stand in macros, so that one list serves as a table and as straight code.
+//! They are macros, so that one list serves as a table and as straight code.
 
 /// The best network known for six values.
 macro_rules! sort_6 {

@@ -3,7 +3,7 @@
 use crate::image::TopEdge;
 use crate::rank::{ranks, spearman};
 
-/// Places looked at, about: as many tell a rank correlation to .01, and sorting them takes milliseconds.
+/// Places looked at, about: as many give a rank correlation to .01, and sorting them takes milliseconds.
 const PLACES: usize = 20_000;
 /// Weight of the row against colour: on real pairs it is the steadier of the two (colour fails where red is dead).
 const ROW: f64 = 2.0;

@@ -1,4 +1,4 @@
-//! Where colours stand in the square, eight pixels at once, by AVX2.
+//! The index of colours in the square, eight pixels at once, by AVX2.
 
 #![allow(unsafe_code, reason = "loads and stores of vectors, and the call that needs AVX2")]
 

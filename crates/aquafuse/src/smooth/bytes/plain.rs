@@ -10,7 +10,7 @@ pub(super) const OWN: u16 = ONE >> LOST;
 /// What turns a sum of differences over a sum of weights into steps of a byte: products keep [`PART`] bits behind the
 /// point, and 15 of the weight are gone.
 pub(super) const SCALE: f32 = ((1 << (15 - LOST)) / (1 << PART)) as f32;
-/// 1.5 2^23: what is added to it is rounded to a whole number, halves to even ones, and stands in its last bits.
+/// 1.5 2^23: what is added to it is rounded to a whole number, halves to even ones, and is in its last bits.
 const ROUND: f32 = 12_582_912.0;
 
 /// Takes a row apart; values get their bits behind the point.

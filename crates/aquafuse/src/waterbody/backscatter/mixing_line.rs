@@ -16,7 +16,7 @@ const LAST: f32 = 6.0;
 /// Optical depth β_B z95 per channel that serves depth from colour best, where open water has been seen.
 ///
 /// A grey thing that moves away changes its colour along a known line, from grey to B∞, and with it the depth
-/// that `model` reads off it. That tells the depth factor of each depth; the single exponential nearest to it
+/// that `model` reads off it. That gives the depth factor of each depth; the single exponential nearest to it
 /// over the image's depths is the answer. None where the model is no function of one pixel.
 pub(super) fn optical_depth<E: Encoding>(
     statistics: &Statistics<E>,

@@ -19,7 +19,7 @@ const WATERS: [Bell; 3] = [
     Bell { mean: -1.05, deviation: 0.4 },
     Bell { mean: -0.80, deviation: 0.4 },
 ];
-/// ln of a veil is not told apart below this (encoded).
+/// ln of a veil is not distinguished below this (encoded).
 const FAINTEST: f32 = 0.01;
 
 /// Which veiling lights are tried, and what speaks for each.

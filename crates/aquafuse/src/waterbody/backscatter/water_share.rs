@@ -8,7 +8,7 @@ use crate::image::Encoding;
 /// Bytes by which open water may differ from its colour, in every channel, for it shades from bright to dark: what is within all
 /// three counts wholly, what is within the last alone a third.
 const NEAR: [f32; 3] = [12.0, 24.0, 36.0];
-/// Water whose brightest channel (encoded) is fainter cannot be told from shadow: black would count as water.
+/// Water whose brightest channel (encoded) is fainter cannot be distinguished from shadow: black would count as water.
 const FAINTEST_WATER: f32 = NEAR[2] / 255.0;
 /// What is divided by is no less (in the encoding of the fit): a channel without a veil says nothing, and β_B stands.
 const FAINTEST: f32 = 1e-3;

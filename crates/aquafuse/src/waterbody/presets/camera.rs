@@ -14,7 +14,7 @@ pub struct Camera {
     deviations_nm: [f64; 3],
 }
 
-/// As it stands in files.
+/// As it is written to files.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct StoredCamera {

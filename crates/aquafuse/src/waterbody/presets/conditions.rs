@@ -49,7 +49,7 @@ pub struct Conditions {
     camera: Camera,
 }
 
-/// As they stand in files.
+/// As they are written to files.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct StoredConditions {

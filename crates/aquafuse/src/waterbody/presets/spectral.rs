@@ -1,4 +1,4 @@
-//! The exact image formation over the spectrum, which the coefficients of a channel stand in for.
+//! The exact image formation over the spectrum, which the coefficients of a channel approximate.
 
 use super::conditions::{Conditions, White};
 use super::tables::{DAYLIGHT, Spectra};

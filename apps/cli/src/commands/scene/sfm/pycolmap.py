@@ -2,7 +2,7 @@
 
 python pycolmap.py STEP IMAGES WORK CAMERAS PAIRS
 
-IMAGES holds the pictures that WORK/images.txt lists; CAMERAS is SINGLE (one lens took all) or AUTO; PAIRS is all or
+IMAGES holds the images that WORK/images.txt lists; CAMERAS is SINGLE (one lens took all) or AUTO; PAIRS is all or
 neighbours. Models go to WORK/models.
 """
 
@@ -26,7 +26,7 @@ def main(step: str, images: Path, work: Path, cameras: str, pairs: str) -> None:
         # Of one stroke, where it can: step by step, Debian's COLMAP loses half of a small scene.
         mapping = getattr(pycolmap, "global_mapping", pycolmap.incremental_mapping)
         if not mapping(database, images, models):
-            sys.exit("no two pictures see enough of the same things from different places")
+            sys.exit("no two images see enough of the same things from different places")
 
 
 main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]), *sys.argv[4:])

@@ -1,6 +1,6 @@
 //! K_d of all types: Jerlov 1976, Table XXVII.
 //!
-//! Type I is said to be up to a seventh too clear (Austin and Petzold 1986); at a few metres no eye tells.
+//! Type I is said to be up to a seventh too clear (Austin and Petzold 1986); at a few metres no eye sees it.
 
 use super::Curve;
 

@@ -134,7 +134,7 @@ fn shares(targets: &[String], table: &BTreeMap<String, Row>, seconds: u64, most:
 /// The targets, by their folders of examples.
 fn targets() -> Result<Vec<String>> {
     let folders = fs::read_dir(root().join("fuzz/corpus"))
-        .context("there is no fuzz/corpus; run `cargo lab corpus`")?;
+        .context("there is no fuzz/corpus; run `cargo run --release -p lab --features parquet -- corpus`")?;
     let mut names: Vec<String> = folders
         .map(|folder| Ok(folder?.file_name().to_string_lossy().into_owned()))
         .collect::<Result<_>>()?;

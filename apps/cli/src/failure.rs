@@ -81,6 +81,7 @@ impl From<aquafuse_data::evaluate::EvaluateError> for Failure {
         use aquafuse_data::evaluate::EvaluateError;
         match error {
             EvaluateError::File(error) => error.into(),
+            error @ EvaluateError::Stopped(_) => Self::work(error),
             error => Self::usage(error),
         }
     }

@@ -139,7 +139,7 @@ fn another_tools_images_are_scored_as_ours_and_what_is_missing_is_named() {
     let ended = run.fails(1, &evaluate).stderr;
     assert!(ended.contains("has 40x30 pixels") && ended.contains("96x64"), "{ended}");
     let twice = run.fails(2, &with(&evaluate, &["--method", "mine=mine"])).stderr;
-    assert!(twice.contains("two methods are called mine"), "{twice}");
+    assert!(twice.contains("two methods are named mine"), "{twice}");
 }
 
 #[test]

@@ -157,7 +157,7 @@ def main():
         counts[source(stem)] = counts.get(source(stem), 0) + 1
     assert counts.keys() == old.keys() and len(set(counts.values())) == 1, counts
     assert len(new) > len(old), "nothing was made"
-    print(f"{layout}: {len(old)} pictures became {len(new)}, annotations equal")
+    print(f"{layout}: {len(old)} images became {len(new)}, annotations equal")
 
 
 main()

@@ -212,7 +212,7 @@ impl Augmentation {
             let Some(sample) = plan.planned(index) else { return Ending::Skipped };
             let make::Made { multiplied, failures } = maker.make(&sample, &journal);
             let outcome = match (&multiplied, &failures[..]) {
-                (_, [.., FileError::Stopped { .. }]) => return Ending::Left,
+                (_, [FileError::Stopped { .. }]) => return Ending::Left,
                 (_, [_, ..]) => Ending::Failed,
                 (Some(_), []) => Ending::Done,
                 (None, []) => Ending::Skipped,

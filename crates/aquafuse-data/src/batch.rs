@@ -254,6 +254,7 @@ impl Work<'_> {
         let ImageFile { metadata, damage, pixels } = image;
         drop((pixels, room));
         permit.release();
+        options.stop.check(&item.output)?;
         if let (Some(record), Some(sources)) = (&self.record, &sources) {
             record.begin(item, sources)?;
         }

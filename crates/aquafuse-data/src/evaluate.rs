@@ -25,7 +25,7 @@ pub mod report;
     clippy::cast_possible_truncation,
     clippy::disallowed_methods,
     clippy::indexing_slicing,
-    reason = "it computes with colours of images that are read already, in places of fixed number"
+    reason = "indices are constant, below the lengths of fixed arrays"
 )]
 mod rivals;
 mod statistics;
@@ -49,6 +49,6 @@ pub use rivals::{Palette, Rival};
 pub use statistics::Summary;
 pub use truth::Truth;
 
-/// Whoever listens to an evaluation. An item is a step's name; each step ends with one `Done`, after a `Failed` for
-/// whatever failed in it.
+/// Whoever listens to an evaluation. An item is a step's name. A step ends with one `Done`, even if it failed; each `Failed` of
+/// it comes before.
 pub type Listener<'a> = crate::run::Listener<'a, str, (), Failed>;

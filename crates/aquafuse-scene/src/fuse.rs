@@ -155,7 +155,7 @@ impl Plan {
     /// Fuses every image that is not fused yet, and copies the cameras beside them.
     ///
     /// The recipe's reference is per unit of the scene. Images stay as they are stored, whatever `recipe.upright` says: their
-    /// cameras belong to the stored pixels. A run that was stopped goes on where it stopped. The files do not depend on
+    /// cameras belong to the stored pixels. A run that was stopped continues. The files do not depend on
     /// threads or memory.
     ///
     /// # Errors

@@ -138,7 +138,7 @@ pub enum TrainingError {
     #[error("--hold leaves no image to train on; raise it")]
     NothingToTrainOn,
     /// A checkpoint belongs to another run, or is damaged.
-    #[error("cannot go on from {}: {cause}", display(path))]
+    #[error("cannot continue from {}: {cause}", display(path))]
     Checkpoint {
         /// The checkpoint.
         path: PathBuf,

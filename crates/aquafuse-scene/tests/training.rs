@@ -16,7 +16,7 @@ use aquafuse_scene::truth::{TruthView, views};
 use aquafuse_scene::{points, truth};
 
 const SIZE: Size = Size { width: 72, height: 54 };
-/// The view that is held back.
+/// The view that is held out.
 const HELD: usize = 4;
 
 struct Place {
@@ -45,7 +45,7 @@ impl Place {
         points::splats(&truth::points(&self.views, images, 12), 1)
     }
 
-    /// How near the view that was held back comes, in dB.
+    /// How near the view that was held out comes, in dB.
     fn score(&self, trained: (&Splats<f32>, &Medium<f32>), image_there: &Image<f32>) -> f64 {
         let drawn = render(trained.0, 1, &self.views[HELD].camera, trained.1);
         psnr(&image(&drawn.rendering), image_there).unwrap()

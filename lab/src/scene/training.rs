@@ -19,7 +19,7 @@ use aquafuse_scene::truth::TruthView;
 use aquafuse_scene::{points, truth};
 use xtask::clock;
 
-/// Views, and which of them are held back: every eighth, as is usual.
+/// Views, and which of them are held out: every eighth, as is usual.
 const VIEWS: usize = 28;
 const HELD: usize = 8;
 /// The size of the images, and how much finer they are made.
@@ -67,7 +67,7 @@ pub(super) fn tables(folder: Option<&Path>) -> Result<[(&'static str, String); 2
     }
     let known = Medium::Known { water: green.water, per_unit: 1.0 };
     let in_green = place.seen(|view| view.seen_through(&green.water));
-    writeln!(water, "\n| views held back | PSNR, dB | SSIM |\n|---|---|---|")?;
+    writeln!(water, "\n| views held out | PSNR, dB | SSIM |\n|---|---|---|")?;
     for (name, medium, truth) in
         [("dewatered, against air", &Medium::Air, &air), ("in green water", &known, &in_green)]
     {
@@ -138,7 +138,7 @@ impl Place {
         self.held(&self.views).map(|view| image(&render(splats, 0, &view.camera, medium).rendering)).collect()
     }
 
-    /// PSNR and SSIM of what was drawn for the views held back, against all images.
+    /// PSNR and SSIM of what was drawn for the views held out, against all images.
     fn scores(&self, drawn: &[Image<f32>], truth: &[Image<f32>]) -> Result<(f64, f64)> {
         let (mut near, mut alike) = (0.0, 0.0);
         for (drawn, truth) in drawn.iter().zip(self.held(truth)) {

@@ -19,7 +19,7 @@ pub(super) fn figure() -> Result<String> {
     let photos = folder.join("photos");
     fs::create_dir_all(&photos)?;
     let small = fs::read(root().join("fuzz/corpus/png/single-pixel.png"))
-        .context("no corpus; run `cargo lab corpus`")?;
+        .context("no corpus; run `cargo run --release -p lab --features parquet -- corpus`")?;
     for i in 0..PICTURES {
         fs::write(photos.join(format!("{i:06}.png")), &small)?;
     }

@@ -244,7 +244,7 @@ impl Augment {
                 display(&self.output)
             ))),
             Summary { failed, left, .. } => Err(Failure::work(anyhow!(
-                "{failed} images failed, {left} were not tried; fix them, then rerun the same command to continue"
+                "failed: {failed}, not tried: {left}; fix the files, then repeat the command to continue"
             ))),
         }
     }

@@ -50,6 +50,7 @@ pub(crate) struct Fit {
 enum ScaleArg {
     /// None: each image has its own scale and shift.
     #[default]
+    #[value(alias = "per-picture")]
     PerImage,
     /// One scale and one shift, for depth in metres in one water. Not for inverse depth and disparity.
     Shared,

@@ -94,7 +94,7 @@ impl Simulate {
                 let share = 100.0 * report.invalid_share();
                 text += &format!("  {share:.1} % of the pixels have no valid depth\n");
             }
-            if report.looks_turned_round() {
+            if report.looks_inverted() {
                 text += &format!("  WARNING: {} {}\n", display(&self.depth), inverted(&report));
             }
         }

@@ -99,7 +99,7 @@ fn done(report: &Report) -> Outcome<'_> {
     let supplied = |supplied: SuppliedReport| Supplied {
         invalid_share: supplied.invalid_share(),
         agreement: supplied.agreement,
-        looks_turned_round: supplied.looks_turned_round(),
+        looks_turned_round: supplied.looks_inverted(),
     };
     Outcome::Done(Box::new(Done {
         clipping: report.outcome.clipping,

@@ -30,7 +30,7 @@ type Warning = fn(&Report) -> Option<(String, Option<String>)>;
 const WARNINGS: [Warning; 4] = [
     |report| Some(("damaged file; the output is marked as such".into(), Some(report.damage.clone()?))),
     |report| {
-        let supplied = report.supplied.filter(SuppliedReport::looks_turned_round)?;
+        let supplied = report.supplied.filter(SuppliedReport::looks_inverted)?;
         Some((format!("the depth map {}", inverted(&supplied)), None))
     },
     |report| {

@@ -190,7 +190,7 @@ impl Record {
     /// Opens the record in `folder`, or begins one.
     ///
     /// `settings` is everything but the files themselves that decides what the outputs hold. With `overwrite`, a
-    /// record of other settings is begun again.
+    /// record of other settings is started again.
     ///
     /// # Errors
     ///

@@ -9,7 +9,7 @@ use super::Format;
 pub struct ReadOptions {
     /// The most pixels an image may have. Default: 268,435,456, a square of 16,384.
     pub max_pixels: u64,
-    /// The most memory that work on one image may take, in bytes, as far as its header shows. Default: 2 GiB.
+    /// The most memory that one image may take, and that all images of a run share, in bytes. Default: 2 GiB.
     pub max_memory: u64,
     /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::ImageFile::damage) then
     /// says so. By default that is an error.

@@ -62,7 +62,7 @@ impl FromStr for PixelEncoding {
 
 /// An estimated or known waterbody, in the encoding that it belongs to.
 ///
-/// Waters of the two encodings are different numbers and never meet: an operation of one on an analysis of the other is
+/// Waters of the two encodings are different numbers and cannot be combined: an operation of one on an analysis of the other is
 /// an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "both variants are of one size")]

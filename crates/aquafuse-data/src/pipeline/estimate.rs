@@ -75,8 +75,7 @@ impl From<Analysis> for Analysis<WaterEstimate> {
 ///
 /// ```
 /// use aquafuse::depth::SuppliedKind;
-/// use aquafuse::image::{Encoded, Image};
-/// use aquafuse_data::pipeline::{DepthSource, analyse};
+/// use aquafuse::image::Image;
 /// use aquafuse_data::image_file::ImageFile;
 /// use aquafuse_data::pipeline::{DepthSource, analyse};
 ///
@@ -161,7 +160,7 @@ fn analyse_by<E: Encoding, M>(
     };
     count(Step::WaterEstimated);
     let (mut estimate, more) = estimate(&bytes, &depth).expect("the depth map was made for this image");
-    if supplied.is_some_and(|report| report.looks_turned_round()) {
+    if supplied.is_some_and(|report| report.looks_inverted()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }
     Ok((Analysis { depth, depth_source: source.clone(), supplied, estimate }, more))

@@ -38,7 +38,9 @@ pub enum OperationError {
     #[error(transparent)]
     Size(#[from] ImageError),
     /// The water of the operation is of another encoding than the analysis.
-    #[error("a water of {operation} values cannot meet an image that was analysed in {analysis} ones")]
+    #[error(
+        "the water is for {operation} values, but the image was analysed in {analysis} values; use one encoding for both"
+    )]
     Encodings {
         /// That of the operation.
         operation: PixelEncoding,

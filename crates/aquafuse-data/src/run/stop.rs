@@ -9,7 +9,8 @@ use crate::files::FileError;
 /// Stops a run from another thread: a window that was closed, Ctrl-C in a notebook.
 ///
 /// Clones share one flag. Every stage of a run asks it: no further item begins, and an item in work is dropped before
-/// its output takes its name, so that every file that is there is whole.
+/// its output takes its name, so that every file that is there is whole. Evaluations and `pairs::gather` finish the items in
+/// work.
 ///
 /// # Examples
 ///

@@ -14,7 +14,7 @@ pub enum SceneFileError {
     /// A folder has no model in it.
     #[error(
         "{} holds no cameras: neither cameras.bin nor cameras.txt (in it, in sparse/0, sparse or colmap_text) nor \
-         transforms.json. Name the folder of a COLMAP model, or make one with `colmap`",
+         transforms.json. Name the folder of a COLMAP model, or make one with `aquafuse scene sfm`",
         display(folder)
     )]
     NoCameras {

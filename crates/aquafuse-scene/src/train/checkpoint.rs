@@ -19,19 +19,19 @@ const MARK: &[u8; 16] = b"aquafuse scene 3";
 #[non_exhaustive]
 pub enum CheckpointError {
     /// They do not begin as a checkpoint does.
-    #[error("it is no checkpoint of this version; begin again without it")]
+    #[error("it is no checkpoint of this version; delete it to start again")]
     Unknown,
     /// They end too early, or go on where they should end.
-    #[error("it is damaged at byte {at}; begin again without it")]
+    #[error("it is damaged at byte {at}; delete it to start again")]
     Damaged {
         /// Where.
         at: usize,
     },
     /// They belong to a run with other options.
-    #[error("it belongs to a run with other options; give those, or begin again without it")]
+    #[error("it belongs to a run with other options; give those, or delete it to start again")]
     OtherOptions,
     /// They belong to a run on other images, or of other cameras.
-    #[error("it belongs to a run on other images; give those, or begin again without it")]
+    #[error("it belongs to a run on other images; give those, or delete it to start again")]
     OtherImages,
 }
 

@@ -40,7 +40,7 @@ pub enum DepthError {
     #[error(transparent)]
     Size(#[from] ImageError),
     /// A distance is negative, not a number, or beyond what its kind can be.
-    #[error("depth at column {x}, row {y} is {value}; it lies between 0 and {most}")]
+    #[error("depth at column {x}, row {y} is {value}, but must be from 0 to {most}")]
     Value {
         /// Column.
         x: usize,

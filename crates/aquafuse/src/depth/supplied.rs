@@ -77,7 +77,7 @@ impl SuppliedReport {
     /// Whether near and far look swapped: large values seem near although the declared kind says far, or the reverse.
     ///
     /// A hint to a person: views from above and images without red may deserve it wrongly.
-    pub fn looks_turned_round(&self) -> bool {
+    pub fn looks_inverted(&self) -> bool {
         self.agreement.is_some_and(|agreement| agreement < TURNED_ROUND)
     }
 }

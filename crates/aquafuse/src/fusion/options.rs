@@ -108,13 +108,13 @@ impl Default for Options {
 #[non_exhaustive]
 pub enum OptionError {
     /// θ outside `[0, 90]`.
-    #[error("incidence θ is {degrees}°; it lies between 0° (most fusion) and 90° (none)")]
+    #[error("incidence θ is {degrees}°, but must be from 0° (most fusion) to 90° (none)")]
     Incidence {
         /// Degrees found.
         degrees: f32,
     },
     /// α negative or not finite.
-    #[error("gain α is {gain}; it is a finite number, 0 or more")]
+    #[error("gain α is {gain}, but must be a finite number, 0 or more")]
     Gain {
         /// Gain found.
         gain: f32,

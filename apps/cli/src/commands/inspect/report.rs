@@ -113,7 +113,7 @@ impl Supplied {
         else {
             return None;
         };
-        let warning = report.looks_turned_round().then(|| inverted(report));
+        let warning = report.looks_inverted().then(|| inverted(report));
         Some(Self {
             file: path.to_string_lossy().into_owned(),
             kind: *kind,

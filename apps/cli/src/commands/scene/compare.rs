@@ -35,7 +35,7 @@ pub(crate) struct Compare {
     /// The splats trained on the original scene.
     #[arg(long, value_name = "FILE.ply")]
     original: PathBuf,
-    /// The splats trained on a fused scene; once for each fused scene, in their order.
+    /// Splats trained on a fused scene. Repeat the option for each fused scene, in the order of the scenes.
     #[arg(long, value_name = "FILE.ply", required = true)]
     fused: Vec<PathBuf>,
     /// The splats trained on the original scene with another seed.
@@ -44,7 +44,7 @@ pub(crate) struct Compare {
     /// Compare every Nth image: those that `scene train --hold N` held out.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     hold: u32,
-    /// Compare images at this many pixels on their longer side.
+    /// Scale images to this many pixels on the longer side before comparing.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
     #[command(flatten)]

@@ -26,7 +26,7 @@ pub(crate) struct Export {
     /// Write points instead of splats, as .ply: the means of splats with an opacity of at least 0.5.
     #[arg(long)]
     points: bool,
-    /// Replace OUT if it exists.
+    /// Replace an existing OUT.
     #[arg(long)]
     overwrite: bool,
 }

@@ -20,7 +20,7 @@ use crate::report::water::veiling_light;
 /// Fuse all images of a scene with another water, by the one water that they share.
 ///
 /// Depth is scaled by the sparse points, so the result is consistent across views. Names, sizes and EXIF stay, and the
-/// cameras are copied: the new folder is a scene like the old one. A run that was stopped goes on where it stopped.
+/// cameras are copied: the new folder is a scene like the old one. To continue a run that was stopped, repeat the command.
 #[derive(Args)]
 #[command(after_help = "\
 Example:
@@ -30,7 +30,7 @@ pub(crate) struct Fuse {
     scene: PathBuf,
     /// The reference water: an image, NAME.water.json or preset:NAME.
     water: PathBuf,
-    /// Folder to write into; made if it is missing.
+    /// Output folder; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     #[command(flatten)]

@@ -32,7 +32,7 @@ Examples:
 pub(crate) struct Sfm {
     /// A folder of images of one place, taken from many sides.
     images: PathBuf,
-    /// The scene's folder; made if it is missing.
+    /// Output folder of the scene; created if missing.
     #[arg(short, long, value_name = "SCENE")]
     output: PathBuf,
     /// The images are frames of a video in the order of their names: match each with its neighbours only.
@@ -41,7 +41,7 @@ pub(crate) struct Sfm {
     /// The Python that has pycolmap [default: python3, if it has it].
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
-    /// COLMAP's own command instead of pycolmap [default: colmap, where there is no pycolmap].
+    /// Path of COLMAP's command, used instead of pycolmap [default: colmap if pycolmap is not installed].
     #[arg(long, value_name = "PROGRAM", conflicts_with = "python")]
     colmap: Option<PathBuf>,
     /// Write into a folder that is not empty, and replace its model and images of the same names.

@@ -21,7 +21,7 @@ use brush::Brush;
 
 /// Train splats on a scene's images.
 ///
-/// A run that was stopped goes on where it stopped: the same command ends in the same file, byte for byte.
+/// To continue a run that was stopped, repeat the command: it ends in the same file, byte for byte.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -32,7 +32,7 @@ Examples:
 pub(crate) struct Train {
     /// A folder with cameras and images.
     scene: PathBuf,
-    /// Where to write, FILE.ply; a learned water goes to FILE.water.json.
+    /// Output file, FILE.ply; a learned water goes to FILE.water.json.
     #[arg(short, long, value_name = "FILE.ply")]
     output: PathBuf,
     /// The folder of the images [default: SCENE/images, or SCENE where there is none].
@@ -50,7 +50,7 @@ pub(crate) struct Train {
     /// Medium: `none` bakes the water into the colours, `learn` estimates it.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
     water: WaterInside,
-    /// The most splats: time and memory grow with their number.
+    /// Maximum number of splats. Time and memory grow with it.
     #[arg(long, value_name = "N", default_value_t = Options::default().max_splats)]
     splats: usize,
     /// Images are scaled down to this many pixels on their longer side.
@@ -59,7 +59,7 @@ pub(crate) struct Train {
     /// Training backend.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
     engine: Trainer,
-    /// Brush's program [default: brush, or brush_app].
+    /// Path of the Brush program [default: brush, or brush_app].
     #[arg(long, value_name = "PROGRAM")]
     brush: Option<PathBuf>,
     /// Hold every Nth image out of training, and score the result on them.
@@ -81,7 +81,7 @@ enum WaterInside {
 /// `--engine`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Trainer {
-    /// Ours, on this machine's processors.
+    /// The built-in trainer, on the CPU.
     #[default]
     Cpu,
     /// Brush, an external program for graphics cards, which must be installed; it learns no water and cannot resume.

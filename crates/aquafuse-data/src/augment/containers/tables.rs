@@ -73,11 +73,13 @@ impl Maker<'_> {
                         return Err(parquet::errors::ParquetError::General("it cannot be read".into()));
                     }
                 };
-                let more = self.rows(&table, &rows, first, input, container, &mut failures);
-                if let Err(error) = self.job.run_options.stop.check(&path) {
-                    unread = Some(error);
-                    return Err(parquet::errors::ParquetError::General("the run was stopped".into()));
-                }
+                let more = match self.rows(&table, &rows, first, input, container, &mut failures) {
+                    Ok(more) => more,
+                    Err(stopped) => {
+                        unread = Some(stopped);
+                        return Err(parquet::errors::ParquetError::General("the run was stopped".into()));
+                    }
+                };
                 // One by one, for lists in a row may be as large as memory allows.
                 for row in &more {
                     writer.write(&with(&table, &rows, row)?)?;
@@ -107,7 +109,7 @@ impl Maker<'_> {
         input: &Path,
         container: &mut Container,
         failures: &mut Vec<FileError>,
-    ) -> Vec<Row> {
+    ) -> Result<Vec<Row>, FileError> {
         let mut all = Vec::new();
         for of in 0..rows.num_rows() as u64 {
             if self.job.recipe.keep_originals {
@@ -119,13 +121,14 @@ impl Maker<'_> {
             let Some(found) = found else { continue };
             match self.variants(found, &key, number, input, container) {
                 Ok(variants) => all.extend(variants.map(|instead| Row { of, instead: Some(instead) })),
+                Err(error @ FileError::Stopped { .. }) => return Err(error),
                 Err(error) => {
                     container.failed.push((key, one_line(&error.to_string())));
                     failures.push(error);
                 }
             }
         }
-        all
+        Ok(all)
     }
 
     /// The variants of the image of one row, with their names.

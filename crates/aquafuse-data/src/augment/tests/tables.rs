@@ -184,7 +184,7 @@ fn a_few_bytes_that_say_they_are_many_rows_are_refused() {
     let (file, bytes) = open_file(&path).unwrap();
     assert!(bytes < 10_000, "{bytes}");
     let refused = Table::open(&path, file, &ReadOptions::default()).err().unwrap().to_string();
-    assert!(refused.contains("it says that it has 100000 rows"), "{refused}");
+    assert!(refused.contains("it declares 100000 rows"), "{refused}");
 }
 
 #[test]

@@ -207,11 +207,11 @@ fn a_map_turned_round_is_told_whichever_edge_is_up() {
         let map = Supplied::new(SIDE, SIDE, values.to_vec(), SuppliedKind::Metres).unwrap();
         map.seen_with(&image(), top).unwrap().report
     };
-    assert!(!report(&distances(), TopEdge::First).looks_turned_round());
-    assert!(report(&turned, TopEdge::First).looks_turned_round());
+    assert!(!report(&distances(), TopEdge::First).looks_inverted());
+    assert!(report(&turned, TopEdge::First).looks_inverted());
     // Seen the other way up, height speaks for the turned map and outweighs colour.
-    assert!(report(&distances(), TopEdge::Last).looks_turned_round());
-    assert!(!report(&turned, TopEdge::Last).looks_turned_round());
+    assert!(report(&distances(), TopEdge::Last).looks_inverted());
+    assert!(!report(&turned, TopEdge::Last).looks_inverted());
 }
 
 #[test]

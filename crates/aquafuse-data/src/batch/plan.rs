@@ -78,7 +78,7 @@ pub enum PlanError {
     },
     /// The folder holds no image.
     #[error(
-        "{} holds no {LISTED}, only {others} other files; name the folder that contains the images",
+        "{} holds no {LISTED} ({others} other files; folders inside it are not entered); name the folder that contains the images",
         display(folder)
     )]
     NoImages {

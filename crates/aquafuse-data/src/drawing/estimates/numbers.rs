@@ -44,10 +44,10 @@ pub(super) fn write(panel: &Panel<'_>, found: &Analysis, unit: &str) -> Result<(
     let of_growth = water.backscatter_coefficient;
     let rows: [(String, [String; 3]); 6] = [
         ("B∞".into(), water.veiling_light.rgb().map(|value| format!("{value:.3}"))),
-        ("   nine in ten within".into(), estimate.intervals.veiling_light.map(|range| between(range, 2))),
+        ("   90 % interval".into(), estimate.intervals.veiling_light.map(|range| between(range, 2))),
         (format!("β_B, {per}"), of_growth.map(|value| format!("{value:.2}"))),
         (
-            "   nine in ten within".into(),
+            "   90 % interval".into(),
             estimate.intervals.backscatter_coefficient.map(|range| between(range, 1)),
         ),
         ("β_B z at 95 %".into(), of_growth.map(|value| format!("{:.2}", value * z95))),

@@ -166,7 +166,7 @@ pub enum DatasetError {
     },
     /// Its layout is one that this build does not read.
     #[error(
-        "{} holds Parquet tables, which this build cannot read; build with --features parquet",
+        "cannot read {} as Parquet tables: this build has no Parquet; build with --features parquet",
         display(root)
     )]
     NotBuilt {

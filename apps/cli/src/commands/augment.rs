@@ -37,9 +37,10 @@ Layouts, detected from the files:
   parquet  Hugging Face: tables with a column of images (needs a build with --features parquet)
 
 Pixels do not move, so annotations stay valid: labels and masks are copied byte for byte, JSON
-and XML with new ids and file names. A variant is named STEM__WATER__NUMBER and is written to the
-folder (and so the split) of its image. manifest.jsonl records how each variant was made: `verify`
-checks it, `replay` repeats it. To continue a run that was stopped, repeat the command.
+and XML with new ids and file names, data.yaml without its `path`. A variant is named
+STEM__WATER__NUMBER and is written to the folder (and so the split) of its image. manifest.jsonl
+records how each variant was made: `verify` checks it, `replay` repeats it. To continue a run that
+was stopped, repeat the command.
 
 Examples:
   aquafuse augment fish/ green.jpg blue.jpg -o more/ --per-image 2 --keep-originals
@@ -64,7 +65,7 @@ pub(crate) struct Augment {
     /// Layout of the dataset [default: detected].
     #[arg(long, value_name = "LAYOUT", value_parser = layout())]
     format: Option<Layout>,
-    /// Number of variants of each image.
+    /// Number of variants of each image: at most the number of waters, unless theta or alpha has a range.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     per_image: u32,
     /// Also copy the original images, byte for byte.
@@ -73,7 +74,8 @@ pub(crate) struct Augment {
     /// Random seed. Draws depend only on it, the image path and the variant number.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Sample waters with replacement.
+    /// Sample waters with replacement: an image may get one water twice, and equal variants without a range of theta or
+    /// alpha.
     #[arg(long)]
     with_replacement: bool,
     /// Sample theta uniformly from this range, in degrees.

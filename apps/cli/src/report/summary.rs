@@ -77,7 +77,7 @@ pub(super) fn of(reports: &[(Item, Report)], skipped: usize, verbose: bool) -> S
     if skipped > 0 {
         let _ = writeln!(text, "{} skipped: an earlier run wrote them", images(skipped));
     }
-    written(&mut text, reports);
+    written(&mut text, reports, verbose);
     for warning in WARNINGS {
         warn(&mut text, warning, reports, verbose);
     }
@@ -91,7 +91,7 @@ pub(super) fn of(reports: &[(Item, Report)], skipped: usize, verbose: bool) -> S
 }
 
 /// One line: what was written, the verdicts, the clipping.
-fn written(text: &mut String, reports: &[(Item, Report)]) {
+fn written(text: &mut String, reports: &[(Item, Report)], verbose: bool) {
     let clipped = reports.iter().map(|(_, report)| report.outcome.clipping.share()).sum::<f64>();
     let clipped = format!("{:.2} % of the values clipped", 100.0 * clipped / reports.len() as f64);
     let _ = match reports {
@@ -102,7 +102,10 @@ fn written(text: &mut String, reports: &[(Item, Report)]) {
         }
         _ => {
             let verdicts = reports.iter().map(|(_, report)| report.quality.verdict);
-            writeln!(text, "{} written; {}; {clipped}", images(reports.len()), estimate_counts(&verdicts))
+            let all_good = verdicts.clone().all(|verdict| verdict == Verdict::Good);
+            let more = if all_good || verbose { "" } else { "; -v names the images" };
+            let (count, estimates) = (images(reports.len()), estimate_counts(&verdicts));
+            writeln!(text, "{count} written; {estimates}; {clipped}{more}")
         }
     };
 }

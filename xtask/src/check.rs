@@ -1,9 +1,11 @@
 //! `cargo xtask check`: everything that can be said about the project without running it.
 
-use anyhow::Result;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
 use xtask::clock::Steps;
 use xtask::setup::Tools;
-use xtask::shell::{cargo, command, run as call};
+use xtask::shell::{cargo, command, root, run as call};
 
 use crate::api;
 
@@ -37,13 +39,43 @@ pub(crate) fn run(tools: &Tools, steps: &mut Steps) -> Result<Vec<String>> {
         call(command(&tools.cargo_deny, &["check", "licenses", "bans", "sources"]))
     })?;
     steps.time("Packages, each built from its own tarball", || {
+        let target = root().join("target/packages");
+        forget_packages(&target)?;
         let libraries = api::CRATES.iter().flat_map(|name| ["--package", name]);
         let package: Vec<&str> =
             ["package", "--quiet", "--locked", "--allow-dirty"].into_iter().chain(libraries).collect();
         // As whoever depends on them builds them, who has none of our profiles; nobody debugs this build.
         let mut package = cargo(&package);
-        package.env("CARGO_PROFILE_DEV_DEBUG", "0");
+        package.env("CARGO_PROFILE_DEV_DEBUG", "0").env("CARGO_TARGET_DIR", target);
         call(package)
     })?;
     Ok(skipped.into_iter().collect())
+}
+
+/// Removes what cargo has unpacked and built of our packages before: it keeps both by name and version, and ours change
+/// while the version stays.
+fn forget_packages(target: &Path) -> Result<()> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| std::env::var_os("HOME").map(|home| Path::new(&home).join(".cargo")));
+    let registries = home.map(|home| folders(&home.join("registry/src"))).unwrap_or_default();
+    // Packages that wait for a release lie in a registry without a host's name.
+    let unnamed = registries.into_iter().filter(|folder| name(folder).starts_with('-'));
+    let builds = [target.join("debug/.fingerprint")];
+    for folder in unnamed.chain(builds).flat_map(|folder| folders(&folder)) {
+        if name(&folder).starts_with("aquafuse-") {
+            std::fs::remove_dir_all(&folder)
+                .with_context(|| format!("cannot remove {}", folder.display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// The folders in a folder; none where it is missing.
+fn folders(folder: &Path) -> Vec<PathBuf> {
+    let entries = folder.read_dir().into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect()
+}
+
+fn name(folder: &Path) -> std::borrow::Cow<'_, str> {
+    folder.file_name().unwrap_or_default().to_string_lossy()
 }

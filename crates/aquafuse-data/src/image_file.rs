@@ -107,7 +107,7 @@ impl ImageFile {
     ///     \0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\xa0\x78\x14\0";
     /// let image = ImageFile::from_bytes("upload.bmp".as_ref(), bitmap, &ReadOptions::default())?;
     /// assert_eq!(image.bytes().pixels(), [[0x14, 0x78, 0xa0]]);
-    /// # Ok::<(), aquafuse_data::image_file::FileError>(())
+    /// # Ok::<(), aquafuse_data::files::FileError>(())
     /// ```
     pub fn from_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Self, FileError> {
         read::from_bytes(name, bytes, options)

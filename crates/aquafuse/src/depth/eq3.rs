@@ -19,7 +19,7 @@ pub struct Eq3 {
 #[non_exhaustive]
 pub enum Eq3Error {
     /// A coefficient is no number, or a term larger than the tables hold.
-    #[error("its terms reach {largest}; they must be at most {most}")]
+    #[error("its terms reach {largest}; they must be numbers, at most {most}")]
     TooLarge {
         /// The largest term over the colour range.
         largest: f64,

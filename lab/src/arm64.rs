@@ -24,7 +24,7 @@ const TESTS: [&str; 9] = [
     "depth::tables",
     "formation",
     "fusion",
-    "image",
+    "image::",
     "smooth",
 ];
 /// Every function by every model and sample type: an emulator would take a quarter of an hour. A padded buffer that is

@@ -100,7 +100,7 @@ impl Split {
     }
 }
 
-/// An image without the distortion of its lens, as large as asked for; `None` if its shape is not that of the camera.
+/// An image without the distortion of its lens, as large as asked for; `None` if its shape is not the camera's.
 fn undistorted(lens: &Lens, image: &Image<f32>, longest: usize) -> Option<(Camera, Image<f32>)> {
     let (width, height) = image.size();
     let Camera { width: known_width, height: known_height, .. } = lens.camera;

@@ -37,7 +37,7 @@ const FAR: f64 = 5.0;
 
 /// Bytes a pixel of a view to train on: as it is, and as the loss needs it.
 const BYTES_A_PIXEL: u64 = 48;
-/// Bytes a pixel of one step: a rendering, its gradient and that of the loss.
+/// Bytes a pixel of one step: a rendering, its gradient and the loss's gradient.
 const STEP_BYTES_A_PIXEL: u64 = 240;
 /// Bytes a splat without its harmonics: five rows (itself, its gradient, two moments, a checkpoint), and its entries in tiles.
 const BYTES_A_SPLAT: u64 = 5 * 44 + 800;

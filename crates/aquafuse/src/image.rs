@@ -62,7 +62,7 @@ pub enum ImageError {
     Stride {
         /// Columns asked for.
         width: usize,
-        /// Samples from the start of a row to that of the next.
+        /// Samples from the start of a row to the start of the next.
         stride: usize,
     },
     /// Pixels have another number of samples than red, green and blue.

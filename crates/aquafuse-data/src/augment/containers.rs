@@ -124,7 +124,7 @@ pub(super) fn image_of(
     ImageFile::open_bytes(&container.join(name), bytes, options)
 }
 
-/// The extension of a variant: that of its image, if we write that format.
+/// The extension of a variant: its image's own, if we write that format.
 fn written(extension: &str) -> &str {
     if Format::written(format!("x.{extension}").as_ref()).is_some() { extension } else { "png" }
 }

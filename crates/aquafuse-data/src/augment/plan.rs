@@ -281,7 +281,7 @@ impl Augmentation {
     }
 }
 
-/// The extension of a variant: that of its image, if we write that format.
+/// The extension of a variant: its image's own, if we write that format.
 fn extension(name: &str) -> &str {
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
     let is_image = Format::of(name.as_ref()).is_some();

@@ -249,7 +249,7 @@ fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>, P
     Ok(files)
 }
 
-/// The name of an output: that of the input, with .png behind where we do not write its format.
+/// The name of an output: the input's, with .png appended where we do not write its format.
 fn output_name(input: &Path) -> OsString {
     let mut name = input.file_name().unwrap_or_default().to_owned();
     if Format::written(input).is_none() {

@@ -62,7 +62,7 @@ pub struct ImageMut<'a, T, E: Encoding = Encoded> {
 struct Shape {
     width: usize,
     height: usize,
-    /// Samples from the start of a row to that of the next, three a pixel at least.
+    /// Samples from the start of a row to the start of the next, three a pixel at least.
     stride: usize,
 }
 
@@ -90,7 +90,7 @@ impl Shape {
         3 * self.width
     }
 
-    /// Of samples that begin with a row: from the start of a run of pixels without padding to that of the next, and
+    /// Of samples that begin with a row: from the start of a run of pixels without padding to the start of the next, and
     /// the samples in it. It is a row, or everything where nothing lies between the rows.
     fn run(&self, samples: usize) -> (usize, usize) {
         if self.stride == self.row() { (samples, samples) } else { (self.stride, self.row()) }
@@ -139,7 +139,7 @@ impl<'a, T: Sample, E: Encoding> ImageRef<'a, T, E> {
         self.shape.size()
     }
 
-    /// Samples from the start of a row to that of the next.
+    /// Samples from the start of a row to the start of the next.
     pub fn stride(&self) -> usize {
         self.shape.stride
     }
@@ -247,7 +247,7 @@ impl<'a, T: Sample, E: Encoding> ImageMut<'a, T, E> {
         self.shape.size()
     }
 
-    /// Samples from the start of a row to that of the next.
+    /// Samples from the start of a row to the start of the next.
     pub fn stride(&self) -> usize {
         self.shape.stride
     }

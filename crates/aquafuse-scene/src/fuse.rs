@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use aquafuse::depth::{DepthMap, DepthModel};
+use aquafuse::waterbody::WaterShare;
 use aquafuse_data::batch::{Item, RECORD, Recipe, Record, State};
 use aquafuse_data::files::{FileError, display, holds_files, make_folder, remove_stale_parts, write_bytes};
 use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
@@ -331,6 +332,8 @@ impl Work<'_> {
             depth: in_scene(&relative, shared.units[index]),
             depth_source: item.depth.clone(),
             supplied: None,
+            // The views of a scene must agree, and each by itself is not equally sure that it sees water.
+            share: WaterShare::none(relative.size()),
             estimate: shared.water.into(),
         };
         drop(relative);

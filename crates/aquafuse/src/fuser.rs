@@ -6,7 +6,7 @@ use crate::depth::{DepthMap, DepthModel};
 use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, Model, OptionError};
 use crate::image::{Clipping, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size};
 use crate::smooth::{self, Smoothing};
-use crate::waterbody::{self, Estimate, EstimateOptions, Scratch, Waterbody};
+use crate::waterbody::{self, Estimate, EstimateOptions, Look, Scratch, WaterShare, Waterbody};
 
 /// Fuses images with the water of one reference.
 ///
@@ -272,12 +272,9 @@ impl<'z> Fuser<'z> {
         let source = content.unwrap_or(fused.as_ref());
         check_same_size(source.size(), fused.size())?;
         let depth = self.options.depth_in(source, self.depth, memory);
-        let content_water = match known {
-            Some(known) => known,
-            None => self.options.water_in(source, &depth, memory)?,
-        };
+        let (content_water, share) = self.content_in(source, &depth, known, memory)?;
         let bounded = Bounded::new(&content_water, &self.reference, self.options.fusion);
-        let (waters, options) = (bounded.waters(), &bounded.options);
+        let (waters, options) = (bounded.waters().with_share(&share), &bounded.options);
         let clipping = match (self.options.smoothing, content) {
             (Smoothing::None, Some(content)) => fusion::fuse_into(content, &depth, waters, options, fused)?,
             (Smoothing::None, None) => fusion::fuse_mut(fused, &depth, waters, options)?,
@@ -293,6 +290,45 @@ impl<'z> Fuser<'z> {
         };
         memory.take_back(depth);
         Ok(Report { content: content_water, bounds: bounded.bounds, clipping })
+    }
+}
+
+impl Fuser<'_> {
+    /// The content's water, unless it is `known`, and how much of each pixel is open water, if the model reads that.
+    fn content_in<T: Sample>(
+        &self,
+        content: ImageRef<'_, T>,
+        depth: &DepthMap,
+        known: Option<Estimate>,
+        memory: &mut Memory<T>,
+    ) -> Result<(Estimate, WaterShare), ImageError> {
+        let reads_share = self.options.fusion.model != Model::Aquafuse;
+        let none = || WaterShare::none(content.size());
+        on_bytes(content, |bytes| match known {
+            Some(known) if reads_share => {
+                let veil = &known.water.veiling_light;
+                Ok((known, waterbody::water_share(bytes, depth, veil, &self.options.estimate)?))
+            }
+            Some(known) => Ok((known, none())),
+            None => waterbody::estimate_in(
+                bytes,
+                depth,
+                &self.options.estimate,
+                &mut memory.scratch,
+                |looked: &Look<_>, whole, depth| match reads_share {
+                    true => looked.judged_with_share(whole, depth),
+                    false => (looked.judged(depth), none()),
+                },
+            ),
+        })
+    }
+}
+
+/// Shows an image as estimators see it: in bytes.
+fn on_bytes<T: Sample, R>(image: ImageRef<'_, T>, look: impl FnOnce(ImageRef<'_, u8>) -> R) -> R {
+    match image.as_bytes() {
+        Some(bytes) => look(bytes),
+        None => look(image.to_image().convert::<u8>().view()),
     }
 }
 
@@ -355,13 +391,10 @@ impl Options {
         depth: &DepthMap,
         memory: &mut Memory<T>,
     ) -> Result<Estimate, ImageError> {
-        match image.as_bytes() {
-            Some(bytes) => waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.scratch),
-            None => {
-                let bytes = image.to_image().convert::<u8>();
-                waterbody::estimate_in(bytes.view(), depth, &self.estimate, &mut memory.scratch)
-            }
-        }
+        on_bytes(image, |bytes| {
+            let judged = |looked: &Look<_>, _: waterbody::Seen<'_>, depth: &DepthMap| looked.judged(depth);
+            waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.scratch, judged)
+        })
     }
 }
 

@@ -15,6 +15,7 @@
 mod bound;
 mod law;
 mod options;
+mod shared;
 mod shift;
 
 pub use bound::{Bounded, Bounds};
@@ -28,7 +29,7 @@ use crate::depth::{DepthMap, level_to_z};
 use crate::image::{
     Encoding, Image, ImageError, ImageMut, ImageRef, Kernels as _, Sample, check_same_size, runs_mut,
 };
-use crate::waterbody::{DepthFactors, Waterbody};
+use crate::waterbody::{DepthFactors, WaterShare, Waterbody};
 
 #[doc(no_inline)]
 pub use crate::image::Clipping;
@@ -57,6 +58,9 @@ pub struct Waters<'a, E: Encoding> {
     /// The content's F by the depth map it was estimated with, where β_B does not describe it (see
     /// [`Estimate::depth_factors`](crate::waterbody::Estimate::depth_factors)); only [`Model::Physical`] reads it.
     pub depth_factors: Option<&'a DepthFactors>,
+    /// How much of each of the content's pixels is open water; none at all where there is none. [`Model::Aquafuse`], which is
+    /// the paper's to the letter, does not read it.
+    pub share: Option<&'a WaterShare>,
 }
 
 impl<'a, E: Encoding> Waters<'a, E> {
@@ -64,13 +68,19 @@ impl<'a, E: Encoding> Waters<'a, E> {
     /// estimate then paints what is not there. Of two estimates, take [`Bounded::waters`], or leave it all to
     /// [`Fuser`](crate::Fuser).
     pub fn new(content: &'a Waterbody<E>, reference: &'a Waterbody<E>) -> Self {
-        Self { content, reference, depth_factors: None }
+        Self { content, reference, depth_factors: None, share: None }
     }
 
     /// The same with the content's F by depth.
     #[must_use]
     pub fn with_depth_factors(self, depth_factors: Option<&'a DepthFactors>) -> Self {
         Self { depth_factors, ..self }
+    }
+
+    /// The same with the content's share of water, pixel by pixel.
+    #[must_use]
+    pub fn with_share(self, share: &'a WaterShare) -> Self {
+        Self { share: Some(share), ..self }
     }
 }
 
@@ -153,6 +163,13 @@ fn fuse_from<T: Sample, E: Encoding>(
     depth.check_fits(fused.size())?;
     let law = TransferLaw::new(waters, options);
     let pixels = fused.width() as u64 * fused.height() as u64;
+    if let Some(share) = waters.share {
+        check_same_size(fused.size(), share.size())?;
+    }
+    if let Some(share) = waters.share.filter(|share| options.model != Model::Aquafuse && !share.is_none()) {
+        let values = shared::fuse(content, fused, depth, &law, share, options.model)?;
+        return Ok(Clipping { values, pixels });
+    }
     if let Some(values) = shift_of_bytes(content, fused.reborrow(), depth, &law, options.model) {
         return Ok(Clipping { values, pixels });
     }

@@ -5,13 +5,16 @@
 
 mod attenuation;
 mod backscatter;
+mod cells;
 mod depth_factors;
 mod evidence;
+mod far_region;
 mod given;
 mod judge;
 mod pool;
 pub mod presets;
 mod quality;
+mod share;
 mod statistics;
 mod thumbnail;
 mod unit;
@@ -23,12 +26,15 @@ pub use depth_factors::DepthFactors;
 pub use evidence::{DepthBin, Evidence, estimate_with_evidence, evidence};
 pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
+pub use share::{WaterShare, water_share};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::bands;
-use crate::depth::{DepthMap, DepthModel, Quantised};
+use crate::depth::{DepthKind, DepthMap, DepthModel, Quantised};
 use crate::image::{Encoded, Encoding, ImageError, ImageRef, TopEdge};
 use backscatter::Growth;
+use cells::Cells;
+use far_region::Region;
 use statistics::Statistics;
 pub(crate) use thumbnail::Scratch;
 use thumbnail::Thumbnail;
@@ -196,30 +202,46 @@ pub fn estimate<'a, E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Estimate<E>, ImageError> {
-    estimate_in(image.into(), depth, options, &mut Scratch::default())
+    estimate_in(image.into(), depth, options, &mut Scratch::default(), |looked: &Look<E>, _, depth| {
+        looked.judged(depth)
+    })
 }
 
-/// [`estimate`] in the memory of the last image.
-pub(crate) fn estimate_in<E: Encoding>(
+/// [`estimate`], and how much of each pixel is open water, in one pass: what a fusion reads.
+///
+/// # Errors
+///
+/// [`ImageError`] when image and depth map differ in size.
+pub fn estimate_with_share<'a, E: Encoding>(
+    image: impl Into<ImageRef<'a, u8>>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+) -> Result<(Estimate<E>, WaterShare), ImageError> {
+    estimate_in(image.into(), depth, options, &mut Scratch::default(), Look::judged_with_share)
+}
+
+/// What [`estimate`] looks at, in the memory of the last image.
+pub(crate) fn estimate_in<E: Encoding, R>(
     image: ImageRef<'_, u8>,
     depth: &DepthMap,
     options: &EstimateOptions,
     scratch: &mut Scratch,
-) -> Result<Estimate<E>, ImageError> {
+    result: impl FnOnce(&Look<E>, Seen<'_>, &DepthMap) -> R,
+) -> Result<R, ImageError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
     let whole = Seen { image, levels: &quantised.levels };
     let Some(thumbnail) = Thumbnail::of(image, &quantised, scratch) else {
-        return Ok(estimate_from(whole, image, &quantised, depth, options));
+        return Ok(result(&look(whole, image, &quantised, depth, options), whole, depth));
     };
-    let found = estimate_from(whole, thumbnail.image.view(), &thumbnail.depth, depth, options);
+    let looked = look(whole, thumbnail.image.view(), &thumbnail.depth, depth, options);
     *scratch = thumbnail.into_scratch();
-    Ok(found)
+    Ok(result(&looked, whole, depth))
 }
 
 /// An image and its level of depth pixel by pixel.
 #[derive(Clone, Copy)]
-struct Seen<'a> {
+pub(crate) struct Seen<'a> {
     image: ImageRef<'a, u8>,
     levels: &'a [u8],
 }
@@ -236,20 +258,10 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// The water of an image: open water is looked for in all of it, for whether a place is smooth is a close decision
-/// on many images; what is counted is counted in `image` at the levels `quantised`, which may be a thumbnail.
-fn estimate_from<E: Encoding>(
-    whole: Seen<'_>,
-    image: ImageRef<'_, u8>,
-    quantised: &Quantised<'_>,
-    depth: &DepthMap,
-    options: &EstimateOptions,
-) -> Estimate<E> {
-    look::<E>(whole, image, quantised, depth, options).judged(depth)
-}
-
 /// All that was read and fitted: what [`estimate`] judges and [`evidence`] shows.
-struct Look<E: Encoding> {
+pub(crate) struct Look<E: Encoding> {
+    /// The far region; none where the veiling light is read the paper's way.
+    region: Option<Region>,
     statistics: Statistics<E>,
     light: Reading,
     growth: Growth,
@@ -258,8 +270,8 @@ struct Look<E: Encoding> {
 
 impl<E: Encoding> Look<E> {
     /// The water, and what it is worth.
-    fn judged(&self, depth: &DepthMap) -> Estimate<E> {
-        let Self { statistics, light, growth, attenuation } = self;
+    pub(crate) fn judged(&self, depth: &DepthMap) -> Estimate<E> {
+        let Self { statistics, light, growth, attenuation, .. } = self;
         Estimate {
             water: Waterbody {
                 veiling_light: VeilingLight::new(growth.veil),
@@ -274,8 +286,19 @@ impl<E: Encoding> Look<E> {
             quality: judge::quality(growth, light, statistics, attenuation, depth),
         }
     }
+
+    /// The same, and how much of each pixel is open water.
+    pub(crate) fn judged_with_share(&self, whole: Seen<'_>, depth: &DepthMap) -> (Estimate<E>, WaterShare) {
+        let estimate = self.judged(depth);
+        let veil = estimate.water.veiling_light.rgb().map(E::to_encoded);
+        let size = whole.image.size();
+        let of_region = |region| WaterShare::of(size, region, veil);
+        (estimate, self.region.as_ref().map_or_else(|| WaterShare::none(size), of_region))
+    }
 }
 
+/// Open water is looked for in all of the image, for whether a place is smooth is a close decision on many images; what is
+/// counted is counted in `image` at the levels `quantised`, which may be a thumbnail.
 fn look<E: Encoding>(
     whole: Seen<'_>,
     image: ImageRef<'_, u8>,
@@ -284,20 +307,30 @@ fn look<E: Encoding>(
     options: &EstimateOptions,
 ) -> Look<E> {
     let counted = Seen { image, levels: &quantised.levels };
-    let (statistics, mut light) = bands::both(
+    let given = depth.model().is_none();
+    let (statistics, mut region) = bands::both(
         whole.levels.len(),
         || Statistics::<E>::gather(image, quantised),
-        || veiling_light::read(whole, counted, depth.model().is_none(), options),
+        || match options.veiling_light {
+            VeilingLightMethod::OpenWater => {
+                Some(Region::of(Cells::new(whole.image, whole.levels), given, options.top))
+            }
+            VeilingLightMethod::Published => None,
+        },
     );
+    let mut light = veiling_light::read(region.as_ref(), counted, depth.is_measured(), options.top);
     let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
-    if depth.model().is_none() && is_seen_through(&light, &growth, quantised) {
-        light = veiling_light::read_things(counted, options.top);
+    if depth.is_measured() && is_seen_through(&light, &growth, quantised) {
+        (light, region) = (veiling_light::read_things(counted, options.top), None);
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
+    }
+    if depth.kind() == DepthKind::Metres && is_opaque(&light, &growth, quantised) {
+        region = None;
     }
     let veil = VeilingLight::<E>::new(growth.veil);
     let attenuation =
         std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
-    Look { statistics, light, growth, attenuation }
+    Look { region, statistics, light, growth, attenuation }
 }
 
 fn fit<E: Encoding>(
@@ -317,6 +350,15 @@ fn fit<E: Encoding>(
             light,
         ),
     }
+}
+
+/// Whether nothing shines through where open water was seen: depth alone says then where it is.
+fn is_opaque(light: &Reading, growth: &Growth, quantised: &Quantised<'_>) -> bool {
+    light.level.is_some_and(|level| {
+        let z = f32::from(level) * quantised.step;
+        quantised.beyond == Some(level)
+            || growth.coefficient.iter().all(|beta| (-beta * z).exp() < LEFT_IN_OPEN_WATER)
+    })
 }
 
 /// Share of the direct signal that open water may still let through at the distance it was seen at.

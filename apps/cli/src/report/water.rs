@@ -33,6 +33,9 @@ pub(crate) fn source((source, share): (VeilingLightSource, f32)) -> String {
     let share = 100.0 * share;
     match source {
         VeilingLightSource::OpenWater => format!("smooth open water, {share:.1} % of the image"),
+        VeilingLightSource::FarRegion => {
+            format!("what looks most like open water, {share:.1} % of the image")
+        }
         VeilingLightSource::Farthest => format!("the farthest {share:.1} % of the pixels"),
         VeilingLightSource::TopCorners => "the top corners: no far pixel has the colour of water".into(),
         VeilingLightSource::BottomCorners => {

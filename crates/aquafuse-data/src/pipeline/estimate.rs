@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
-use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason};
+use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason, WaterShare};
 
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
 use crate::depth_file;
@@ -52,14 +52,16 @@ pub struct Analysis<W = Estimate<Encoded>> {
     pub depth_source: DepthSource,
     /// The report on supplied depth; `None` for depth from colour.
     pub supplied: Option<SuppliedReport>,
+    /// How much of each pixel is open water.
+    pub share: WaterShare,
     /// Its water, with intervals and verdict.
     pub estimate: W,
 }
 
 impl From<Analysis> for Analysis<WaterEstimate> {
     fn from(found: Analysis) -> Self {
-        let Analysis { depth, depth_source, supplied, estimate } = found;
-        Self { depth, depth_source, supplied, estimate: estimate.into() }
+        let Analysis { depth, depth_source, supplied, share, estimate } = found;
+        Self { depth, depth_source, supplied, share, estimate: estimate.into() }
     }
 }
 
@@ -104,8 +106,8 @@ pub fn analyse_in(
     source: &DepthSource,
 ) -> Result<Analysis<WaterEstimate>, FileError> {
     fn wrapped<E: Space>(found: Analysis<Estimate<E>>) -> Analysis<WaterEstimate> {
-        let Analysis { depth, depth_source, supplied, estimate } = found;
-        Analysis { depth, depth_source, supplied, estimate: E::wrap(estimate) }
+        let Analysis { depth, depth_source, supplied, share, estimate } = found;
+        Analysis { depth, depth_source, supplied, share, estimate: E::wrap(estimate) }
     }
     Ok(match encoding {
         PixelEncoding::Encoded => wrapped::<Encoded>(analyse_typed(image, source)?),
@@ -118,8 +120,8 @@ fn analyse_typed<E: Encoding>(
     source: &DepthSource,
 ) -> Result<Analysis<Estimate<E>>, FileError> {
     analyse_by(image, source, |bytes, depth| {
-        let estimate = waterbody::estimate(bytes, depth, &options(image))?;
-        Ok((estimate, ()))
+        let (estimate, share) = waterbody::estimate_with_share(bytes, depth, &options(image))?;
+        Ok((estimate, share, ()))
     })
     .map(|(found, ())| found)
 }
@@ -140,7 +142,7 @@ pub fn analyse_with_evidence(
 fn analyse_by<E: Encoding, M>(
     image: &ImageFile,
     source: &DepthSource,
-    estimate: impl FnOnce(&Image<u8>, &DepthMap) -> Result<(Estimate<E>, M), ImageError>,
+    estimate: impl FnOnce(&Image<u8>, &DepthMap) -> Result<(Estimate<E>, WaterShare, M), ImageError>,
 ) -> Result<(Analysis<Estimate<E>>, M), FileError> {
     let top = image.top_edge();
     // Estimators count in 256 steps: what lies between is of no use to them.
@@ -159,11 +161,12 @@ fn analyse_by<E: Encoding, M>(
         }
     };
     count(Step::WaterEstimated);
-    let (mut estimate, more) = estimate(&bytes, &depth).expect("the depth map was made for this image");
+    let (mut estimate, share, more) =
+        estimate(&bytes, &depth).expect("the depth map was made for this image");
     if supplied.is_some_and(|report| report.looks_inverted()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }
-    Ok((Analysis { depth, depth_source: source.clone(), supplied, estimate }, more))
+    Ok((Analysis { depth, depth_source: source.clone(), supplied, share, estimate }, more))
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {

@@ -1,6 +1,5 @@
 //! Operations on an image: its water is exchanged or removed.
 
-use aquafuse::depth::DepthMap;
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
 use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
 use aquafuse::image::{Encoding, Image, ImageError, Sample};
@@ -121,10 +120,10 @@ impl Operation {
         found: &Analysis<WaterEstimate>,
     ) -> Result<Outcome, OperationError> {
         match &found.estimate {
-            WaterEstimate::Encoded(own) => self.on(image, &found.depth, own),
+            WaterEstimate::Encoded(own) => self.on(image, found, own),
             WaterEstimate::Linear(own) => {
                 let mut light = image.to_linear();
-                let outcome = self.on(&mut light, &found.depth, own)?;
+                let outcome = self.on(&mut light, found, own)?;
                 *image = light.to_encoded().convert();
                 Ok(outcome)
             }
@@ -135,9 +134,10 @@ impl Operation {
     fn on<T: Sample, E: Space>(
         &self,
         image: &mut Image<T, E>,
-        depth: &DepthMap,
+        found: &Analysis<WaterEstimate>,
         own: &Estimate<E>,
     ) -> Result<Outcome, OperationError> {
+        let depth = &found.depth;
         let (operation, analysis) = (self.encoding(), E::wrap(*own).encoding());
         if operation != analysis {
             return Err(OperationError::Encodings { operation, analysis });
@@ -150,7 +150,12 @@ impl Operation {
                 let bounded = Bounded::new(own, &reference, *options);
                 let hides = options.model == Model::Exchange;
                 let before = hides.then(|| deviation(image));
-                let clipping = fuse_mut(&mut *image, depth, bounded.waters(), &bounded.options)?;
+                let clipping = fuse_mut(
+                    &mut *image,
+                    depth,
+                    bounded.waters().with_share(&found.share),
+                    &bounded.options,
+                )?;
                 let limited = Limited { fusion: bounded.bounds, ..Limited::default() };
                 // An image that had no contrast has lost none.
                 let left = before.map(|before| if before > 0.0 { deviation(image) / before } else { 1.0 });
@@ -189,7 +194,7 @@ mod tests {
     use crate::pipeline::{DepthSource, analyse, analyse_in};
     use aquafuse::fusion::{Gain, Incidence};
     use aquafuse::truth::{Scene, Size, waters};
-    use aquafuse::waterbody::Attenuation;
+    use aquafuse::waterbody::{Attenuation, WaterShare};
 
     fn image_files() -> [ImageFile; 2] {
         [0, 1].map(|i| {
@@ -265,6 +270,7 @@ mod tests {
             depth: scene.depth.clone(),
             depth_source: DepthSource::default(),
             supplied: None,
+            share: WaterShare::none(scene.depth.size()),
             estimate: WaterEstimate::from(Estimate::given(water)),
         };
         let mut pixels = Pixels::from(scene.seen_through(&water));

@@ -18,6 +18,8 @@ pub struct DepthMap {
     height: usize,
     kind: DepthKind,
     model: Option<DepthModel>,
+    /// Whether z is 1 less an inverse depth of unknown scale and shift.
+    is_inverse: bool,
     values: Values,
 }
 
@@ -137,7 +139,14 @@ impl DepthMap {
     /// [`ImageError`] when a side is zero or the buffer has another length.
     pub fn from_levels(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, ImageError> {
         check_size(width, height, 1, levels.len())?;
-        Ok(Self { width, height, kind: DepthKind::Relative, model: None, values: Values::Levels(levels) })
+        Ok(Self {
+            width,
+            height,
+            kind: DepthKind::Relative,
+            model: None,
+            is_inverse: false,
+            values: Values::Levels(levels),
+        })
     }
 
     /// Relative depth from 16-bit words: `z = level / 65535`.
@@ -147,7 +156,14 @@ impl DepthMap {
     /// [`ImageError`] when a side is zero or the buffer has another length.
     pub fn from_fine_levels(width: usize, height: usize, levels: Vec<u16>) -> Result<Self, ImageError> {
         check_size(width, height, 1, levels.len())?;
-        Ok(Self { width, height, kind: DepthKind::Relative, model: None, values: Values::FineLevels(levels) })
+        Ok(Self {
+            width,
+            height,
+            kind: DepthKind::Relative,
+            model: None,
+            is_inverse: false,
+            values: Values::FineLevels(levels),
+        })
     }
 
     /// Depth from distances in the unit that `kind` names.
@@ -167,7 +183,7 @@ impl DepthMap {
         if let Some(i) = distances.iter().position(|z| !(0.0..=most).contains(z)) {
             return Err(DepthError::Value { x: i % width, y: i / width, value: distances[i], most });
         }
-        Ok(Self { width, height, kind, model: None, values: Values::Floats(distances) })
+        Ok(Self { width, height, kind, model: None, is_inverse: false, values: Values::Floats(distances) })
     }
 
     /// Columns.
@@ -188,6 +204,22 @@ impl DepthMap {
     /// This map as one that `model` made from colour.
     pub(super) fn made_by(self, model: DepthModel) -> Self {
         Self { model: Some(model), ..self }
+    }
+
+    /// This map as one whose z is 1 less an inverse depth.
+    pub(super) fn from_inverse(self) -> Self {
+        Self { is_inverse: true, ..self }
+    }
+
+    /// Whether z is 1 less an inverse depth of unknown scale and shift, as of a monocular network: its order is right, its
+    /// distances are not.
+    pub fn is_inverse(&self) -> bool {
+        self.is_inverse
+    }
+
+    /// Whether its distances are: neither read off colours nor turned from inverse depth.
+    pub(crate) fn is_measured(&self) -> bool {
+        self.model.is_none() && !self.is_inverse
     }
 
     /// The depth model it was obtained by; `None` for supplied depth.

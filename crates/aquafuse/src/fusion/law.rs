@@ -59,6 +59,9 @@ pub struct PixelTransform {
 }
 
 impl PixelTransform {
+    /// Nothing happens.
+    pub(super) const NONE: Self = Self { gain: [1.0; 3], offset: [0.0; 3] };
+
     /// A colour after the change, not clipped.
     pub fn of(&self, rgb: [f32; 3]) -> [f32; 3] {
         std::array::from_fn(|c| self.gain[c] * rgb[c] + self.offset[c])
@@ -66,6 +69,24 @@ impl PixelTransform {
 }
 
 impl<E: Encoding> TransferLaw<E> {
+    /// What happens at distance `z` to a pixel of which the share `w` is open water, by [`at`](Self::at)`(z)`: a shift of the whole
+    /// difference for that share, `F = (1 - w) F'`. [`Model::Aquafuse`] takes no part in it.
+    #[inline(always)]
+    pub fn in_share(&self, things: PixelTransform, w: f32) -> PixelTransform {
+        let water = self.of_water(things);
+        PixelTransform {
+            offset: std::array::from_fn(|c| (1.0 - w) * things.offset[c] + w * water[c]),
+            ..things
+        }
+    }
+
+    /// The offset of open water under a gain that is that of things: `cosθ (α B2∞ - B1∞) - (gain - 1) B1∞`.
+    #[inline(always)]
+    fn of_water(&self, things: PixelTransform) -> [f32; 3] {
+        let own = self.content.veiling_light.rgb();
+        std::array::from_fn(|c| self.cosine * (self.veil[c] - own[c]) - (things.gain[c] - 1.0) * own[c])
+    }
+
     /// The law that takes an image from the content's water towards the reference's.
     pub fn new(waters: Waters<'_, E>, options: &Options) -> Self {
         Self {

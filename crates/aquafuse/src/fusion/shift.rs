@@ -4,7 +4,7 @@ use crate::depth::LEVELS;
 use crate::simd::{self, Level, Work};
 
 /// Pixels shifted together: enough that what is looked up has left the processor's store queue before it is read.
-const BLOCK: usize = 512;
+pub(super) const BLOCK: usize = 512;
 /// Values after which the channels have the same order again, in whole vectors.
 const PERIOD: usize = 96;
 
@@ -76,6 +76,26 @@ impl Shifts {
     }
 }
 
+impl Shifts {
+    /// Adds the first of these shifts to a block of values or fewer, filled up with black pixels that are not shifted.
+    #[inline(always)]
+    pub(super) fn add_run(
+        &self,
+        values: &mut [u8],
+        shifts: &mut [u8; 3 * BLOCK + 1],
+        clipped: &mut [u64; 3],
+    ) {
+        if let Ok(block) = (&mut *values).try_into() {
+            return self.add_block(block, shifts, clipped);
+        }
+        let mut last = [0; 3 * BLOCK];
+        last[..values.len()].copy_from_slice(values);
+        shifts[values.len()..].fill(0);
+        self.add_block(&mut last, shifts, clipped);
+        values.copy_from_slice(&last[..values.len()]);
+    }
+}
+
 struct Add<'a> {
     shifts: &'a Shifts,
     values: &'a mut [u8],
@@ -96,17 +116,10 @@ impl Work for Add<'_> {
             table.look_up(levels, &mut shifts);
             table.add_block(values, &shifts, &mut clipped);
         }
-        // Filled up with black pixels at a level whose shift cannot be clipped there.
-        let mut last = [0; 3 * BLOCK];
-        last[..rest.len()].copy_from_slice(rest);
-        shifts.fill(0);
         for (shift, &level) in shifts.chunks_exact_mut(3).zip(rest_of_levels) {
             shift.copy_from_slice(&table.steps[usize::from(level)][..3]);
         }
-        if !rest.is_empty() {
-            table.add_block(&mut last, &shifts, &mut clipped);
-            rest.copy_from_slice(&last[..rest.len()]);
-        }
+        table.add_run(rest, &mut shifts, &mut clipped);
         clipped
     }
 }

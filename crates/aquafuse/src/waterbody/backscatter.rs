@@ -8,8 +8,8 @@ mod envelope;
 mod mixing_line;
 mod posterior;
 mod published;
+mod things;
 mod veils;
-mod water_share;
 
 use super::Seen;
 use super::depth_factors::DepthFactors;
@@ -92,11 +92,11 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
     let veil = light.rgb.map(E::from_encoded);
     let open = light.source == VeilingLightSource::OpenWater;
     let envelopes = envelopes(statistics, light);
-    let (base, veils): (_, fn(usize) -> Veils) = match (depth.model().is_some(), open) {
-        (false, true) => (GIVEN, |_| Veils::Seen),
-        (false, false) => (GIVEN_BEHIND_THINGS, |channel| Veils::BehindThings { channel }),
-        (true, true) => (FROM_COLOUR, |_| Veils::Seen),
-        (true, false) => (FROM_COLOUR, |_| Veils::AboutAsRead),
+    let (base, veils): (_, fn(usize) -> Veils) = match (depth.is_measured(), open) {
+        (true, true) => (GIVEN, |_| Veils::Seen),
+        (true, false) => (GIVEN_BEHIND_THINGS, |channel| Veils::BehindThings { channel }),
+        (false, true) => (FROM_COLOUR, |_| Veils::Seen),
+        (false, false) => (FROM_COLOUR, |_| Veils::AboutAsRead),
     };
     let noise = NOISE_LEFT * light.noise / 255.0;
     let trust = Trust { deviation: base.deviation.hypot(noise), ..base };
@@ -125,7 +125,8 @@ pub(super) fn fit<E: Encoding>(statistics: &Statistics<E>, light: &Reading, dept
     });
     let coefficient = found.each_ref().map(|found| found.ln_tau.mean.exp() / statistics.z95);
     let depth_factors = match depth.model() {
-        Some(_) if open => water_share::depth_factors(statistics, &envelopes, light.rgb, veil, coefficient),
+        Some(_) if open => things::by_coefficient(statistics, &envelopes, veil, coefficient),
+        None if depth.is_inverse() => things::by_range(statistics, &envelopes, veil),
         _ => None,
     };
     Growth {

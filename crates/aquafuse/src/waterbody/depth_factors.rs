@@ -3,13 +3,13 @@
 /// Places of a table at most: one a bin of the estimator.
 pub(super) const KNOTS: usize = 32;
 
-/// Depth factor F by depth, where no single exponential follows it: between knots it is a straight line, before the
-/// first one that from 1 at z = 0, and beyond the last it stays.
+/// Depth factor F' of things by depth, where no single exponential follows it: between knots it is a straight line, before
+/// the first one that from 1 at z = 0, and beyond the last it stays. It never rises with z.
 ///
-/// Depth from colour says what is farther, not how much farther, and open water, which lets nothing through, seldom lies at
-/// its far end: in amber water it lies at the near one. [`estimate`](super::estimate) therefore counts how much of each depth is
-/// open water, where it has seen any; β_B stays the summary. `F` falls with z where depth from colour is right, and may rise where it
-/// is not. [`Model::Physical`](crate::fusion::Model::Physical) reads it.
+/// Depth from colour says what is farther, not how much farther. [`estimate`](super::estimate) therefore takes from the darkest
+/// things of each depth how much backscatter there can be at most; β_B stays the summary. How much of a pixel is no thing but
+/// open water is its [`WaterShare`](super::WaterShare) w: `F = (1 - w) F'`.
+/// [`Model::Physical`](crate::fusion::Model::Physical) reads it.
 ///
 /// # Examples
 ///
@@ -31,13 +31,14 @@ pub struct DepthFactors {
 
 impl DepthFactors {
     /// The table through these knots `(z, F)`; none unless there are 1 to 32 of them, z is above 0 and rises, and F lies in
-    /// `[0, 1]`.
+    /// `[0, 1]` and nowhere rises.
     pub fn from_knots(knots: &[(f32, [f32; 3])]) -> Option<Self> {
         let &(last, factor) = knots.last()?;
         let rises = knots.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let falls = knots.windows(2).all(|pair| (0..3).all(|c| pair[1].1[c] <= pair[0].1[c]));
         let are_factors =
             knots.iter().flat_map(|(_, factor)| factor).all(|factor| (0.0..=1.0).contains(factor));
-        if knots.len() > KNOTS || !rises || !are_factors || knots[0].0 <= 0.0 || !last.is_finite() {
+        if knots.len() > KNOTS || !rises || !falls || !are_factors || knots[0].0 <= 0.0 || !last.is_finite() {
             return None;
         }
         let mut table = Self { z: [last; KNOTS], factors: [factor; KNOTS] };
@@ -77,7 +78,8 @@ mod tests {
 
     #[test]
     fn only_rising_depths_and_factors_are_a_table() {
-        let refused: [&[(f32, [f32; 3])]; 6] = [
+        let refused: [&[(f32, [f32; 3])]; 7] = [
+            &[(0.5, [0.5; 3]), (0.6, [0.4, 0.6, 0.4])],
             &[],
             &[(0.0, [0.5; 3])],
             &[(0.5, [0.5; 3]), (0.5, [0.4; 3])],
@@ -95,7 +97,7 @@ mod tests {
 
     #[test]
     fn red_is_held_to_the_others() {
-        let mut table = DepthFactors::from_knots(&[(0.5, [0.1, 0.8, 0.7]), (1.0, [0.3, 0.2, 0.4])]).unwrap();
+        let mut table = DepthFactors::from_knots(&[(0.5, [0.3, 0.8, 0.7]), (1.0, [0.1, 0.2, 0.4])]).unwrap();
         assert!(table.hold_red());
         assert_eq!((table.at(0.5), table.at(1.0)), ([0.7, 0.8, 0.7], [0.3, 0.2, 0.4]));
         assert!(!table.hold_red());

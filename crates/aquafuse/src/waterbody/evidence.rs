@@ -1,7 +1,10 @@
 //! What an estimate was fitted to, for whoever wants to see it.
 
-use super::thumbnail::{Scratch, Thumbnail};
-use super::{Estimate, EstimateOptions, Look, Seen, VeilingLight, attenuation, backscatter, look};
+use super::thumbnail::Scratch;
+use super::{
+    Estimate, EstimateOptions, Look, Seen, VeilingLight, WaterShare, attenuation, backscatter, estimate_in,
+    look,
+};
 use crate::depth::DepthMap;
 use crate::image::{Encoding, ImageError, ImageRef};
 
@@ -66,7 +69,7 @@ pub fn evidence<'a, E: Encoding>(
     Ok(look::<E>(whole, image, &quantised, depth, options).shown(whole))
 }
 
-/// [`estimate`](super::estimate) and what it was fitted to, in one pass: for whoever wants to see both. Of a large
+/// [`estimate`](super::estimate), how much of each pixel is open water, and what all that was fitted to, in one pass. Of a large
 /// image the bins are those of the thumbnail in which the estimate counted.
 ///
 /// # Errors
@@ -76,22 +79,17 @@ pub fn estimate_with_evidence<'a, E: Encoding>(
     image: impl Into<ImageRef<'a, u8>>,
     depth: &DepthMap,
     options: &EstimateOptions,
-) -> Result<(Estimate<E>, Evidence), ImageError> {
-    let image = image.into();
-    depth.check_fits(image.size())?;
-    let quantised = depth.quantised();
-    let whole = Seen { image, levels: &quantised.levels };
-    let look = match Thumbnail::of(image, &quantised, &mut Scratch::default()) {
-        Some(thumbnail) => look::<E>(whole, thumbnail.image.view(), &thumbnail.depth, depth, options),
-        None => look::<E>(whole, image, &quantised, depth, options),
-    };
-    Ok((look.judged(depth), look.shown(whole)))
+) -> Result<(Estimate<E>, WaterShare, Evidence), ImageError> {
+    estimate_in(image.into(), depth, options, &mut Scratch::default(), |looked: &Look<E>, whole, depth| {
+        let (estimate, share) = looked.judged_with_share(whole, depth);
+        (estimate, share, looked.shown(whole))
+    })
 }
 
 impl<E: Encoding> Look<E> {
     /// What was read, with its places in the whole image.
     fn shown(&self, whole: Seen<'_>) -> Evidence {
-        let Self { statistics, light, growth, attenuation } = self;
+        let Self { statistics, light, growth, attenuation, .. } = self;
         let envelopes = backscatter::envelopes(statistics, light);
         let veil = VeilingLight::<E>::new(growth.veil).rgb();
         let bins = statistics.bins.iter().enumerate().map(|(i, bin)| {
@@ -122,7 +120,7 @@ mod tests {
         let image: Image<u8> = Scene::new(2, size).seen_through(&waters()[1].water).convert();
         let z = crate::depth::estimate(&image);
         for options in [EstimateOptions::default(), EstimateOptions::as_published()] {
-            let (estimated, seen) = estimate_with_evidence::<Encoded>(&image, &z, &options).unwrap();
+            let (estimated, _, seen) = estimate_with_evidence::<Encoded>(&image, &z, &options).unwrap();
             assert_eq!(Ok(estimated), estimate(&image, &z, &options));
             assert_eq!(Ok(seen), evidence::<Encoded>(&image, &z, &options));
         }
@@ -136,7 +134,7 @@ mod tests {
         let image = Image::from_raw(width, height, (0..3 * width * height).map(sample).collect()).unwrap();
         let z = crate::depth::estimate(&image);
         let options = EstimateOptions::default();
-        let (estimated, seen) = estimate_with_evidence::<Encoded>(&image, &z, &options).unwrap();
+        let (estimated, _, seen) = estimate_with_evidence::<Encoded>(&image, &z, &options).unwrap();
         assert_eq!(Ok(estimated), estimate(&image, &z, &options));
         assert_eq!(seen.read_from, evidence::<Encoded>(&image, &z, &options).unwrap().read_from);
     }

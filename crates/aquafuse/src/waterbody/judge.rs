@@ -32,7 +32,7 @@ impl<T> Cases<T> {
     fn of(self, light: &Reading, depth: &DepthMap) -> T {
         match light.source {
             VeilingLightSource::OpenWater => self.open,
-            _ if depth.model().is_some() => self.from_colour,
+            _ if !depth.is_measured() => self.from_colour,
             _ => self.given,
         }
     }
@@ -101,7 +101,7 @@ pub(super) fn quality<E: Encoding>(
     depth: &DepthMap,
 ) -> Quality {
     let from_colour = depth.model().is_some();
-    let demands = if from_colour { FROM_COLOUR } else { GIVEN };
+    let demands = if depth.is_measured() { GIVEN } else { FROM_COLOUR };
     let visible = |c: &usize| E::to_encoded(growth.veil[*c]) >= VISIBLE;
     let any = |holds: &dyn Fn(usize) -> bool| (0..3).filter(visible).any(holds);
     let mut reasons = Reasons::default();

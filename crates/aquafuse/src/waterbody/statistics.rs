@@ -159,11 +159,6 @@ impl<E: Encoding> Bin<E> {
         self.values[channel][..usize::from(value)].iter().map(|&count| u64::from(count)).sum()
     }
 
-    /// How many of its pixels have `value` or less.
-    pub(super) fn up_to(&self, channel: usize, value: u8) -> u64 {
-        self.values[channel][..=usize::from(value)].iter().map(|&count| u64::from(count)).sum()
-    }
-
     /// The dark end: [`Bin::quantile`] in bytes, and the deviation of all values, in bytes.
     pub(super) fn dark(&self, channel: usize, share: f64) -> Dark {
         let (mut sum, mut squares) = (0, 0);

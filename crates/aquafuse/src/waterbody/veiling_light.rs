@@ -15,8 +15,9 @@ pub(super) use places::Places;
 pub(super) use reading::Reading;
 pub use reading::VeilingLightSource;
 
-use super::{EstimateOptions, Seen};
-use crate::image::{Encoded, Encoding, Sample};
+use super::Seen;
+use super::far_region::Region;
+use crate::image::{Encoded, Encoding, Sample, TopEdge};
 
 /// Veiling light B∞: the colour that remains when nothing but water is in sight, per channel in `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,16 +66,12 @@ pub enum VeilingLightMethod {
 
 pub(super) use published::read_things;
 
-/// Reads the veiling light of an image, with all fallbacks: open water in the whole of it, the farthest pixels in the
-/// part that is counted. `given` depth is not from colour.
-pub(super) fn read(whole: Seen<'_>, counted: Seen<'_>, given: bool, options: &EstimateOptions) -> Reading {
-    let top = options.top;
-    let open_water = match options.veiling_light {
-        VeilingLightMethod::OpenWater => open_water::read(whole.image, whole.levels),
-        VeilingLightMethod::Published => return published::read(counted, top),
-    };
-    open_water.unwrap_or_else(|| match given {
+/// Reads the veiling light of an image: the colour of its far region. Where that is not likely to be water and depth is
+/// measured, what is farthest in the part that is counted. Without a region, the paper's way.
+pub(super) fn read(region: Option<&Region>, counted: Seen<'_>, is_measured: bool, top: TopEdge) -> Reading {
+    let Some(region) = region else { return published::read(counted, top) };
+    open_water::read(region).unwrap_or_else(|| match is_measured {
         true => published::read_things(counted, top),
-        false => published::read(counted, top),
+        false => open_water::read_things(region),
     })
 }

@@ -5,7 +5,7 @@ use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw, Waters};
 use aquafuse::image::{Encoding, Image};
 use aquafuse::metrics::ssim;
 use aquafuse::truth::{Case, Exchange};
-use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, estimate};
+use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, WaterShare, estimate_with_share};
 
 /// How depth is obtained, and whose estimators give the water; no estimators: the truth is given.
 pub(super) struct Way {
@@ -41,6 +41,8 @@ impl Way {
     pub(super) fn all_models<E: Encoding>(&self, exchange: &Exchange<E>) -> Vec<Found> {
         let z = self.depth(&exchange.content);
         let (own, other) = (self.water(&exchange.content), self.water(&exchange.reference));
+        let share = own.as_ref().map_or_else(|| WaterShare::none(z.size()), |(_, share)| share.clone());
+        let [own, other] = [own, other].map(|found| found.map(|(estimate, _)| estimate));
         let of = |model: &Model| {
             let incidence = Incidence::from_degrees(0.0).expect("in range");
             let options = Options::for_model(*model).with_incidence(incidence);
@@ -58,7 +60,14 @@ impl Way {
                 }
             };
             let distances = z.distances();
-            Found::of(exchange, |i, pixel| law.at(distances[i]).of(pixel))
+            let width = z.width();
+            Found::of(exchange, |i, pixel| {
+                let things = law.at(distances[i]);
+                let reads_share = *model != Model::Aquafuse;
+                let w =
+                    if reads_share { share.at(i % width, i / width, pixel.map(E::to_encoded)) } else { 0.0 };
+                law.in_share(things, w).of(pixel)
+            })
         };
         Model::ALL.iter().map(of).collect()
     }
@@ -68,9 +77,10 @@ impl Way {
     }
 
     /// The estimate of a case's water; none where the truth is given.
-    fn water<E: Encoding>(&self, case: &Case<E>) -> Option<Estimate<E>> {
-        let estimated =
-            |options| estimate(&case.image, &self.depth(case), &options).expect("a map of this image");
+    fn water<E: Encoding>(&self, case: &Case<E>) -> Option<(Estimate<E>, WaterShare)> {
+        let estimated = |options| {
+            estimate_with_share(&case.image, &self.depth(case), &options).expect("a map of this image")
+        };
         self.water.map(estimated)
     }
 }

@@ -11,6 +11,8 @@ pub(super) const ROUNDING: f32 = 0.3;
 pub enum VeilingLightSource {
     /// Smooth open water of one colour.
     OpenWater,
+    /// What looks most like open water, though it is not likely to be any.
+    FarRegion,
     /// The farthest bluish-green pixels: the paper's way.
     Farthest,
     /// Too few of those: the bluish-green pixels of the two top corners.

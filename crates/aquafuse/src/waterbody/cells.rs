@@ -1,0 +1,194 @@
+//! An image in small cells whose borders are mirrored with it: what a region of water is looked for in.
+
+mod window;
+
+use std::ops::{AddAssign, Range};
+
+use crate::bands;
+use crate::image::ImageRef;
+use crate::simd;
+
+pub(super) use window::mean_around;
+
+/// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
+/// enough to fit between things.
+const CELLS: usize = 48;
+
+/// A small rectangle of the image.
+pub(super) struct Cell {
+    /// Red, green and blue, bytes.
+    pub(super) mean: [f32; 3],
+    /// The largest standard deviation of the three channels, bytes.
+    pub(super) spread: f32,
+    /// Mean variance of the three channels, in units of `[0, 1]`.
+    pub(super) variance: f32,
+    /// Mean level of depth.
+    pub(super) level: u8,
+}
+
+/// The cells of an image, row by row from the top.
+pub(super) struct Cells {
+    columns: Vec<usize>,
+    rows: Vec<usize>,
+    all: Vec<Cell>,
+}
+
+impl Cells {
+    pub(super) fn new(image: ImageRef<'_, u8>, levels: &[u8]) -> Self {
+        let (width, height) = image.size();
+        let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
+        let (columns, rows) = (borders(width, side), borders(height, side));
+        let of = |rows: &[usize]| cells_of(image, levels, &columns, rows);
+        let middle = rows.len() / 2;
+        let (mut all, below) = bands::both(levels.len(), || of(&rows[..=middle]), || of(&rows[middle..]));
+        all.extend(below);
+        Self { columns, rows, all }
+    }
+
+    /// The cells.
+    pub(super) fn all(&self) -> &[Cell] {
+        &self.all
+    }
+
+    /// How many there are in a row, and how many rows.
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.columns.len() - 1, self.rows.len() - 1)
+    }
+
+    /// The borders of their columns and rows in pixels, from 0 to the image's size.
+    pub(super) fn borders(&self) -> [&[usize]; 2] {
+        [&self.columns, &self.rows]
+    }
+
+    /// The columns and rows of a cell.
+    pub(super) fn place(&self, cell: usize) -> [Range<usize>; 2] {
+        let across = self.columns.len() - 1;
+        let between = |borders: &[usize], i: usize| borders[i]..borders[i + 1];
+        [between(&self.columns, cell % across), between(&self.rows, cell / across)]
+    }
+}
+
+/// The cells between these borders of columns and rows, row by row.
+fn cells_of(image: ImageRef<'_, u8>, levels: &[u8], columns: &[usize], rows: &[usize]) -> Vec<Cell> {
+    let mut cells = Vec::with_capacity((columns.len() - 1) * (rows.len() - 1));
+    let mut sums = ColumnSums::new(image.width());
+    for rows in rows.windows(2) {
+        sums.clear();
+        simd::widest(AddRows { sums: &mut sums, image, levels, rows: rows[0]..rows[1] });
+        cells.extend(columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])));
+    }
+    cells
+}
+/// Where cells of about `side` begin and end along `length`: the same from both ends.
+fn borders(length: usize, side: f32) -> Vec<usize> {
+    let wanted = ((length as f32 / side) as usize).clamp(1, length);
+    // An odd length has a middle pixel: only an odd number of cells can be even about it.
+    let count = if wanted % 2 == length % 2 || wanted == 1 { wanted } else { wanted - 1 };
+    let from_start = |i: usize| (2 * i * length + count) / (2 * count);
+    (0..=count).map(|i| if 2 * i <= count { from_start(i) } else { length - from_start(count - i) }).collect()
+}
+
+/// Sums over the rows of a row of cells, column by column: what is added is wide and without a branch.
+struct ColumnSums {
+    /// Of values and their squares, channels in turn; of levels.
+    values: Vec<u32>,
+    squares: Vec<u32>,
+    levels: Vec<u32>,
+}
+
+impl ColumnSums {
+    fn new(width: usize) -> Self {
+        Self { values: vec![0; 3 * width], squares: vec![0; 3 * width], levels: vec![0; width] }
+    }
+
+    fn clear(&mut self) {
+        for sums in [&mut self.values, &mut self.squares, &mut self.levels] {
+            sums.fill(0);
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, values: &[u8], levels: &[u8]) {
+        for ((sum, square), &value) in self.values.iter_mut().zip(&mut self.squares).zip(values) {
+            *sum += u32::from(value);
+            *square += u32::from(u16::from(value) * u16::from(value));
+        }
+        for (sum, &level) in self.levels.iter_mut().zip(levels) {
+            *sum += u32::from(level);
+        }
+    }
+
+    /// The cell of these columns and so many rows.
+    fn cell(&self, columns: Range<usize>, rows: usize) -> Cell {
+        let pixels = (columns.len() * rows) as u64;
+        let channels = 3 * columns.start..3 * columns.end;
+        let (values, squares) = (&self.values[channels.clone()], &self.squares[channels]);
+        let [values, squares] = match pixels <= MOST_IN_32_BITS {
+            true => sums::<u32>(values, squares).map(|sums| sums.map(f64::from)),
+            false => sums::<u64>(values, squares).map(|sums| sums.map(|sum| sum as f64)),
+        };
+        let levels: u64 = self.levels[columns].iter().map(|&level| u64::from(level)).sum();
+        let count = pixels as f64;
+        let mean = values.map(|sum| sum / count);
+        let variance = (0..3).map(|c| squares[c] / count - mean[c] * mean[c]);
+        Cell {
+            mean: mean.map(|value| value as f32),
+            spread: variance.clone().fold(0.0, f64::max).sqrt() as f32,
+            variance: (variance.map(|variance| variance.max(0.0)).sum::<f64>() / (3.0 * 255.0 * 255.0))
+                as f32,
+            level: (levels / pixels) as u8,
+        }
+    }
+}
+
+/// Of so many pixels the squares of a channel sum up to no more than 32 bits hold.
+const MOST_IN_32_BITS: u64 = (u32::MAX / (255 * 255)) as u64;
+
+/// The sums of each channel.
+#[inline]
+fn sums<T: Copy + Default + From<u32> + AddAssign>(values: &[u32], squares: &[u32]) -> [[T; 3]; 2] {
+    let [mut of_values, mut of_squares] = [[T::default(); 3]; 2];
+    for (value, square) in values.as_chunks::<3>().0.iter().zip(squares.as_chunks::<3>().0) {
+        for c in 0..3 {
+            of_values[c] += T::from(value[c]);
+            of_squares[c] += T::from(square[c]);
+        }
+    }
+    [of_values, of_squares]
+}
+
+struct AddRows<'a> {
+    sums: &'a mut ColumnSums,
+    image: ImageRef<'a, u8>,
+    levels: &'a [u8],
+    rows: Range<usize>,
+}
+
+impl simd::Work for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for y in self.rows {
+            let levels = &self.levels[y * self.image.width()..][..self.image.width()];
+            self.sums.add(self.image.row(y).as_flattened(), levels);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn borders_are_the_same_from_both_ends(length in 1..3000_usize, side in 1.0..40.0_f32) {
+            let found = borders(length, side);
+            prop_assert_eq!((found[0], found[found.len() - 1]), (0, length));
+            prop_assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
+            let mirrored: Vec<usize> = found.iter().rev().map(|border| length - border).collect();
+            prop_assert_eq!(found, mirrored);
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Where an image is far: the region that looks most like open water, and whether it is any.
+//!
+//! Depth from colour takes a black suit or a shadow for far, and red is dead in many images. So a cell counts by all that
+//! speaks for water: it is smooth, high up in the image, far by the depth map, not darker than the rest, and no glare. What is
+//! bluish-green counts by depth from colour alone: amber or milky water is found too.
+
+use super::cells::{Cells, mean_around};
+use crate::image::TopEdge;
+
+/// Weights of the evidence: of smoothness (−ln of a deviation), height (0 bottom, 1 top), depth (in deviations from the
+/// image's mean; from colour and given), brightness (likewise), darkness, and glare. All but that of given depth were chosen on
+/// 90 photographs whose open water was marked by eye; one half of them chosen on, the other is off by a third more.
+const SMOOTH: f32 = 0.73;
+const HIGH: f32 = 0.28;
+const FAR_BY_COLOUR: f32 = 0.075;
+const FAR_AS_GIVEN: f32 = 0.3;
+const BRIGHT: f32 = -0.044;
+const DARK: f32 = -1.5;
+const GLARE: f32 = -10.0;
+/// Deviations in units of `[0, 1]` below this are all smooth.
+const SMOOTHEST: f32 = 0.004;
+/// Greys above this are glare.
+const GLARING: f32 = 0.92;
+/// What is added to a grey that is divided by.
+const DARKEST: f32 = 0.05;
+
+/// The region is this share of the image, its colour first that of this share of the region, then that of cells this near.
+const SHARE: f32 = 0.12;
+const SEED: f32 = 0.4;
+const NEAR: f32 = 0.07;
+const ROUNDS: usize = 5;
+/// Cells within this many bytes of the colour, in every channel, are read.
+const READ: f32 = 12.0;
+
+/// ln of the odds that a region is open water: a base, and weights of ln of its deviation, of how much rougher the image is, of
+/// how much brighter the region, and of how colourful it is. Fitted to 156 photographs, of 85 of which 90 % and more are found
+/// and of the 66 others 6 % mistaken, by halves.
+const ODDS: [f32; 5] = [-16.9, -2.5, 3.05, 4.65, 5.2];
+/// How much more likely it is where the depth map says itself what is far.
+const ODDS_AS_GIVEN: f32 = 1.3;
+
+/// The region of an image that is likeliest to be open water.
+pub(super) struct Region {
+    pub(super) cells: Cells,
+    /// What speaks for water in each cell.
+    pub(super) evidence: Vec<f32>,
+    /// The middle evidence of the region.
+    pub(super) typical: f32,
+    /// Its colour, in `[0, 1]`.
+    pub(super) colour: [f32; 3],
+    /// The cells that the colour was read from.
+    pub(super) read: Vec<usize>,
+    /// How likely it is to be open water, in `[0, 1]`.
+    pub(super) seen: f32,
+    /// All of its cells, and the median of their colours, in `[0, 1]`: what is read where it is not water.
+    pub(super) inside: Vec<usize>,
+    pub(super) middle: [f32; 3],
+}
+
+impl Region {
+    /// The region of the image in cells; `given` depth is not from colour.
+    pub(super) fn of(cells: Cells, given: bool, top: TopEdge) -> Self {
+        let rough = roughness(&cells);
+        let grey: Vec<f32> = cells.all().iter().map(|cell| grey(&unit(&cell.mean))).collect();
+        let evidence = evidence(&cells, &rough, &grey, given, top);
+        let count = |share: f32, of: usize| ((share * of as f32).ceil() as usize).clamp(1, of);
+        let members = count(SHARE, evidence.len());
+        let least = largest(members, &evidence);
+        let surest = largest(count(SEED, members), &evidence);
+        let inside: Vec<usize> = (0..evidence.len()).filter(|&cell| evidence[cell] >= least).collect();
+        let colour_of = |cells: &[usize], all: &Cells| -> [f32; 3] {
+            std::array::from_fn(|c| {
+                median(cells.iter().map(|&cell| all.all()[cell].mean[c]).collect()) / 255.0
+            })
+        };
+        let mut read: Vec<usize> = inside.iter().copied().filter(|&cell| evidence[cell] >= surest).collect();
+        let mut colour = colour_of(&read, &cells);
+        let near = |colour: &[f32; 3], is_near: &dyn Fn([f32; 3]) -> bool| -> Vec<usize> {
+            let off = |&cell: &usize| {
+                let own = unit(&cells.all()[cell].mean);
+                is_near(std::array::from_fn(|c| (own[c] - colour[c]).abs()))
+            };
+            inside.iter().copied().filter(off).collect()
+        };
+        let within = |[r, g, b]: [f32; 3]| r * r + g * g + b * b < NEAR * NEAR;
+        let all_within = |off: [f32; 3]| off.iter().all(|off| *off < READ / 255.0);
+        for round in 0..=ROUNDS {
+            let closer = if round < ROUNDS { near(&colour, &within) } else { near(&colour, &all_within) };
+            if closer.is_empty() {
+                break;
+            }
+            read = closer;
+            colour = colour_of(&read, &cells);
+        }
+        let middle = colour_of(&inside, &cells);
+        let of_region = median(inside.iter().map(|&cell| rough[cell]).collect());
+        let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
+        let seen = likelihood(of_region, median(rough), &colour, median(grey), given);
+        Self { cells, evidence, typical, colour, read, middle, inside, seen }
+    }
+}
+
+/// ln of the odds, as a likelihood.
+fn likelihood(rough: f32, rough_elsewhere: f32, colour: &[f32; 3], usual_grey: f32, given: bool) -> f32 {
+    let [base, of_roughness, of_contrast, of_brightness, of_colour] = ODDS;
+    let most = colour.iter().copied().fold(0.0, f32::max);
+    let least = colour.iter().copied().fold(1.0, f32::min);
+    let odds = base
+        + if given { ODDS_AS_GIVEN } else { 0.0 }
+        + of_roughness * (rough + 0.002).ln()
+        + of_contrast * (rough_elsewhere / (rough + 0.0005) + 0.01).ln()
+        + of_brightness * ((grey(colour) + 0.02) / (usual_grey + 0.02)).ln()
+        + of_colour * (most - least) / (most + DARKEST);
+    (1.0 + (-odds).exp()).recip()
+}
+
+/// Deviation of values in a cell and its neighbours, in units of `[0, 1]`.
+fn roughness(cells: &Cells) -> Vec<f32> {
+    let (columns, _) = cells.size();
+    let variances: Vec<f32> = cells.all().iter().map(|cell| cell.variance).collect();
+    mean_around(columns, 1, &variances).into_iter().map(f32::sqrt).collect()
+}
+
+/// What speaks for water in each cell, with its neighbours.
+fn evidence(cells: &Cells, rough: &[f32], grey: &[f32], given: bool, top: TopEdge) -> Vec<f32> {
+    let (columns, rows) = cells.size();
+    let far = if given { FAR_AS_GIVEN } else { FAR_BY_COLOUR };
+    let depth = Standard::of(cells.all().iter().map(|cell| i64::from(cell.level)));
+    let bright = Standard::of(grey.iter().map(|&grey| steps(grey)));
+    let usual = median(grey.to_vec());
+    let of_cell = |i: usize| {
+        SMOOTH * -(rough[i] + SMOOTHEST).ln()
+            + HIGH * height(i % columns, i / columns, (columns, rows), top)
+            + far * depth.at(f32::from(cells.all()[i].level))
+            + BRIGHT * bright.at(steps(grey[i]) as f32)
+            + DARK * (usual - grey[i]).max(0.0) / (usual + DARKEST)
+            + GLARE * (grey[i] - GLARING).max(0.0)
+    };
+    let alone: Vec<f32> = (0..rough.len()).map(of_cell).collect();
+    mean_around(columns, 1, &alone)
+}
+
+/// How high up a cell is in the image as seen, 0 at the bottom and 1 at the top.
+fn height(x: usize, y: usize, (columns, rows): (usize, usize), top: TopEdge) -> f32 {
+    let below = match top {
+        TopEdge::First => (y as f32 + 0.5) / rows as f32,
+        TopEdge::Last => ((rows - 1 - y) as f32 + 0.5) / rows as f32,
+        TopEdge::Left => (x as f32 + 0.5) / columns as f32,
+        TopEdge::Right => ((columns - 1 - x) as f32 + 0.5) / columns as f32,
+    };
+    1.0 - below
+}
+
+/// Mean and deviation of whole numbers, whose sums do not depend on their order.
+struct Standard {
+    mean: f32,
+    scale: f32,
+}
+
+impl Standard {
+    fn of(values: impl Iterator<Item = i64>) -> Self {
+        let (mut count, mut sum, mut squares) = (0.0, 0, 0);
+        for value in values {
+            (count, sum, squares) = (count + 1.0, sum + value, squares + value * value);
+        }
+        let mean = sum as f64 / count;
+        let variance = squares as f64 / count - mean * mean;
+        // A tenth of a step: less is rounding, and distinguishes nothing.
+        let scale = if variance > 0.01 { variance.sqrt().recip() } else { 0.0 };
+        Self { mean: mean as f32, scale: scale as f32 }
+    }
+
+    fn at(&self, value: f32) -> f32 {
+        (value - self.mean) * self.scale
+    }
+}
+
+/// A grey in whole steps of 1/65536.
+fn steps(grey: f32) -> i64 {
+    (65536.0 * grey) as i64
+}
+
+fn unit(mean: &[f32; 3]) -> [f32; 3] {
+    mean.map(|value| value / 255.0)
+}
+
+fn grey(colour: &[f32; 3]) -> f32 {
+    (colour[0] + colour[1] + colour[2]) / 3.0
+}
+
+/// The least of the so many largest values.
+fn largest(many: usize, values: &[f32]) -> f32 {
+    let place = values.len() - many;
+    *values.to_vec().select_nth_unstable_by(place, f32::total_cmp).1
+}
+
+/// The middle value; of an even number, the upper of the middle two.
+pub(super) fn median(mut values: Vec<f32>) -> f32 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}

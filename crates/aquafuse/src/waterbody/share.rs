@@ -1,0 +1,225 @@
+//! How much of each pixel is open water.
+
+mod guided;
+
+use super::far_region::Region;
+use super::{EstimateOptions, VeilingLight, VeilingLightMethod};
+use crate::depth::DepthMap;
+use crate::image::{Encoding, ImageError, ImageRef, Sample};
+use guided::Affine;
+
+/// A cell whose evidence is this much less than that of the far region is none.
+const REACH: f32 = 1.4;
+/// Cells of the water's colour are water, though things beside them speak against it: to this share, and if they are
+/// this near, across the line from black through the water's colour and along it.
+const BY_COLOUR: f32 = 0.8;
+const ACROSS: f32 = 0.1;
+const ALONG: f32 = 0.25;
+/// Likelihoods of open water between which the share grows from nothing to the whole.
+const UNLIKELY: f32 = 0.15;
+const LIKELY: f32 = 0.5;
+/// A pixel that is surely water is this share of it: evidence is never whole.
+const MOST: f32 = 0.98;
+
+/// The share of water w: how much of each pixel is open water, in `[0, 1]`.
+///
+/// Open water lets nothing through, whatever depth it is taken for, so that the depth factor of a pixel is
+/// `F = (1 - w) F'(z)`, with F' that of things. w is 1 where the image is like its far region and 0 on things; where no
+/// open water is in view it is 0 everywhere. It is found in small cells and refined with the image as guide, so that it
+/// ends where things begin: near a place, w is an affine function of colour.
+///
+/// [`Model::Physical`](crate::fusion::Model::Physical) and [`Model::Exchange`](crate::fusion::Model::Exchange) read it.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{depth, image::Image, truth, waterbody};
+///
+/// let scene = truth::Scene::new(1, truth::Size { width: 96, height: 64 });
+/// let image: Image<u8> = scene.seen_through(&truth::waters()[0].water).convert();
+/// let z = depth::estimate(&image);
+/// let (found, share) = waterbody::estimate_with_share::<aquafuse::image::Encoded>(&image, &z, &Default::default())?;
+/// assert!(share.seen() > 0.9, "open water is in view");
+/// let [top, bottom] = [0, 63].map(|y| share.at(48, y, image.pixels()[96 * y + 48].map(|v| f32::from(v) / 255.0)));
+/// assert!(top > 0.9 && bottom < 0.1, "{top} {bottom}");
+/// # Ok::<(), aquafuse::image::ImageError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaterShare {
+    width: usize,
+    height: usize,
+    seen: f32,
+    mean: f32,
+    /// What is left of w where it is not sure that water is in view.
+    sure: f32,
+    /// Twice the middles of the cells' columns and rows, in pixels; no fits, no columns.
+    columns: Vec<usize>,
+    rows: Vec<usize>,
+    fits: Vec<Affine>,
+}
+
+/// The share of water of an image in a water that is known: that of another frame, say. With the image's own estimate,
+/// [`estimate_with_share`](super::estimate_with_share) does both at once.
+///
+/// # Errors
+///
+/// [`ImageError`] when image and depth map differ in size.
+pub fn water_share<'a, E: Encoding>(
+    image: impl Into<ImageRef<'a, u8>>,
+    depth: &DepthMap,
+    veiling_light: &VeilingLight<E>,
+    options: &EstimateOptions,
+) -> Result<WaterShare, ImageError> {
+    let image = image.into();
+    depth.check_fits(image.size())?;
+    if options.veiling_light == VeilingLightMethod::Published {
+        return Ok(WaterShare::none(image.size()));
+    }
+    let cells = super::cells::Cells::new(image, &depth.quantised().levels);
+    let region = Region::of(cells, depth.model().is_none(), options.top);
+    Ok(WaterShare::of(image.size(), &region, veiling_light.rgb().map(E::to_encoded)))
+}
+
+impl WaterShare {
+    /// No water in view in an image of this size: w is 0 everywhere.
+    #[must_use]
+    pub fn none((width, height): (usize, usize)) -> Self {
+        let (columns, rows, fits) = Default::default();
+        Self { width, height, seen: 0.0, mean: 0.0, sure: 0.0, columns, rows, fits }
+    }
+
+    /// The share of an image of this size, by the region that is likeliest to be water; `veil` is the water's colour, encoded.
+    pub(super) fn of(size: (usize, usize), region: &Region, veil: [f32; 3]) -> Self {
+        let none = Self { seen: region.seen, ..Self::none(size) };
+        let within = ((region.seen - UNLIKELY) / (LIKELY - UNLIKELY)).clamp(0.0, 1.0);
+        if within == 0.0 {
+            return none;
+        }
+        let colours: Vec<[f32; 3]> =
+            region.cells.all().iter().map(|cell| cell.mean.map(|v| v / 255.0)).collect();
+        let map: Vec<f32> =
+            (0..colours.len()).map(|i| share_of_cell(region, i, &colours[i], &veil)).collect();
+        let sure = within * within * (3.0 - 2.0 * within);
+        let middles = |borders: &[usize]| borders.windows(2).map(|pair| pair[0] + pair[1] - 1).collect();
+        let [columns, rows] = region.cells.borders().map(middles);
+        let mean = map.iter().map(|&share| f64::from(share)).sum::<f64>() / map.len() as f64;
+        let fits = guided::fit(region.cells.size().0, &colours, &map);
+        Self { sure, mean: (f64::from(sure) * mean) as f32, columns, rows, fits, ..none }
+    }
+
+    /// Columns and rows of the image.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// How likely it is that open water is in view, in `[0, 1]`.
+    pub fn seen(&self) -> f32 {
+        self.seen
+    }
+
+    /// The mean of w over the image, by cells.
+    pub fn mean(&self) -> f32 {
+        self.mean
+    }
+
+    /// Whether w is 0 everywhere.
+    pub fn is_none(&self) -> bool {
+        self.fits.is_empty()
+    }
+
+    /// w at column `x`, row `y` where the image has this encoded colour, in `[0, 1]`.
+    ///
+    /// # Panics
+    ///
+    /// When the place lies outside the image.
+    pub fn at(&self, x: usize, y: usize, rgb: [f32; 3]) -> f32 {
+        assert!(x < self.width && y < self.height, "({x}, {y}) lies outside {:?}", self.size());
+        if self.is_none() {
+            return 0.0;
+        }
+        let (above, below, down) = between(&self.rows, y);
+        let (left, right, across) = between(&self.columns, x);
+        let fit = |row: usize, column: usize| &self.fits[row * self.columns.len() + column];
+        let [left, right] = [left, right].map(|column| mixed(fit(above, column), fit(below, column), down));
+        self.value(mixed(&left, &right, across), rgb)
+    }
+
+    /// w of row after row.
+    pub(crate) fn rows(&self) -> Rows<'_> {
+        Rows { share: self, values: vec![0.0; self.width] }
+    }
+
+    /// The fits of all columns of cells at row `y`.
+    fn line(&self, y: usize) -> Vec<Affine> {
+        let (from, to, weights) = between(&self.rows, y);
+        let of = |row: usize| &self.fits[row * self.columns.len()..][..self.columns.len()];
+        of(from).iter().zip(of(to)).map(|(from, to)| mixed(from, to, weights)).collect()
+    }
+
+    #[inline(always)]
+    fn value(&self, [r, g, b, one]: Affine, rgb: [f32; 3]) -> f32 {
+        self.sure * (r * rgb[0] + g * rgb[1] + b * rgb[2] + one).clamp(0.0, 1.0)
+    }
+}
+
+/// w of one row at a time, in memory of its own.
+pub(crate) struct Rows<'a> {
+    share: &'a WaterShare,
+    values: Vec<f32>,
+}
+
+impl Rows<'_> {
+    /// w of the pixels of row `y`.
+    pub(crate) fn row<T: Sample, E: Encoding>(&mut self, y: usize, pixels: &[[T; 3]]) -> &[f32] {
+        let share = self.share;
+        let line = share.line(y);
+        let mut start = 0;
+        for place in 0..=share.columns.len() {
+            // The pixels between two middles, and those before the first and after the last.
+            let [from, to] = [place.saturating_sub(1), place.min(share.columns.len() - 1)];
+            let end = share.columns.get(place).map_or(share.width, |middle| middle.div_ceil(2));
+            let (near, far) = (share.columns[from], share.columns[to]);
+            for x in start..end {
+                let fit = mixed(&line[from], &line[to], weights(near, far, x));
+                let rgb = pixels[x].map(|sample| E::to_encoded(sample.to_unit()));
+                self.values[x] = share.value(fit, rgb);
+            }
+            start = end;
+        }
+        &self.values
+    }
+}
+
+/// The middles before and after a place, and their weights there.
+fn between(middles: &[usize], place: usize) -> (usize, usize, [f32; 2]) {
+    let after = middles.partition_point(|&middle| middle < 2 * place);
+    let [from, to] = [after.saturating_sub(1), after.min(middles.len() - 1)];
+    (from, to, weights(middles[from], middles[to], place))
+}
+
+/// What two middles, each twice what it is, count at a place between them: the nearer the more. Mirrored they are exchanged, to
+/// the bit.
+#[inline(always)]
+fn weights(near: usize, far: usize, place: usize) -> [f32; 2] {
+    if near == far {
+        return [1.0, 0.0];
+    }
+    let scale = ((far - near) as f32).recip();
+    [(far - 2 * place) as f32 * scale, (2 * place - near) as f32 * scale]
+}
+
+#[inline(always)]
+fn mixed(from: &Affine, to: &Affine, [of_from, of_to]: [f32; 2]) -> Affine {
+    std::array::from_fn(|k| of_from * from[k] + of_to * to[k])
+}
+
+/// How much of a cell is water: by evidence, or else by its colour.
+fn share_of_cell(region: &Region, cell: usize, colour: &[f32; 3], veil: &[f32; 3]) -> f32 {
+    let by_evidence = (1.0 - (region.typical - region.evidence[cell]) / REACH).clamp(0.0, 1.0);
+    let length = veil.iter().map(|value| value * value).sum::<f32>().sqrt().max(1e-3);
+    let off: [f32; 3] = std::array::from_fn(|c| colour[c] - veil[c]);
+    let along = (0..3).map(|c| off[c] * veil[c] / length).sum::<f32>();
+    let across = (off.iter().map(|off| off * off).sum::<f32>() - along * along).max(0.0);
+    let alike = (-across / (ACROSS * ACROSS) - (along / ALONG).powi(2)).exp();
+    MOST * (1.0 - (1.0 - by_evidence) * (1.0 - BY_COLOUR * alike))
+}

@@ -121,9 +121,9 @@ mod tests {
 
     fn one_by_one(frame: &Image<u8>, reference: &Estimate, options: &Options) -> (Image<u8>, Clipping) {
         let z = options.depth_model.estimate(frame);
-        let own = waterbody::estimate(frame, &z, &options.estimate).unwrap();
+        let (own, share) = waterbody::estimate_with_share(frame, &z, &options.estimate).unwrap();
         let bounded = Bounded::new(&own, reference, options.fusion);
-        let fused = fusion::fuse(frame, &z, bounded.waters(), &bounded.options).unwrap();
+        let fused = fusion::fuse(frame, &z, bounded.waters().with_share(&share), &bounded.options).unwrap();
         (options.smoothing.apply(fused.image), fused.clipping)
     }
 

@@ -57,28 +57,49 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
 }
 
 #[test]
-fn the_laws_hold_on_images_whose_depth_factors_are_a_table() {
+fn the_laws_hold_on_images_with_open_water() {
     let waters = waters();
-    let told = |image: &Image<u8>| {
+    let estimated = |image: &Image<u8>| {
         let z = depth::estimate(image);
-        let told = waterbody::estimate::<Encoded>(image, &z, &EstimateOptions::default()).unwrap();
-        (z, told)
+        let (own, share) =
+            waterbody::estimate_with_share::<Encoded>(image, &z, &EstimateOptions::default()).unwrap();
+        (z, own, share)
     };
-    let (_, reference) = told(&picture(2, &waters[1]));
+    let (_, reference, _) = estimated(&picture(2, &waters[1]));
     let content = picture(1, &waters[0]);
-    let fused = |content: &Image<u8>, degrees: f32| {
-        let (z, own) = told(content);
-        assert!(own.depth_factors.is_some(), "open water is in view");
-        let incidence = Incidence::from_degrees(degrees).unwrap();
-        let options = Options::for_model(Model::Physical).with_incidence(incidence);
-        let [itself, other] = [&own, &reference].map(|water| Bounded::new(&own, water, options));
-        [itself, other].map(|bounded| fuse(content, &z, bounded.waters(), &bounded.options).unwrap().image)
-    };
-    let [itself, other] = fused(&content, 0.0);
-    assert_eq!(itself, content);
-    assert_ne!(other, content);
-    assert_eq!(fused(&content, 90.0)[1], content);
-    assert_eq!(fused(&mirrored(&content), 0.0)[1], mirrored(&other));
+    for model in [Model::Physical, Model::Exchange] {
+        let fused = |content: &Image<u8>, degrees: f32| {
+            let (z, own, share) = estimated(content);
+            assert!(own.depth_factors.is_some() && !share.is_none(), "open water is in view");
+            let incidence = Incidence::from_degrees(degrees).unwrap();
+            let options = Options::for_model(model).with_incidence(incidence);
+            let [itself, other] = [&own, &reference].map(|water| Bounded::new(&own, water, options));
+            [itself, other].map(|bounded| {
+                fuse(content, &z, bounded.waters().with_share(&share), &bounded.options).unwrap().image
+            })
+        };
+        let [itself, other] = fused(&content, 0.0);
+        assert_eq!(itself, content);
+        assert_ne!(other, content);
+        assert_eq!(fused(&content, 90.0)[1], content);
+        assert_eq!(fused(&mirrored(&content), 0.0)[1], mirrored(&other));
+        // The first row is open water: it has the reference's colour now.
+        let veil = reference.water.veiling_light.rgb();
+        for pixel in &other.pixels()[..SIZE.width] {
+            for c in 0..3 {
+                assert!((f32::from(pixel[c]) - 255.0 * veil[c]).abs() < 6.0, "{pixel:?} is not {veil:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_share_of_another_size_is_an_error() {
+    let content = picture(1, &waters()[0]);
+    let (z, own) = estimated(&content);
+    let share = waterbody::WaterShare::none((1, 1));
+    let waters = Waters::new(&own, &own).with_share(&share);
+    assert!(fuse(&content, &z, waters, &Options::for_model(Model::Physical)).is_err());
 }
 
 /// Red paint with a water-blue left and, of another blue, right corner: nothing far is blue.

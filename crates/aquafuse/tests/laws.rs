@@ -38,15 +38,16 @@ fn waterbody() -> impl Strategy<Value = Waterbody> {
     )
 }
 
-/// Tables of F that fall and rise, as they do where depth from colour is wrong.
+/// Tables of F, which never rise.
 fn depth_factors() -> impl Strategy<Value = DepthFactors> {
     prop::collection::vec((0.01..0.5_f32, colour()), 1..=32).prop_map(|steps| {
-        let mut z = 0.0;
+        let (mut z, mut least) = (0.0, [1.0_f32; 3]);
         let knots: Vec<_> = steps
             .into_iter()
             .map(|(step, factor)| {
                 z += step;
-                (z, factor)
+                least = [0, 1, 2].map(|c| least[c].min(factor[c]));
+                (z, least)
             })
             .collect();
         DepthFactors::from_knots(&knots).unwrap()
@@ -157,6 +158,43 @@ proptest! {
             prop_assert!((found[c] - cosine * full[c]).abs() < 4.0 * ROUNDING);
             let expected = cosine * (1.0 - factors.at(z)[c]) * (gain * veil - own);
             prop_assert!((found[c] - expected).abs() < 4.0 * ROUNDING);
+        }
+    }
+
+    #[test]
+    fn the_laws_hold_with_a_share_of_water(
+        scene in waterbody(), other in waterbody(), factors in depth_factors(), degrees in degrees(),
+        gain in 0.0..4.0_f32, z in 0.0..20.0_f32, nearer in 0.0..1.0_f32, w in 0.0..=1.0_f32, seen in colour(),
+    ) {
+        for model in [Model::Physical, Model::Exchange] {
+            let law = |reference: &Waterbody, degrees: f32, gain: f32| {
+                let waters = Waters::new(&scene, reference).with_depth_factors(Some(&factors));
+                TransferLaw::new(waters, &options(model, degrees, gain))
+            };
+            let at = |law: &TransferLaw, z: f32, w: f32| law.in_share(law.at(z), w);
+            let towards = law(&other, degrees, gain);
+            prop_assert_eq!(at(&towards, 0.0, 0.0).of(seen), seen);
+            prop_assert_eq!(at(&towards, z, 0.0), towards.at(z));
+            prop_assert_eq!(at(&law(&other, 90.0, gain), z, w).of(seen), seen);
+            for (found, seen) in at(&law(&scene, degrees, 1.0), z, w).of(seen).into_iter().zip(seen) {
+                prop_assert!((found - seen).abs() < 4.0 * ROUNDING);
+            }
+            // Open water of the content's colour becomes the reference's, at any depth.
+            let own = scene.veiling_light.rgb();
+            for (found, veil) in at(&law(&other, 0.0, 1.0), z, 1.0).of(own).into_iter().zip(other.veiling_light.rgb()) {
+                prop_assert!((found - veil).abs() < 16.0 * ROUNDING, "{} is not {}", found, veil);
+            }
+        }
+        // `physical`: F = (1 - w) F' never rises with z, and equal F is equal shift.
+        let waters = Waters::new(&scene, &other).with_depth_factors(Some(&factors));
+        let law = TransferLaw::new(waters, &options(Model::Physical, degrees, gain));
+        let [near, far] = [nearer * z, z].map(|z| law.in_share(law.at(z), w).offset);
+        let cosine = degrees.to_radians().cos();
+        for c in 0..3 {
+            let [own, veil] = [&scene, &other].map(|water| water.veiling_light.rgb()[c]);
+            prop_assert!(near[c].abs() <= far[c].abs() + 4.0 * ROUNDING);
+            let expected = cosine * (1.0 - (1.0 - w) * factors.at(z)[c]) * (gain * veil - own);
+            prop_assert!((far[c] - expected).abs() < 8.0 * ROUNDING);
         }
     }
 

@@ -19,7 +19,10 @@ pub(crate) fn explained() -> String {
 fn meant(reason: Reason) -> &'static str {
     match reason {
         Reason::NoOpenWater => {
-            "B∞ comes from the farthest objects or from corners. Use an image of the same dive that shows open water"
+            "B∞ comes from objects that look most like water. Use an image of the same dive that shows open water"
+        }
+        Reason::OpenWaterUnsure => {
+            "what looks like open water may be a smooth object, a dark background or the night. Check it with --plots"
         }
         Reason::FlatDepth => {
             "no effect of distance can be measured. Use an image of near and far objects, or give --depth"

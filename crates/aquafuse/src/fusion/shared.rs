@@ -169,3 +169,6 @@ impl Work for ShiftRow<'_> {
         clipped
     }
 }
+
+#[cfg(test)]
+mod tests;

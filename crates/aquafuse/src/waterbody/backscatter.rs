@@ -210,6 +210,7 @@ mod tests {
             share: 0.2,
             places: Places::Cells(Vec::new()),
             standard_error: [0.0; 3],
+            seen: None,
             level: None,
             noise: 0.3,
         }

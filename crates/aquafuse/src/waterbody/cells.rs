@@ -13,6 +13,8 @@ pub(super) use window::mean_around;
 /// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
 /// enough to fit between things.
 const CELLS: usize = 48;
+/// Pixels along a cell's side at least: texture is what differs within a cell.
+const LEAST_SIDE: f32 = 3.0;
 
 /// A small rectangle of the image.
 pub(super) struct Cell {
@@ -36,7 +38,7 @@ pub(super) struct Cells {
 impl Cells {
     pub(super) fn new(image: ImageRef<'_, u8>, levels: &[u8]) -> Self {
         let (width, height) = image.size();
-        let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
+        let side = (width.min(height) as f32 / CELLS as f32).max(LEAST_SIDE);
         let (columns, rows) = (borders(width, side), borders(height, side));
         let of = |rows: &[usize]| cells_of(image, levels, &columns, rows);
         let middle = rows.len() / 2;

@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
 use super::backscatter::Growth;
 use super::quality::{Quality, Reason, Reasons};
+use super::share::FAINTEST_WATER;
 use super::statistics::Statistics;
 use super::veiling_light::{Reading, VeilingLightSource};
 use super::{Intervals, attenuation};
@@ -82,6 +83,9 @@ struct Demands {
 const GIVEN: Demands = Demands { floor: 0.03, on_curve: 0.6, ln_deviation: 0.07, l_z: 0.1 };
 const FROM_COLOUR: Demands = Demands { floor: 0.08, on_curve: 0.25, ln_deviation: 0.5, l_z: 0.65 };
 
+/// Open water that is less likely than this may be a smooth thing: of 31 photographs of which a person could not say whether
+/// open water is in view, none is surer and `good`.
+const SURE: f32 = 0.97;
 /// Depths that span less than this share of z95 are alike.
 const FLAT: f32 = 0.12;
 /// More than this share of the image at one end of the levels of depth from colour is too much.
@@ -106,6 +110,9 @@ pub(super) fn quality<E: Encoding>(
     let any = |holds: &dyn Fn(usize) -> bool| (0..3).filter(visible).any(holds);
     let mut reasons = Reasons::default();
     reasons.add_if(light.source != VeilingLightSource::OpenWater, Reason::NoOpenWater);
+    let is_faint = light.rgb.iter().all(|&channel| channel < FAINTEST_WATER);
+    let is_unsure = light.seen.is_some_and(|seen| seen < SURE || is_faint);
+    reasons.add_if(is_unsure && !depth.is_measured(), Reason::OpenWaterUnsure);
     reasons.add_if(is_flat(statistics), Reason::FlatDepth);
     reasons.add_if(from_colour && is_saturated(statistics), Reason::SaturatedDepth);
     reasons.add_if(is_glare(growth.veil.map(E::to_encoded)), Reason::LightOutsideWaterHues);

@@ -20,6 +20,8 @@ pub enum Verdict {
 pub enum Reason {
     /// No smooth open water was found: the veiling light was read from things, or from corners.
     NoOpenWater,
+    /// It is not sure that open water is in view: a smooth thing, night or a lamp may look like it.
+    OpenWaterUnsure,
     /// All depths are alike: growth with distance cannot be seen.
     FlatDepth,
     /// Much of the depth lies at one end of its range.
@@ -42,6 +44,7 @@ impl Reason {
     /// All reasons, in the order they are reported in.
     pub const ALL: &'static [Self] = &[
         Self::NoOpenWater,
+        Self::OpenWaterUnsure,
         Self::FlatDepth,
         Self::SaturatedDepth,
         Self::LightOutsideWaterHues,
@@ -56,6 +59,7 @@ impl Reason {
     pub fn describe(self) -> &'static str {
         match self {
             Self::NoOpenWater => "no open water in view",
+            Self::OpenWaterUnsure => "it is not sure that open water is in view",
             Self::FlatDepth => "all depths are alike",
             Self::SaturatedDepth => "much of the depth lies at one end of its range",
             Self::LightOutsideWaterHues => "the veiling light has no colour of water",

@@ -18,6 +18,8 @@ const ALONG: f32 = 0.25;
 /// Likelihoods of open water between which the share grows from nothing to the whole.
 const UNLIKELY: f32 = 0.15;
 const LIKELY: f32 = 0.5;
+/// Water whose brightest channel (encoded) is fainter cannot be distinguished from shadow: black would count as water.
+pub(super) const FAINTEST_WATER: f32 = 0.14;
 /// A pixel that is surely water is this share of it: evidence is never whole.
 const MOST: f32 = 0.98;
 
@@ -92,7 +94,7 @@ impl WaterShare {
     pub(super) fn of(size: (usize, usize), region: &Region, veil: [f32; 3]) -> Self {
         let none = Self { seen: region.seen, ..Self::none(size) };
         let within = ((region.seen - UNLIKELY) / (LIKELY - UNLIKELY)).clamp(0.0, 1.0);
-        if within == 0.0 {
+        if within == 0.0 || veil.iter().all(|&channel| channel < FAINTEST_WATER) {
             return none;
         }
         let colours: Vec<[f32; 3]> =

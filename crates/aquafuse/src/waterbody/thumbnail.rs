@@ -127,7 +127,7 @@ mod tests {
     fn a_thumbnail_tells_of_the_water_what_the_image_does() {
         use crate::depth;
         use crate::truth::{Scene, Size, waters};
-        use crate::waterbody::{Estimate, EstimateOptions, Seen, estimate, estimate_from};
+        use crate::waterbody::{Estimate, EstimateOptions, Seen, estimate, look};
 
         let scene = Scene::new(3, Size { width: 1920, height: 1080 });
         for named in waters() {
@@ -136,7 +136,7 @@ mod tests {
             let quantised = z.quantised();
             let whole = Seen { image: image.view(), levels: &quantised.levels };
             let options = EstimateOptions::default();
-            let all: Estimate = estimate_from(whole, image.view(), &quantised, &z, &options);
+            let all: Estimate = look(whole, image.view(), &quantised, &z, &options).judged(&z);
             let some: Estimate = estimate(&image, &z, &options).unwrap();
             for c in 0..3 {
                 let [veil, found] = [all, some].map(|one| one.water.veiling_light.rgb()[c]);

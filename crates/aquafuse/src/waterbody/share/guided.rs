@@ -73,7 +73,8 @@ mod tests {
         let map: Vec<f32> = (0..81).map(|i| if i % 9 < 4 { 0.0 } else { 1.0 }).collect();
         let [r, g, b, one] = fit(9, &colours, &map)[4 * 9 + 4];
         let at = |colour: [f32; 3]| r * colour[0] + g * colour[1] + b * colour[2] + one;
-        assert!(at([0.1; 3]).abs() < 0.05 && (at([0.2, 0.5, 0.8]) - 1.0).abs() < 0.05);
+        let [thing, water] = [at([0.1; 3]), at([0.2, 0.5, 0.8])];
+        assert!(water > 0.95 && water - thing > 0.5, "{thing} {water}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::reading::{ROUNDING, Reading, VeilingLightSource};
 use crate::waterbody::far_region::{Region, median};
 
 /// A far region that is less likely than this to be water is none.
-const LIKELY: f32 = 0.55;
+const LIKELY: f32 = 0.65;
 /// Water spreads no more than this many bytes beside the camera's noise.
 const MOST_NOISE: f32 = 4.0;
 
@@ -24,6 +24,7 @@ pub(super) fn read(region: &Region) -> Option<Reading> {
                 let values = region.read.iter().map(|&cell| f64::from(cells[cell].mean[c]));
                 standard_error_of_median(values) / 255.0
             }),
+            seen: Some(region.seen),
             level: Some(of_read(&|cell| f32::from(cells[cell].level)) as u8),
             noise: of_read(&|cell| cells[cell].spread).clamp(ROUNDING, MOST_NOISE),
         }
@@ -39,6 +40,7 @@ pub(super) fn read_things(region: &Region) -> Reading {
         share: region.inside.len() as f64 / region.cells.all().len() as f64,
         places: Places::Cells(region.inside.iter().map(|&cell| region.cells.place(cell)).collect()),
         standard_error: [0.0; 3],
+        seen: None,
         level: None,
         noise: ROUNDING,
     }

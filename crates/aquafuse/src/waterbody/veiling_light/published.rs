@@ -61,6 +61,7 @@ fn read_by(
         share: histogram.count as f64 / seen.levels.len() as f64,
         places,
         standard_error: [0.0; 3],
+        seen: None,
         level: None,
         noise: ROUNDING,
     }

@@ -36,6 +36,8 @@ pub(in crate::waterbody) struct Reading {
     pub(in crate::waterbody) places: Places,
     /// Standard error of the colour, encoded; 0 where it is not known.
     pub(in crate::waterbody) standard_error: [f32; 3],
+    /// How likely it is to be open water; none where that was not looked for.
+    pub(in crate::waterbody) seen: Option<f32>,
     /// Level of depth at which open water was seen.
     pub(in crate::waterbody) level: Option<u8>,
     /// Deviation of values where nothing but water is, in bytes: the camera's noise.

@@ -200,6 +200,11 @@ fn inspect_speaks_json_of_a_known_schema() {
     assert!(veil[0] < veil[1] && veil[1] < veil[2], "blue water has the veil {veil:?}");
     assert_eq!(water["attenuation"].as_array().unwrap().len(), 3);
     assert_eq!(water["attenuation"][0].as_array().unwrap().len(), 4);
+    let share = &report["water_share"];
+    assert!(share["seen"].as_f64().unwrap() > 0.5, "open water is in view: {share}");
+    assert!((0.1..0.9).contains(&share["mean"].as_f64().unwrap()), "it is a part of the image: {share}");
+    let text = run.ok(&["inspect", "content.png"]).stdout;
+    assert!(text.contains("open water") && text.contains("% of the image; "), "{text}");
     let factors = report["depth_factor"].as_array().unwrap();
     assert_eq!((factors.len(), &factors[0]), (256, &serde_json::json!([1.0, 1.0, 1.0])));
     run.ok(&["depth", "content.png", "-o", "z.png"]);

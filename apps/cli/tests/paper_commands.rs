@@ -4,8 +4,9 @@
 
 mod run;
 
+use aquafuse::image::{Encoding, Linear};
 use aquafuse::metrics::psnr;
-use aquafuse::truth::{Scene, Size, waters};
+use aquafuse::truth::{Gaze, Scene, Site, Size, View, waters};
 use aquafuse_data::depth_file;
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use run::{Run, scene, scenes_folder};
@@ -165,8 +166,8 @@ fn maps_and_a_report_come_with_a_folder() {
     let fuse = ["fuse", "photos", "w.png", "-o", "out", "--maps", "maps", "--report", "out/report.json"];
     run.ok(&fuse);
     for stem in ["a", "b", "c"] {
-        for map in ["depth", "backscatter", "illumination", "change"] {
-            assert!(run.path(&format!("maps/{stem}.{map}.png")).exists());
+        for map in ["depth.png", "backscatter.png", "illumination.png", "change.png", "factor.npy"] {
+            assert!(run.path(&format!("maps/{stem}.{map}")).exists());
         }
     }
     let report: Value = serde_json::from_slice(&run.bytes("out/report.json")).unwrap();
@@ -177,6 +178,86 @@ fn maps_and_a_report_come_with_a_folder() {
     assert!(refused.contains("a.depth.png"), "{refused}");
     let refused = run.fails(2, &fuse).stderr;
     assert!(refused.contains("report.json"), "{refused}");
+    run.ok(&["restore", "photos", "-o", "air", "--maps", "air_maps"]);
+    assert!(run.path("air_maps/a.change.png").exists() && !run.path("air_maps/a.factor.npy").exists());
+}
+
+/// The values of an array of 32-bit floats of this shape, as NumPy would load them.
+fn array(run: &Run, name: &str, shape: &str) -> Vec<[f32; 3]> {
+    let bytes = run.bytes(name);
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}");
+    assert_eq!((&bytes[..8], &bytes[8..10]), (&b"\x93NUMPY\x01\0"[..], &118_u16.to_le_bytes()[..]), "{name}");
+    assert_eq!(String::from_utf8_lossy(&bytes[10..128]).trim_end(), header, "{name}");
+    let values: Vec<f32> =
+        bytes[128..].as_chunks().0.iter().map(|&value| f32::from_le_bytes(value)).collect();
+    values.as_chunks().0.to_vec()
+}
+
+fn three(value: &Value) -> [f64; 3] {
+    [0, 1, 2].map(|c| value[c].as_f64().unwrap())
+}
+
+#[test]
+fn from_its_files_alone_a_fusion_is_its_closed_form() {
+    let run = Run::new();
+    scene(&run.path("blue.png"), 1, "blue");
+    // In these red is held back: in the table of F, and in β_B.
+    for (name, gaze) in [("harbour.png", Gaze::Ahead), ("mud.png", Gaze::Down)] {
+        let harbour = Scene::of(View { site: Site::Harbour, gaze }, 2, Size { width: 96, height: 64 });
+        let image = harbour.seen_through(&waters()[0].water).convert::<u8>();
+        ImageFile::new(image).write(&run.path(name), &WriteOptions::default()).unwrap();
+    }
+    scene(&run.path("w.png"), 2, "green");
+    depth_file::write(
+        &run.path("z.tiff"),
+        &Scene::new(1, Size { width: 96, height: 64 }).depth,
+        &WriteOptions::default(),
+    )
+    .unwrap();
+    let depth = ["--depth", "z.tiff", "--depth-kind", "metres"];
+    let (theta, alpha) = (30.0_f64, 1.25);
+    let (mut open_water, mut held_red) = (0, 0);
+    for (content, model, more) in [
+        ("blue.png", "physical", &[][..]),
+        ("blue.png", "physical", &["--linear"]),
+        ("blue.png", "physical", &depth),
+        ("harbour.png", "physical", &[]),
+        ("mud.png", "physical", &[]),
+        ("blue.png", "aquafuse", &[]),
+    ] {
+        let fuse =
+            ["fuse", content, "w.png", "-o", "out.png", "--overwrite", "--maps", "maps", "--model", model];
+        let set = ["--theta", "30", "--alpha", "1.25", "--report", "report.json"];
+        run.ok(&[&fuse[..], &set, more].concat());
+        let report: Value = serde_json::from_slice(&run.bytes("report.json")).unwrap();
+        let about = &report["pictures"][0];
+        assert_eq!(about["held_back"]["glare"], false, "the veil of w.png is used as it is");
+        held_red += usize::from(about["held_back"]["red"] == true);
+        let own = three(&about["waterbody"]["veiling_light"]);
+        let other = three(&report["settings"]["waterbody"]["veiling_light"]);
+        let stem = content.trim_end_matches(".png");
+        let factors = array(&run, &format!("maps/{stem}.factor.npy"), "64, 96, 3");
+        open_water += factors.iter().filter(|factor| factor.iter().all(|&f| f < 0.05)).count();
+        let [before, after] = [content, "out.png"].map(|name| read(&run, name).bytes().into_owned());
+        let is_linear = more == ["--linear"];
+        for (i, (before, after)) in before.pixels().iter().zip(after.pixels()).enumerate() {
+            for c in 0..3 {
+                let factor = f64::from(factors[i][c]);
+                let weight = if model == "physical" { 1.0 - factor } else { factor * (1.0 - factor) };
+                let shift = theta.to_radians().cos() * weight * (alpha * other[c] - own[c]);
+                let value = f32::from(before[c]) / 255.0;
+                let expected = if is_linear {
+                    Linear::to_encoded((f64::from(Linear::from_encoded(value)) + shift).clamp(0.0, 1.0) as f32)
+                } else {
+                    (f64::from(value) + shift).clamp(0.0, 1.0) as f32
+                };
+                let off = (255.0 * expected - f32::from(after[c])).abs();
+                assert!(off <= 1.0, "{content} {model} {more:?}: pixel {i}, channel {c} is {off} steps off");
+            }
+        }
+    }
+    assert!(held_red > 0, "a safety bound acts on F");
+    assert!(open_water > 500, "open water is in view: {open_water} pixels");
 }
 
 #[test]

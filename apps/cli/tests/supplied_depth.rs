@@ -12,6 +12,7 @@ use aquafuse::truth::{Scene, Size};
 use aquafuse_data::depth_file;
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pairs::list;
+use aquafuse_data::water_file::Numbers;
 use run::{Run, scene};
 use serde_json::Value;
 
@@ -123,6 +124,81 @@ fn wrong_declarations_are_refused_with_what_to_do() {
     depth_of_scene(&run.path("z.png"), 1);
     let over = run.fails(2, &[&over[..], &["--depth", "z.png", "--depth-kind", "millimetres"]].concat());
     assert!(over.stderr.contains("is an input"), "{}", over.stderr);
+}
+
+#[test]
+fn the_water_of_a_reference_is_estimated_with_its_depth_map() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scene(&run.path("water.png"), 2, "green");
+    depth_of_scene(&run.path("z1.tiff"), 1);
+    depth_of_scene(&run.path("z2.tiff"), 2);
+    let fuse = ["fuse", "content.png", "water.png", "-o", "out.png", "--model", "exchange", "--overwrite"];
+    let own = ["--depth", "z1.tiff", "--depth-kind", "metres"];
+    let map = ["--water-depth", "z2.tiff", "--water-depth-kind", "metres"];
+    let report = ["--report", "report.json"];
+    let said = run.ok(&[&fuse[..], &own, &map, &report].concat()).stdout;
+    assert!(!said.contains("WARNING"), "{said}");
+    let with_both = run.bytes("out.png");
+    let settings = json(&String::from_utf8(run.bytes("report.json")).unwrap())["settings"].clone();
+    assert_eq!(settings["water_depth"], serde_json::json!({ "file": "z2.tiff", "kind": "metres" }));
+
+    let extract = ["water", "extract", "water.png", "-o", "w.water.json"];
+    run.ok(&[&extract[..], &["--depth", "z2.tiff", "--depth-kind", "metres"]].concat());
+    let water = json(&String::from_utf8(run.bytes("w.water.json")).unwrap());
+    let numbers = |water: &Value| serde_json::from_value::<Numbers>(water["waterbody"].clone()).unwrap();
+    assert_eq!(numbers(&settings), numbers(&water), "per metre, as the content's depth is");
+    run.ok(&[&["fuse", "content.png", "w.water.json"][..], &fuse[3..], &own].concat());
+    assert_eq!(with_both, run.bytes("out.png"), "a water file of the same depth fuses alike");
+
+    // Of a content in relative depth, the water is converted like any water per metre.
+    run.ok(&[&fuse[..], &map, &["--metres-at-one", "20"]].concat());
+    let twenty = run.bytes("out.png");
+    run.ok(&[&["fuse", "content.png", "w.water.json"][..], &fuse[3..], &["--metres-at-one", "20"]].concat());
+    assert_eq!(twenty, run.bytes("out.png"));
+
+    let said =
+        run.ok(&[&fuse[..], &["--water-depth", "z2.tiff", "--water-depth-kind", "disparity"]].concat());
+    assert!(said.stdout.contains("z2.tiff looks inverted"), "{}", said.stdout);
+    assert!(said.stdout.contains("use --water-depth-kind relative"), "{}", said.stdout);
+}
+
+#[test]
+fn a_run_with_another_depth_of_the_reference_is_another_run() {
+    let run = Run::new();
+    run::scenes_folder(&run.path("photos"));
+    scene(&run.path("water.png"), 2, "green");
+    depth_of_scene(&run.path("z.tiff"), 2);
+    let fuse = ["fuse", "photos", "water.png", "-o", "out"];
+    let map = ["--water-depth", "z.tiff", "--water-depth-kind", "metres"];
+    run.ok(&[&fuse[..], &map].concat());
+    assert!(run.ok(&[&fuse[..], &map].concat()).stdout.contains("3 images skipped"));
+    let refused = run.fails(2, &fuse).stderr;
+    assert!(refused.contains("settings"), "{refused}");
+}
+
+#[test]
+fn only_an_image_of_water_has_a_depth_map() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "blue");
+    scene(&run.path("water.png"), 2, "green");
+    depth_of_scene(&run.path("z.png"), 2);
+    run.ok(&["water", "extract", "water.png", "-o", "w.water.json"]);
+    let refused = |water: &str, output: &str, more: &[&str]| {
+        run.fails(2, &[&["fuse", "content.png", water, "-o", output][..], more].concat()).stderr
+    };
+    let map = ["--water-depth", "z.png", "--water-depth-kind", "millimetres"];
+    let said = refused("preset:jerlov-II", "out.png", &map);
+    assert!(said.contains("preset:jerlov-II") && said.contains("leave it out"), "{said}");
+    let said = refused("w.water.json", "out.png", &map);
+    assert!(said.contains("as --depth to `aquafuse water extract`"), "{said}");
+    assert!(refused("water.png", "out.png", &map[..2]).contains("add --water-depth-kind metres"));
+    assert!(refused("water.png", "out.png", &map[2..]).contains("add --water-depth FILE"));
+    let said = refused("water.png", "out.png", &["--water-depth", "no.png", "--water-depth-kind", "metres"]);
+    assert!(said.contains("cannot read no.png"), "{said}");
+    let said = refused("water.png", "z.png", &[&map[..], &["--overwrite"]].concat());
+    assert!(said.contains("is an input"), "{said}");
+    assert!(!run.path("out.png").exists());
 }
 
 #[test]

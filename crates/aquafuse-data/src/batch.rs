@@ -184,7 +184,7 @@ impl Plan {
         };
         if let Some(maps) = self.maps() {
             make_folder(maps)?;
-            self.refuse_maps(maps, record.as_ref())?;
+            self.refuse_maps(maps, &recipe.operation, record.as_ref())?;
         }
         Ok(record)
     }

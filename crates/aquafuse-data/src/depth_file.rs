@@ -231,8 +231,22 @@ pub fn write(path: &Path, depth: &DepthMap, options: &WriteOptions) -> Result<()
             .map_err(|error| error.to_string()),
         Format::Tiff => out.write_all(&tiff::encode(depth)?).map_err(|error| error.to_string()),
         Format::Exr => out.write_all(&exr::encode(depth)?).map_err(|error| error.to_string()),
-        Format::Npy => npy::encode(out, depth).map_err(|error| error.to_string()),
+        Format::Npy => npy::encode(out, &format!("{height}, {width}"), depth.distances())
+            .map_err(|error| error.to_string()),
         Format::Pfm => pfm::encode(out, depth).map_err(|error| error.to_string()),
+    })
+}
+
+/// Writes three numbers for each pixel as an NPY array of 32-bit floats and the shape (height, width, 3), whole or not at all.
+pub(crate) fn write_channels(
+    path: &Path,
+    (width, height): (usize, usize),
+    values: &[[f32; 3]],
+    options: &WriteOptions,
+) -> Result<(), FileError> {
+    write_atomically(path, options.overwrite, |out| {
+        npy::encode(out, &format!("{height}, {width}, 3"), values.as_flattened().iter().copied())
+            .map_err(|error| error.to_string())
     })
 }
 

@@ -1,27 +1,41 @@
-//! `--depth` and `--depth-kind`: depth that comes with an image.
+//! `--depth` and `--depth-kind`, `--water-depth` and `--water-depth-kind`: depth that comes with an image.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::DepthSupply;
+use aquafuse_data::pipeline::{DepthSource, DepthSupply};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use crate::args::water::WaterSource;
 
 /// Where depth comes from, if not from colour.
 #[derive(Args)]
 pub(crate) struct DepthArguments {
     /// Depth map (PNG, TIFF, OpenEXR, NPY or PFM) of the image's size; for a folder of images, a folder of maps with
     /// the same stems. Invalid pixels are filled from colour (model `ratio`). The depth of a reference image is
-    /// always estimated with --depth-model.
+    /// estimated with --depth-model; only `fuse` takes a map for it (--water-depth).
     #[arg(long, value_name = "FILE")]
     depth: Option<PathBuf>,
     /// Kind of the values in --depth, which the file does not state. Larger values are farther in the first three
     /// kinds and nearer in the last two. Monocular networks give `inverse`; `disparity` has a true zero.
     #[arg(long, value_name = "KIND", value_parser = kind())]
     depth_kind: Option<SuppliedKind>,
+}
+
+/// Where the depth of a reference image comes from, if not from colour.
+#[derive(Args)]
+pub(crate) struct WaterDepthArguments {
+    /// Depth map of WATER, which must be an image: the water is estimated with it. Formats as for --depth. By default
+    /// the depth of WATER is estimated with --depth-model.
+    #[arg(long, value_name = "FILE")]
+    water_depth: Option<PathBuf>,
+    /// Kind of the values in --water-depth, as for --depth-kind.
+    #[arg(long, value_name = "KIND", value_parser = kind())]
+    water_depth_kind: Option<SuppliedKind>,
 }
 
 /// Every kind of depth by its name.
@@ -41,19 +55,8 @@ impl DepthArguments {
 
     /// Where depth comes from; `in_folder` for a folder of images. Errors are wrong usage.
     pub(crate) fn supply(&self, in_folder: bool, model: DepthModel) -> Result<DepthSupply> {
-        let (depth, kind) = match (&self.depth, self.depth_kind) {
-            (None, None) => return Ok(DepthSupply::Estimated(model)),
-            (Some(depth), Some(kind)) => (depth, kind),
-            (Some(depth), None) => {
-                return Err(anyhow!(
-                    "{} does not state the kind of its values; add --depth-kind metres, millimetres or relative (larger \
-                     is farther), inverse (larger is nearer, as from monocular networks) or disparity",
-                    display(depth)
-                ));
-            }
-            (None, Some(_)) => {
-                return Err(anyhow!("--depth-kind has no effect without a depth map; add --depth FILE"));
-            }
+        let Some((depth, kind)) = declared("--depth", self.depth.as_deref(), self.depth_kind)? else {
+            return Ok(DepthSupply::Estimated(model));
         };
         match (in_folder, depth.is_dir()) {
             (true, true) => Ok(DepthSupply::Folder(DepthFolder::list(depth)?, kind)),
@@ -62,19 +65,62 @@ impl DepthArguments {
                  each image; {} is not a folder",
                 display(depth)
             )),
-            (false, _) => Ok(DepthSupply::File(depth.clone(), kind)),
+            (false, _) => Ok(DepthSupply::File(depth.to_owned(), kind)),
         }
+    }
+}
+
+impl WaterDepthArguments {
+    /// Where the depth of the reference comes from. Errors are wrong usage.
+    pub(crate) fn source(&self, water: &WaterSource, model: DepthModel) -> Result<DepthSource> {
+        let Some((path, kind)) =
+            declared("--water-depth", self.water_depth.as_deref(), self.water_depth_kind)?
+        else {
+            return Ok(DepthSource::Estimated(model));
+        };
+        let remedy = match water {
+            WaterSource::Image(_) => return Ok(DepthSource::Supplied { path: path.to_owned(), kind }),
+            WaterSource::File(_) => "leave it out, or pass the map as --depth to `aquafuse water extract`",
+            WaterSource::Preset(_) => "leave it out",
+        };
+        Err(anyhow!(
+            "--water-depth is the depth map of an image, but WATER is {}, whose water is known already; {remedy}",
+            water.name()
+        ))
+    }
+}
+
+/// A depth map and the kind of its values, which need each other.
+fn declared<'a>(
+    option: &str,
+    depth: Option<&'a Path>,
+    kind: Option<SuppliedKind>,
+) -> Result<Option<(&'a Path, SuppliedKind)>> {
+    match (depth, kind) {
+        (None, None) => Ok(None),
+        (Some(depth), Some(kind)) => Ok(Some((depth, kind))),
+        (Some(depth), None) => Err(anyhow!(
+            "{} does not state the kind of its values; add {option}-kind metres, millimetres or relative (larger is \
+             farther), inverse (larger is nearer, as from monocular networks) or disparity",
+            display(depth)
+        )),
+        (None, Some(_)) => Err(anyhow!("{option}-kind has no effect without a depth map; add {option} FILE")),
     }
 }
 
 /// The warning about a map that looks inverted.
 pub(crate) fn inverted(report: &SuppliedReport) -> String {
-    let other = match report.kind {
+    inverted_by("--depth-kind", report.kind)
+}
+
+/// The same about a map whose kind is declared by `option`.
+pub(crate) fn inverted_by(option: &str, kind: SuppliedKind) -> String {
+    let other = match kind {
         SuppliedKind::Inverse | SuppliedKind::Disparity => "relative",
         _ => "inverse",
     };
     format!(
         "looks inverted: pixels that are near by colour and height in the image are far in the map. If it is, use \
-         --depth-kind {other}"
+         {option} {other}"
     )
 }

@@ -118,6 +118,17 @@ impl WaterArguments {
         encoding: PixelEncoding,
         reading: &Reading,
     ) -> Result<WaterFile, Failure> {
+        self.read_by(source, &DepthSource::Estimated(model), encoding, reading)
+    }
+
+    /// [`read`](Self::read), with the depth of an image from `depth`.
+    pub(crate) fn read_by(
+        &self,
+        source: &WaterSource,
+        depth: &DepthSource,
+        encoding: PixelEncoding,
+        reading: &Reading,
+    ) -> Result<WaterFile, Failure> {
         match source {
             WaterSource::File(path) => Ok(WaterFile::read(path, encoding)?),
             WaterSource::Preset(preset) => Ok(WaterFile {
@@ -126,7 +137,7 @@ impl WaterArguments {
                 estimate: WaterEstimate::preset(*preset, &self.conditions()?, encoding),
             }),
             WaterSource::Image(path) => {
-                let found = analyse_in(encoding, &reading.read(path)?, &DepthSource::Estimated(model))?;
+                let found = analyse_in(encoding, &reading.read(path)?, depth)?;
                 Ok(WaterFile {
                     from: vec![display(path).to_string()],
                     depth_kind: found.depth.kind(),

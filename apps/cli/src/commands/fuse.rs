@@ -2,11 +2,14 @@
 
 mod sweep;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::args::fusion::{self, Settings, SettingsArgs};
+use aquafuse::depth::SuppliedKind;
+use aquafuse::waterbody::Reason;
 use aquafuse_data::batch::Recipe;
-use aquafuse_data::pipeline::Operation;
+use aquafuse_data::files::display;
+use aquafuse_data::pipeline::{DepthSource, Operation, WaterEstimate};
 use aquafuse_data::water_file::Numbers;
 use clap::Args;
 use serde_json::json;
@@ -14,6 +17,7 @@ use sweep::Sweep;
 
 use crate::args::batch::BatchArguments;
 use crate::args::common::Common;
+use crate::args::depth::{WaterDepthArguments, inverted_by};
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
 use crate::report::batch::{self, Words};
@@ -36,6 +40,8 @@ pub(crate) struct Fuse {
     settings: SettingsArgs,
     #[command(flatten)]
     waters: WaterArguments,
+    #[command(flatten)]
+    water_depth: WaterDepthArguments,
     /// Write a contact sheet of CONTENT and one fused image per value, for example theta=0,30,60,90 or
     /// alpha=0.5,1,2.
     #[arg(long, value_name = "NAME=V,V", conflicts_with_all = ["json", "maps", "report", "upright"])]
@@ -47,9 +53,14 @@ impl Fuse {
         let encoding = self.batch.encoding();
         let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         let water = WaterSource::parse(&self.water)?;
-        let inputs: Vec<_> = water.path().into_iter().collect();
+        let water_depth = self.water_depth.source(&water, depth_model).map_err(Failure::usage)?;
+        let map = match &water_depth {
+            DepthSource::Supplied { path, kind } => Some((path.as_path(), *kind)),
+            DepthSource::Estimated(_) => None,
+        };
+        let inputs: Vec<_> = water.path().into_iter().chain(map.map(|(path, _)| path)).collect();
         let plan = self.batch.plan(&self.content, &inputs, depth_model, false)?;
-        let file = self.waters.read(&water, depth_model, encoding, &common.reading)?;
+        let file = self.waters.read_by(&water, &water_depth, encoding, &common.reading)?;
         let reference = self.waters.per(self.batch.depth.kind_of_map(), &file)?;
         if let Some(sweep) = &self.sweep {
             self.settings.refuse_beside(sweep.name()).map_err(Failure::usage)?;
@@ -57,7 +68,7 @@ impl Fuse {
             return sweep.run(plan.items(), &reference, &settings, &self.batch, common);
         }
         let words = Words {
-            heading: format!("{}: {}\n", water.name(), veiling_light(&reference)),
+            heading: format!("{}: {}\n{}", water.name(), veiling_light(&reference), warning(&reference, map)),
             settings: json!({
                 "command": "fuse",
                 "encoding": encoding.name(),
@@ -67,6 +78,10 @@ impl Fuse {
                 "smooth": smoothing.name(),
                 "depth_model": depth_model.name(),
                 "water": water.name(),
+                "water_depth": map.map(|(path, kind)| json!({
+                    "file": display(path).to_string(),
+                    "kind": kind.name(),
+                })),
                 "waterbody": Numbers::from(&reference),
                 "quality": reference.quality(),
             }),
@@ -78,5 +93,15 @@ impl Fuse {
             quality: self.batch.quality,
         };
         batch::run(&plan, &recipe, words, &self.batch, common)
+    }
+}
+
+/// A line about a depth map of the reference that looks inverted; empty if it does not.
+fn warning(reference: &WaterEstimate, map: Option<(&Path, SuppliedKind)>) -> String {
+    match map {
+        Some((path, kind)) if reference.quality().reasons.contains(Reason::InvertedDepth) => {
+            format!("  WARNING: {} {}\n", display(path), inverted_by("--water-depth-kind", kind))
+        }
+        _ => String::new(),
     }
 }

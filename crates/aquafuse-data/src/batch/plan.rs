@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::{Item, RECORD, Record, State};
 use crate::files::{FileError, display};
 use crate::image_file::{self, Format, LISTED, WRITTEN};
-use crate::pipeline::{DepthSource, DepthSupply, maps};
+use crate::pipeline::{DepthSource, DepthSupply, Operation, maps};
 
 /// What is to be made.
 #[derive(Clone, Copy, Debug)]
@@ -182,11 +182,16 @@ impl Plan {
     }
 
     /// Refuses maps that exist and would be replaced, and images whose maps would have one name.
-    pub(super) fn refuse_maps(&self, folder: &Path, record: Option<&Record>) -> Result<(), PlanError> {
+    pub(super) fn refuse_maps(
+        &self,
+        folder: &Path,
+        operation: &Operation,
+        record: Option<&Record>,
+    ) -> Result<(), PlanError> {
         let mut taken = HashMap::new();
         for item in &self.items {
             let is_new = record.is_none_or(|record| record.state(item, self.overwrite) == State::Missing);
-            for path in maps::paths(folder, &item.input) {
+            for path in maps::paths(folder, &item.input, operation) {
                 if !self.overwrite && is_new && path.symlink_metadata().is_ok() {
                     return Err(FileError::Exists { path }.into());
                 }

@@ -6,14 +6,12 @@
 
 use std::io::{BufRead, Read, Seek, Write};
 
-use aquafuse::depth::DepthMap;
-
 use super::{Fault, Raster, Wanted, check_size, narrowed, read_values};
 
 /// Headers are one line of some hundred bytes; more is refused before it is read.
 const LONGEST_HEADER: u32 = 1 << 16;
-/// Bytes of a header that we write, but for the line feed that ends it. Any two lengths fit in, and with 10 bytes
-/// before it the values begin at 128, a multiple of 64 as the format asks for.
+/// Bytes of a header that we write, but for the line feed that ends it. Rows, columns and a number of channels fit in, and
+/// with 10 bytes before it the values begin at 128, a multiple of 64 as the format asks for.
 const PADDED: usize = 117;
 
 pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
@@ -115,16 +113,17 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
     text.strip_prefix(quote)?.split_once(quote)
 }
 
-pub(super) fn encode(out: &mut dyn Write, depth: &DepthMap) -> std::io::Result<()> {
-    let literal = format!(
-        "{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}",
-        depth.height(),
-        depth.width()
-    );
+/// Writes an array of floats, row by row. `shape` is the inside of a Python tuple: `480, 640`.
+pub(super) fn encode(
+    out: &mut dyn Write,
+    shape: &str,
+    values: impl IntoIterator<Item = f32>,
+) -> std::io::Result<()> {
+    let literal = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}");
     let header = format!("{literal:PADDED$}\n");
     out.write_all(b"\x93NUMPY\x01\x00")?;
     out.write_all(&u16::try_from(header.len()).unwrap_or(u16::MAX).to_le_bytes())?;
     out.write_all(header.as_bytes())?;
-    let bytes: Vec<u8> = depth.distances().into_iter().flat_map(f32::to_le_bytes).collect();
+    let bytes: Vec<u8> = values.into_iter().flat_map(f32::to_le_bytes).collect();
     out.write_all(&bytes)
 }

@@ -13,20 +13,27 @@ use crate::image_file::{ImageFile, Pixels, WriteOptions};
 use crate::pipeline::Analysis;
 use crate::pipeline::{Operation, WaterEstimate, with_estimate};
 
-/// Bytes per pixel that the maps take: a map in floats, and the image before and after the operation.
+/// Bytes per pixel that the maps take, one after another: a map in floats with the bytes of its file, or the image before and after
+/// the operation.
 pub(crate) const BYTES_A_PIXEL: u64 = 40;
 
-/// The maps, by what is put between an image's stem and `.png`.
-const NAMES: [&str; 4] = ["depth", "backscatter", "illumination", "change"];
+/// The images among the maps, by what follows an image's stem.
+const IMAGES: [&str; 4] = [".depth.png", ".backscatter.png", ".illumination.png", ".change.png"];
+/// The depth factor of a fusion.
+const FACTOR: &str = ".factor.npy";
 
 /// The files that hold the maps of an image: depth z (16 bits: 65535 is relative depth 1, or the unit is a
-/// millimetre), backscatter B, illumination E, and what the operation changes (mid grey: nothing).
-pub(crate) fn paths(folder: &Path, input: &Path) -> [PathBuf; 4] {
-    NAMES.map(|name| {
-        let mut file = input.file_stem().unwrap_or_default().to_owned();
-        file.push(format!(".{name}.png"));
-        folder.join(file)
-    })
+/// millimetre), backscatter B, illumination E, what the operation changes (mid grey: nothing), and, of a fusion, the depth
+/// factor F that it used.
+pub(crate) fn paths(folder: &Path, input: &Path, operation: &Operation) -> Vec<PathBuf> {
+    let factor = matches!(operation, Operation::Fuse { .. }).then_some(FACTOR);
+    IMAGES.into_iter().chain(factor).map(|end| file(folder, input, end)).collect()
+}
+
+fn file(folder: &Path, input: &Path, end: &str) -> PathBuf {
+    let mut name = input.file_stem().unwrap_or_default().to_owned();
+    name.push(end);
+    folder.join(name)
 }
 
 /// Writes the maps of an image, replacing those of an earlier run.
@@ -38,7 +45,7 @@ pub(crate) fn write(
     operation: &Operation,
 ) -> Result<(), FileError> {
     let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
-    let [depth, backscatter, illumination, change] = paths(folder, input);
+    let [depth, backscatter, illumination, change] = IMAGES.map(|end| file(folder, input, end));
     depth_file::write(&depth, &found.depth, &options)?;
     let write = |image: Image<u8>, path: &Path| ImageFile::new(image).write(path, &options);
     let [veil, light] = with_estimate!(&found.estimate, estimate => {
@@ -48,7 +55,13 @@ pub(crate) fn write(
     });
     write(veil, &backscatter)?;
     write(light, &illumination)?;
-    write(changed(image_file, found, operation), &change)
+    write(changed(image_file, found, operation), &change)?;
+    match operation.depth_factors(&image_file.pixels, found) {
+        Some(factors) => {
+            depth_file::write_channels(&file(folder, input, FACTOR), found.depth.size(), &factors, &options)
+        }
+        None => Ok(()),
+    }
 }
 
 /// A clear image of one value everywhere, put into a water.

@@ -1,11 +1,11 @@
 //! Operations on an image: its water is exchanged or removed.
 
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
-use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, fuse_mut};
+use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, TransferLaw, fuse_mut};
 use aquafuse::image::{Encoding, Image, ImageError, Sample};
 use aquafuse::waterbody::Estimate;
 
-use super::encoding::{PixelEncoding, Space, WaterEstimate};
+use super::encoding::{PixelEncoding, Space, WaterEstimate, with_estimate};
 use super::estimate::Analysis;
 use crate::image_file::Pixels;
 
@@ -144,10 +144,9 @@ impl Operation {
         }
         match self {
             Self::Fuse { reference, options } => {
-                let Some(reference) = E::estimate(reference) else {
+                let Some(bounded) = bounded(own, reference, *options) else {
                     return Err(OperationError::Encodings { operation, analysis });
                 };
-                let bounded = Bounded::new(own, &reference, *options);
                 let hides = options.model == Model::Exchange;
                 let before = hides.then(|| deviation(image));
                 let clipping = fuse_mut(
@@ -170,10 +169,48 @@ impl Operation {
         }
     }
 
+    /// The depth factor F that a fusion uses at each of the pixels that `found` was estimated from, row by row, within the safety
+    /// bounds. `None` for an operation without F, and for two encodings, which [`apply`](Self::apply) refuses.
+    pub(crate) fn depth_factors(
+        &self,
+        pixels: &Pixels,
+        found: &Analysis<WaterEstimate>,
+    ) -> Option<Vec<[f32; 3]>> {
+        fn of<T: Sample, E: Space>(
+            image: &Image<T>,
+            found: &Analysis<WaterEstimate>,
+            law: &TransferLaw<E>,
+        ) -> Vec<[f32; 3]> {
+            let factor = |x: usize, y: usize, pixel: &[T; 3]| {
+                law.depth_factor(found.depth.at(x, y), found.share.at(x, y, pixel.map(Sample::to_unit)))
+            };
+            let rows = image.pixels().chunks(image.size().0).enumerate();
+            let of_row = |(y, row): (usize, &[[T; 3]])| {
+                row.iter().enumerate().map(|(x, pixel)| factor(x, y, pixel)).collect::<Vec<_>>()
+            };
+            rows.flat_map(of_row).collect()
+        }
+        let Self::Fuse { reference, options } = self else { return None };
+        with_estimate!(&found.estimate, own => {
+            let bounded = bounded(own, reference, *options)?;
+            let law = TransferLaw::new(bounded.waters(), &bounded.options);
+            Some(match pixels {
+                Pixels::Bytes(layers) => of(&layers.image, found, &law),
+                Pixels::Words(layers) => of(&layers.image, found, &law),
+                Pixels::Floats(layers) => of(&layers.image, found, &law),
+            })
+        })
+    }
+
     /// Bytes a pixel that it takes beside the image.
     pub(crate) fn bytes_a_pixel(&self) -> u64 {
         self.encoding().bytes_a_pixel()
     }
+}
+
+/// The waters and options of a fusion within the safety bounds; `None` for waters of two encodings.
+fn bounded<E: Space>(own: &Estimate<E>, reference: &WaterEstimate, options: Options) -> Option<Bounded<E>> {
+    Some(Bounded::new(own, &E::estimate(reference)?, options))
 }
 
 /// Standard deviation of green.

@@ -101,6 +101,37 @@ impl<E: Encoding> TransferLaw<E> {
         }
     }
 
+    /// The depth factor F of red, green and blue at distance `z`, for a pixel of which the share `w` is open water:
+    /// `F = (1 - w) F'(z)`. F' is that of things: the content's [`DepthFactors`] where the model is [`Model::Physical`] and
+    /// the waters have them, `e^(-β_B1 z)` otherwise. [`Model::Aquafuse`] does not read `w`.
+    ///
+    /// # Examples
+    ///
+    /// `Physical` adds `cosθ (1 - F) (α B2∞ - B1∞)` to the pixel:
+    ///
+    /// ```
+    /// use aquafuse::fusion::{Model, Options, TransferLaw, Waters};
+    /// use aquafuse::truth;
+    ///
+    /// let [blue, green] = [0, 1].map(|i| truth::waters()[i].water);
+    /// let law = TransferLaw::new(Waters::new(&blue, &green), &Options::for_model(Model::Physical));
+    /// let (z, w) = (2.0, 0.25);
+    /// let (factor, shift) = (law.depth_factor(z, w), law.in_share(law.at(z), w).offset);
+    /// for c in 0..3 {
+    ///     assert_eq!(factor[c], 0.75 * blue.depth_factor(z)[c]);
+    ///     let difference = green.veiling_light.rgb()[c] - blue.veiling_light.rgb()[c];
+    ///     assert!((shift[c] - (1.0 - factor[c]) * difference).abs() < 1e-6);
+    /// }
+    /// ```
+    pub fn depth_factor(&self, z: f32, w: f32) -> [f32; 3] {
+        let of_things =
+            self.depth_factors.as_ref().map_or_else(|| self.content.depth_factor(z), |table| table.at(z));
+        match self.model {
+            Model::Aquafuse => of_things,
+            Model::Physical | Model::Exchange => of_things.map(|factor| (1.0 - w) * factor),
+        }
+    }
+
     /// What happens at distance `z`.
     pub fn at(&self, z: f32) -> PixelTransform {
         match self.model {
@@ -113,8 +144,7 @@ impl<E: Encoding> TransferLaw<E> {
     /// Adds a share of the veils' difference, which depends on the content's depth factor.
     fn shift(&self, z: f32, weight: impl Fn(f32) -> f32) -> PixelTransform {
         let own = self.content.veiling_light.rgb();
-        let factor =
-            self.depth_factors.as_ref().map_or_else(|| self.content.depth_factor(z), |table| table.at(z));
+        let factor = self.depth_factor(z, 0.0);
         let offset = |c: usize| weight(factor[c]) * (self.cosine * (self.veil[c] - own[c]));
         PixelTransform { gain: [1.0; 3], offset: std::array::from_fn(offset) }
     }

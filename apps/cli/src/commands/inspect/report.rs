@@ -15,7 +15,8 @@ pub(super) struct Report {
     image: Size,
     depth: Depth,
     waterbody: Water,
-    /// F by the 256 levels of z, from 0 to 1, where it is a table.
+    water_share: Share,
+    /// F' of things by the 256 levels of z, from 0 to 1, where it is a table. F of a pixel is (1 - w) F'.
     #[serde(skip_serializing_if = "Option::is_none")]
     depth_factor: Option<Vec<[f32; 3]>>,
     intervals: Intervals,
@@ -57,6 +58,15 @@ pub(super) struct Supplied {
     pub(super) warnings: Vec<String>,
 }
 
+/// How much of the image is open water.
+#[derive(Serialize)]
+struct Share {
+    /// The mean of w, the share of open water in each pixel.
+    mean: f32,
+    /// How likely it is that open water is in view.
+    seen: f32,
+}
+
 #[derive(Serialize)]
 struct Water {
     veiling_light: VeilingLight,
@@ -79,6 +89,7 @@ impl Report {
                 attenuation: water.attenuation.map(|curve| curve.mu()),
                 attenuation_held_beyond: water.attenuation.map(|curve| curve.held_beyond()),
             },
+            water_share: Share { mean: found.share.mean(), seen: found.share.seen() },
             depth_factor: estimate.depth_factors.map(|table| levels().map(|z| table.at(z)).collect()),
             intervals: estimate.intervals,
             veiling_light_source: estimate.veiling_light_source,

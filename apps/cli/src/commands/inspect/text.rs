@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use aquafuse::depth::DepthKind;
-use aquafuse::waterbody::Verdict;
+use aquafuse::waterbody::{Verdict, WaterShare};
 use aquafuse_data::files::display;
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::Analysis;
@@ -59,15 +59,25 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
     if found.estimate.depth_factors.is_some() {
         line(
             "  for `physical`",
-            "F(z) is a table that accounts for open water at each depth; see --json".to_owned(),
+            "a table of F by z for objects instead of e^(−β_B z); see --json".to_owned(),
         );
     }
+    line("open water", open_water(&found.share));
     line("attenuation", "a curve β_D(z); see --json".to_owned());
     line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
     if let Some(path) = plot {
         line("plot", display(path).to_string());
     }
     text
+}
+
+/// How much of the image is open water, and how likely it is that any is in view.
+fn open_water(share: &WaterShare) -> String {
+    let [mean, seen] = [share.mean(), share.seen()].map(|share| 100.0 * share);
+    match share.is_none() {
+        true => format!("none; probability that any is in view: {seen:.0} %"),
+        false => format!("{mean:.0} % of the image; probability that any is in view: {seen:.0} %"),
+    }
 }
 
 /// Three ranges.

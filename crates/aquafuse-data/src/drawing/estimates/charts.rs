@@ -94,7 +94,7 @@ impl Charts<'_> {
         }
         panel.foot(match chart {
             Chart::Backscatter if self.depth_factors.is_some() => {
-                "dots: the darkest pixels; dashed: B∞ (1 − F) of `physical`"
+                "dots: the darkest pixels; dashed: B∞ (1 − F) of objects in `physical`"
             }
             Chart::Backscatter => "dots: the darkest pixels; black ones lie on the curve",
             Chart::Attenuation => "dots: −ln E / z of each depth; pale: β_D held constant",

@@ -56,6 +56,15 @@ fn each_group_has_a_row_and_each_format_its_file() {
     assert!((low..=high).contains(&all["ssim"]["mean"].as_f64().unwrap()));
     assert!(text("report/report.md").contains("| Reinhard | clear | 1 | 4 |"));
     assert!(text("report/report.csv").contains("likeness,gray world,blue,depth_consistency,6,0,"));
+    assert!(text("report/report.csv").contains("likeness,Reinhard,blue,near_change,6,0,"));
+    assert!(text("report/report.md").contains("| way to the water, % | near change, ΔE | sharpness ratio |"));
+    // A pair whose waters are alike is left out, whatever the method.
+    let way = |method| &row(&report, "likeness", &[("method", method), ("group", "all")])["way_percent"];
+    for method in ["AquaFuse", "Reinhard"] {
+        let [count, left_out] = ["count", "left_out"].map(|key| way(method)[key].as_u64().unwrap());
+        assert!(count > 0 && count + left_out == 16, "{count} and {left_out}");
+        assert_eq!(way(method)["left_out"], way("gray world")["left_out"]);
+    }
     // The page needs nothing that is not in it.
     let page = text("report/report.html");
     assert!(page.contains("<svg") && page.contains("src=\"data:image/jpeg;base64,"));
@@ -91,6 +100,9 @@ fn what_changes_nothing_scores_as_nothing_changed() {
     assert_eq!(all["ssim"]["mean"].as_f64().unwrap(), 1.0);
     assert_eq!(all["depth_rmse_percent"]["mean"].as_f64().unwrap(), 0.0);
     assert_eq!(all["depth_consistency"]["interval"][0].as_f64().unwrap(), 100.0);
+    for (score, expected) in [("way_percent", 0.0), ("near_change", 0.0), ("sharpness_ratio", 1.0)] {
+        assert_eq!(all[score]["interval"], serde_json::json!([expected, expected]), "{score}");
+    }
 }
 
 #[test]
@@ -120,7 +132,7 @@ fn another_tools_images_are_scored_as_ours_and_what_is_missing_is_named() {
     let report = json(&run, &evaluate);
     let [ours, theirs] =
         ["AquaFuse physical", "mine"].map(|name| row(&report, "likeness", &[("method", name)]));
-    for score in ["psnr", "ssim", "depth_rmse_levels"] {
+    for score in ["psnr", "ssim", "depth_rmse_levels", "way_percent", "near_change", "sharpness_ratio"] {
         assert_eq!(ours[score]["mean"], theirs[score]["mean"], "{score}");
     }
 
@@ -140,6 +152,50 @@ fn another_tools_images_are_scored_as_ours_and_what_is_missing_is_named() {
     assert!(ended.contains("has 40x30 pixels") && ended.contains("96x64"), "{ended}");
     let twice = run.fails(2, &with(&evaluate, &["--method", "mine=mine"])).stderr;
     assert!(twice.contains("two methods are named mine"), "{twice}");
+}
+
+#[test]
+fn supplied_depth_says_what_is_far_and_no_method_sees_it() {
+    let run = Run::new();
+    for folder in ["c", "r", "zc", "zr"] {
+        std::fs::create_dir(run.path(folder)).unwrap();
+    }
+    for (seed, name, water) in [(1, "c/reef", 0), (2, "r/green", 2)] {
+        let place = Scene::new(seed, Size { width: 96, height: 64 });
+        let image = place.seen_through(&waters()[water].water).convert::<u8>();
+        ImageFile::new(image).write(&run.path(&format!("{name}.png")), &WriteOptions::default()).unwrap();
+        let depth = run.path(&format!("z{name}.tiff"));
+        depth_file::write(&depth, &place.depth, &WriteOptions::default()).unwrap();
+    }
+    let evaluate = ["evaluate", "fusion", "--contents", "c", "--references", "r", "--rivals"];
+    let contents = ["--depth", "zc", "--depth-kind", "metres"];
+    let supplied = with(&contents, &["--water-depth", "zr", "--water-depth-kind", "metres"]);
+    let [plain, measured] = [json(&run, &evaluate), json(&run, &with(&evaluate, &supplied))];
+    assert_eq!(
+        (&plain["settings"]["content_depth"], &measured["settings"]["content_depth"]),
+        (&Value::Null, &Value::from("metres"))
+    );
+    for (plain, measured) in
+        plain["items"].as_array().unwrap().iter().zip(measured["items"].as_array().unwrap())
+    {
+        for same in ["psnr", "ssim", "sharpness_ratio"] {
+            assert_eq!(plain[same], measured[same], "{same}");
+        }
+        assert_ne!(plain["near_change"], measured["near_change"]);
+    }
+
+    for (arguments, expected) in [
+        (&contents[..2], "--depth-kind"),
+        (&contents[2..], "--depth"),
+        (&["--water-depth", "zr"], "--water-depth-kind"),
+        (&["--depth", "nowhere", "--depth-kind", "metres"], "nowhere"),
+    ] {
+        let refused = run.fails(2, &with(&evaluate, arguments)).stderr;
+        assert!(refused.contains(expected), "{arguments:?}: {refused}");
+    }
+    std::fs::remove_file(run.path("zc/reef.tiff")).unwrap();
+    let ended = run.fails(1, &with(&evaluate, &contents)).stderr;
+    assert!(ended.contains("zc") && ended.contains("reef.png"), "{ended}");
 }
 
 #[test]

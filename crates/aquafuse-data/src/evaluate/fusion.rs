@@ -2,6 +2,7 @@
 
 mod gallery;
 mod tables;
+mod way;
 
 use aquafuse::depth::DepthModel;
 use aquafuse::fusion::Options;
@@ -13,10 +14,11 @@ use super::{
     EvaluateError, Failed, Listener, Lpips, Member, Outputs, Pairing, Palette, Report, Rival, lpips, outputs,
 };
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::pipeline::{Analysis, DepthSource, analyse_in};
+use crate::pipeline::{Analysis, DepthSource, DepthSupply, SUPPLIED, analyse_in_with_evidence, depth_of};
 use crate::pipeline::{Operation, PixelEncoding, WaterEstimate};
 use crate::run::{Budget, Event, RunOptions};
 use tables::Likeness;
+use way::{Change, Regions};
 
 /// Contents fused with references by one or several methods, each result scored against its content.
 #[derive(Clone, Debug)]
@@ -31,6 +33,11 @@ pub struct Fusion {
     pub settings: Settings,
     /// The methods, in the order of the tables.
     pub methods: Vec<Method>,
+    /// Depth of the contents that says which pixels the scores take as far and near; none: what each content's estimate read.
+    /// No method sees it.
+    pub content_depth: Option<DepthSupply>,
+    /// The same for the references.
+    pub reference_depth: Option<DepthSupply>,
     /// The network of LPIPS, if it is to be scored too.
     pub lpips: Option<Lpips>,
     /// How to run.
@@ -75,6 +82,8 @@ impl Method {
 /// What is kept of a reference once it is read.
 struct Reference {
     estimate: WaterEstimate,
+    /// The mean colour of its far region in CIELab; none where it has none.
+    water: Option<[f64; 3]>,
     palette: Option<Palette>,
 }
 
@@ -82,6 +91,7 @@ struct Reference {
 struct Content {
     image: ImageFile,
     found: Analysis<WaterEstimate>,
+    regions: Regions,
     palette: Option<Palette>,
 }
 
@@ -95,6 +105,8 @@ struct Scored {
 
 /// What scoring takes in bytes a pixel: two depth maps, each as levels, before the median and after, and as floats.
 const SCORED: u64 = 12;
+/// What far and near regions take: distances, twice while a percentile is found, and whether each pixel is in either.
+const REGIONS: u64 = 10;
 /// What the rivals take: the colours they give, as floats and as bytes.
 const RIVALS: u64 = 15;
 
@@ -164,18 +176,35 @@ impl Fusion {
 
     fn read_reference(&self, member: &Member, budget: &Budget) -> Result<Reference, EvaluateError> {
         let opened = ImageFile::open(&member.path, &self.run_options.reading)?;
-        let _room = budget.reserve(opened.memory_until_written(Format::Png, 0)?);
+        let beside = opened.pixels().saturating_mul(of_regions(&self.reference_depth));
+        let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
         let image = opened.decode()?;
-        let estimate = self.analysed(&image)?.estimate;
-        Ok(Reference { estimate, palette: self.palette(&image) })
+        let (found, regions) = self.analysed(member, &image, &self.reference_depth)?;
+        let water = regions.water(&image.bytes());
+        Ok(Reference { estimate: found.estimate, water, palette: self.palette(&image) })
     }
 
     fn palette(&self, image: &ImageFile) -> Option<Palette> {
         self.has_rivals().then(|| Palette::of(&image.bytes()))
     }
 
-    fn analysed(&self, image: &ImageFile) -> Result<Analysis<WaterEstimate>, EvaluateError> {
-        Ok(analyse_in(self.settings.encoding, image, &DepthSource::Estimated(self.settings.depth_model))?)
+    /// Estimates depth and water, and finds the regions of the scores, by `depth` if there is any.
+    fn analysed(
+        &self,
+        member: &Member,
+        image: &ImageFile,
+        depth: &Option<DepthSupply>,
+    ) -> Result<(Analysis<WaterEstimate>, Regions), EvaluateError> {
+        let source = DepthSource::Estimated(self.settings.depth_model);
+        let (found, evidence) = analyse_in_with_evidence(self.settings.encoding, image, &source)?;
+        let regions = match depth {
+            None => Regions::of_estimate(evidence.read_from, &found.depth),
+            Some(supply) => {
+                let (depth, _) = depth_of(image, &image.bytes(), &supply.of(&member.path)?)?;
+                Regions::of_depth(&depth)
+            }
+        };
+        Ok((found, regions))
     }
 
     /// Makes and scores everything of one content, which is read once.
@@ -199,7 +228,7 @@ impl Fusion {
             let beside = opened.pixels().saturating_mul(self.bytes_a_pixel());
             Ok((budget.reserve(opened.memory_until_written(Format::Png, beside)?), opened))
         });
-        let read = room.and_then(|(room, opened)| Ok((room, self.read_content(opened.decode()?)?)));
+        let read = room.and_then(|(room, opened)| Ok((room, self.read_content(member, opened.decode()?)?)));
         let (_room, read) = match read {
             Ok((room, read)) => (room, read),
             Err(error) => {
@@ -219,7 +248,7 @@ impl Fusion {
             let name = format!("{} in {}", member.name, other.name);
             for (method, way) in self.methods.iter().enumerate() {
                 let made = self.make(way, member, other, &read, reference);
-                let likeness = made.and_then(|made| self.compare(member, &read.image.bytes(), &made));
+                let likeness = made.and_then(|made| self.compare(member, &read, &made, reference));
                 match likeness {
                     Ok(likeness) => results.push(Scored { content, reference: place, method, likeness }),
                     Err(error) => {
@@ -234,21 +263,24 @@ impl Fusion {
         (results, failed)
     }
 
-    fn read_content(&self, image: ImageFile) -> Result<Content, EvaluateError> {
-        let found = self.analysed(&image)?;
+    fn read_content(&self, member: &Member, image: ImageFile) -> Result<Content, EvaluateError> {
+        let (found, regions) = self.analysed(member, &image, &self.content_depth)?;
         let palette = self.palette(&image);
-        Ok(Content { image, found, palette })
+        Ok(Content { image, found, regions, palette })
     }
 
     fn compare(
         &self,
         member: &Member,
-        content: &Image<u8>,
+        content: &Content,
         made: &Image<u8>,
+        reference: &Reference,
     ) -> Result<Likeness, EvaluateError> {
-        let found = Likeness::of(content, made);
+        let before = content.image.bytes();
+        let change = || Change::of(&before, made, &content.regions, reference.water);
+        let found = Likeness::of(&before, made, change);
         let found = found.ok_or_else(|| EvaluateError::TooSmall { path: member.path.clone() })?;
-        let lpips = self.lpips.as_ref().map(|lpips| lpips.distance(content, made)).transpose()?;
+        let lpips = self.lpips.as_ref().map(|lpips| lpips.distance(&before, made)).transpose()?;
         Ok(Likeness { lpips, ..found })
     }
 
@@ -290,7 +322,16 @@ impl Fusion {
             Method::Outputs(_) => outputs::BYTES_A_PIXEL,
         };
         let network = if self.lpips.is_some() { lpips::BYTES_A_PIXEL } else { 0 };
-        self.methods.iter().map(of_method).max().unwrap_or(0).saturating_add(SCORED.max(network))
+        let methods = self.methods.iter().map(of_method).max().unwrap_or(0);
+        methods.saturating_add(SCORED.max(network)).saturating_add(of_regions(&self.content_depth))
+    }
+}
+
+/// Bytes a pixel that the regions of an image take.
+fn of_regions(depth: &Option<DepthSupply>) -> u64 {
+    match depth {
+        None | Some(DepthSupply::Estimated(_)) => REGIONS,
+        Some(DepthSupply::File(..) | DepthSupply::Folder(..)) => REGIONS.saturating_add(SUPPLIED),
     }
 }
 

@@ -146,7 +146,7 @@ impl Cell {
                     text.push_str(&format!(" ({low:.digits$} to {high:.digits$})"));
                 }
                 if *left_out > 0 {
-                    text.push_str(&format!("; {left_out} unchanged left out"));
+                    text.push_str(&format!("; {left_out} left out"));
                 }
                 text
             }

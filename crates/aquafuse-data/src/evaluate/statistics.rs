@@ -14,7 +14,7 @@ const ENDS: [f64; 2] = [0.025, 0.975];
 pub struct Summary {
     /// Values.
     pub count: usize,
-    /// Values without a mean, left out: the decibels of an image that equals its content.
+    /// Values that are not finite, left out: the decibels of an image that equals its content, the way between like waters.
     pub left_out: usize,
     /// Their mean.
     pub mean: f64,

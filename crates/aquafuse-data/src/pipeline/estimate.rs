@@ -105,14 +105,33 @@ pub fn analyse_in(
     image: &ImageFile,
     source: &DepthSource,
 ) -> Result<Analysis<WaterEstimate>, FileError> {
-    fn wrapped<E: Space>(found: Analysis<Estimate<E>>) -> Analysis<WaterEstimate> {
-        let Analysis { depth, depth_source, supplied, share, estimate } = found;
-        Analysis { depth, depth_source, supplied, share, estimate: E::wrap(estimate) }
-    }
     Ok(match encoding {
         PixelEncoding::Encoded => wrapped::<Encoded>(analyse_typed(image, source)?),
         PixelEncoding::Linear => wrapped::<Linear>(analyse_typed(image, source)?),
     })
+}
+
+/// As [`analyse_in`], with what the estimate was fitted to.
+pub(crate) fn analyse_in_with_evidence(
+    encoding: PixelEncoding,
+    image: &ImageFile,
+    source: &DepthSource,
+) -> Result<(Analysis<WaterEstimate>, Evidence), FileError> {
+    Ok(match encoding {
+        PixelEncoding::Encoded => {
+            let (found, seen) = analyse_typed_with_evidence::<Encoded>(image, source)?;
+            (wrapped(found), seen)
+        }
+        PixelEncoding::Linear => {
+            let (found, seen) = analyse_typed_with_evidence::<Linear>(image, source)?;
+            (wrapped(found), seen)
+        }
+    })
+}
+
+fn wrapped<E: Space>(found: Analysis<Estimate<E>>) -> Analysis<WaterEstimate> {
+    let Analysis { depth, depth_source, supplied, share, estimate } = found;
+    Analysis { depth, depth_source, supplied, share, estimate: E::wrap(estimate) }
 }
 
 fn analyse_typed<E: Encoding>(
@@ -135,19 +154,28 @@ pub fn analyse_with_evidence(
     image: &ImageFile,
     source: &DepthSource,
 ) -> Result<(Analysis, Evidence), FileError> {
+    analyse_typed_with_evidence(image, source)
+}
+
+fn analyse_typed_with_evidence<E: Encoding>(
+    image: &ImageFile,
+    source: &DepthSource,
+) -> Result<(Analysis<Estimate<E>>, Evidence), FileError> {
     analyse_by(image, source, |bytes, depth| waterbody::estimate_with_evidence(bytes, depth, &options(image)))
 }
 
-/// Obtains depth, then the water by `estimate`, which may return more than the estimate.
-fn analyse_by<E: Encoding, M>(
+/// Obtains the depth of an image, whose pixels as bytes are `bytes`, without its water.
+///
+/// # Errors
+///
+/// As [`analyse`].
+pub(crate) fn depth_of(
     image: &ImageFile,
+    bytes: &Image<u8>,
     source: &DepthSource,
-    estimate: impl FnOnce(&Image<u8>, &DepthMap) -> Result<(Estimate<E>, WaterShare, M), ImageError>,
-) -> Result<(Analysis<Estimate<E>>, M), FileError> {
+) -> Result<(DepthMap, Option<SuppliedReport>), FileError> {
     let top = image.top_edge();
-    // Estimators count in 256 steps: what lies between is of no use to them.
-    let bytes = image.bytes();
-    let (depth, supplied) = match source {
+    Ok(match source {
         DepthSource::Estimated(model) => (image.pixels.depth(model, top), None),
         DepthSource::Supplied { path, kind } => {
             let turned = image.metadata.orientation() > 4;
@@ -156,10 +184,21 @@ fn analyse_by<E: Encoding, M>(
                 FileError::UnfitDepth { error, .. } => unfit(error),
                 other => other,
             })?;
-            let found = map.seen_with(&bytes, top).map_err(unfit)?;
+            let found = map.seen_with(bytes, top).map_err(unfit)?;
             (found.depth, Some(found.report))
         }
-    };
+    })
+}
+
+/// Obtains depth, then the water by `estimate`, which may return more than the estimate.
+fn analyse_by<E: Encoding, M>(
+    image: &ImageFile,
+    source: &DepthSource,
+    estimate: impl FnOnce(&Image<u8>, &DepthMap) -> Result<(Estimate<E>, WaterShare, M), ImageError>,
+) -> Result<(Analysis<Estimate<E>>, M), FileError> {
+    // Estimators count in 256 steps: what lies between is of no use to them.
+    let bytes = image.bytes();
+    let (depth, supplied) = depth_of(image, &bytes, source)?;
     count(Step::WaterEstimated);
     let (mut estimate, share, more) =
         estimate(&bytes, &depth).expect("the depth map was made for this image");

@@ -23,6 +23,14 @@ pub enum DepthSupply {
 }
 
 impl DepthSupply {
+    /// The name used in reports: the depth model, or the kind of the supplied values.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Estimated(model) => model.name(),
+            Self::File(_, kind) | Self::Folder(_, kind) => kind.name(),
+        }
+    }
+
     /// The depth of one image.
     ///
     /// # Errors

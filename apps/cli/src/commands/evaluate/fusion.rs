@@ -1,12 +1,17 @@
 //! `aquafuse evaluate fusion`: Tables 1 and 3 of the paper on any images.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use aquafuse::depth::SuppliedKind;
 use aquafuse::fusion::Model;
+use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::evaluate::{Fusion, GroupBy, Listener, Method, Pairing, Rival, Settings};
+use aquafuse_data::files::FileError;
+use aquafuse_data::pipeline::DepthSupply;
 use clap::{Args, ValueEnum};
 
 use crate::args::common::{Common, encoding};
+use crate::args::depth::kind;
 use crate::args::evaluation::{LpipsArguments, Named, ReportArguments, named, outputs};
 use crate::args::fusion::SettingsArgs;
 use crate::failure::Failure;
@@ -15,8 +20,14 @@ use crate::report::published;
 const HELP: &str = "\
 Scores compare each fused image with its content, as in the paper: PSNR, SSIM of luma, the RMSE of
 Eq. 3 depth estimated from both (percent of the range, and levels of 255), and depth consistency.
-They measure how much of the content is preserved, not whether the water is right; for that use
-`evaluate truth`.
+They measure how much of the content is preserved, and an unchanged image has the highest. Three more
+scores show what changed:
+  way to the water   how far the mean colour of the content's far region went towards that of the
+                     reference's, in CIELab: 0 % is an unchanged image, 100 % is the reference's
+                     colour. Pairs whose waters differ by less than ΔE 10 are left out.
+  near change        mean ΔE over the nearest 30 % of the content's pixels
+  sharpness ratio    standard deviation of the Laplacian of luma, result over content
+On synthetic scenes with known water, `evaluate truth` measures whether the water is right.
 
 Examples:
   aquafuse evaluate fusion --contents dives/ --references waters/ -o report.html
@@ -26,7 +37,10 @@ Examples:
                                                      with 8 of other groups; all report formats
   aquafuse evaluate fusion --contents dives/ --references waters/ --rivals --method my=my/ -o all.md
                                                      also scores colour transfer, and the outputs
-                                                     my/CONTENT__REFERENCE.png of another tool";
+                                                     my/CONTENT__REFERENCE.png of another tool
+  aquafuse evaluate fusion --contents dives/ --references waters/ --depth maps/ --depth-kind inverse
+                                                     the far and near regions of the scores come from
+                                                     depth maps of a network";
 
 /// Score fused images against their contents: the tables of the paper on your images.
 #[derive(Args)]
@@ -55,6 +69,21 @@ pub(crate) struct FusionArguments {
     /// May be repeated.
     #[arg(long, value_name = "NAME=DIR", value_parser = named)]
     method: Vec<Named>,
+    /// Folder of depth maps of the contents, with the same stems. The scores then take the farthest fifth of the pixels
+    /// of each map as far and the nearest 30 % as near; all methods fuse as without it [default: far are the pixels
+    /// from which the veiling light was read, near is by depth from colour].
+    #[arg(long, value_name = "DIR", requires = "depth_kind")]
+    depth: Option<PathBuf>,
+    /// Kind of the values in --depth, as in `fuse`.
+    #[arg(long, value_name = "KIND", value_parser = kind(), requires = "depth")]
+    depth_kind: Option<SuppliedKind>,
+    /// Folder of depth maps of the references, with the same stems: the farthest fifth of the pixels of each is its
+    /// water.
+    #[arg(long, value_name = "DIR", requires = "water_depth_kind")]
+    water_depth: Option<PathBuf>,
+    /// Kind of the values in --water-depth.
+    #[arg(long, value_name = "KIND", value_parser = kind(), requires = "water_depth")]
+    water_depth_kind: Option<SuppliedKind>,
     #[command(flatten)]
     lpips: LpipsArguments,
     #[command(flatten)]
@@ -94,6 +123,8 @@ impl FusionArguments {
             pairing: Pairing { references: self.pairs.map(|pairs| pairs as usize), seed: self.seed },
             settings,
             methods: self.methods(own)?,
+            content_depth: supply(self.depth.as_deref(), self.depth_kind)?,
+            reference_depth: supply(self.water_depth.as_deref(), self.water_depth_kind)?,
             lpips: self.lpips.network()?,
             run_options: common.run_options(),
         };
@@ -115,4 +146,10 @@ impl FusionArguments {
         methods.extend(outputs.into_iter().map(Method::Outputs));
         Ok(methods)
     }
+}
+
+/// The depth maps of a folder.
+fn supply(folder: Option<&Path>, kind: Option<SuppliedKind>) -> Result<Option<DepthSupply>, FileError> {
+    let Some((folder, kind)) = folder.zip(kind) else { return Ok(None) };
+    Ok(Some(DepthSupply::Folder(DepthFolder::list(folder)?, kind)))
 }

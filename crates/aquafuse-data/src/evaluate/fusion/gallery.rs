@@ -45,7 +45,7 @@ impl Fusion {
         let opened = ImageFile::open(&member.path, &self.run_options.reading).ok()?;
         let beside = opened.pixels().saturating_mul(self.bytes_a_pixel());
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside).ok()?);
-        let content = self.read_content(opened.decode().ok()?).ok()?;
+        let content = self.read_content(member, opened.decode().ok()?).ok()?;
         let turn = content.image.metadata.orientation();
         let upright = |pixels: Pixels| thumbnail(&pixels.turned(turn).into_bytes());
         let mut images = vec![

@@ -5,19 +5,24 @@ use aquafuse::image::Image;
 use aquafuse::metrics::{DepthRmse, depth_rmse, psnr, ssim};
 use serde_json::json;
 
+use super::way::Change;
 use super::{Fusion, Scored};
 use crate::evaluate::chance::Chance;
 use crate::evaluate::report::{Cell, Items, ItemsRow, Report, Row, Score, Shown, Strip, Table};
 use crate::evaluate::statistics::summarise;
 use crate::evaluate::{Failed, Lpips, Method};
+use crate::pipeline::DepthSupply;
 
 /// The scores, in the order of [`Likeness::values`].
-const SCORES: [Score; 6] = [
+const SCORES: [Score; 9] = [
     Score { key: "psnr", title: "PSNR, dB", digits: 2, shown: Shown::MeanAndVariance },
     Score { key: "ssim", title: "SSIM", digits: 3, shown: Shown::MeanAndVariance },
     Score { key: "depth_rmse_percent", title: "depth RMSE, %", digits: 2, shown: Shown::MeanAndVariance },
     Score { key: "depth_rmse_levels", title: "depth RMSE, 0–255", digits: 2, shown: Shown::OtherScale },
     Score { key: "depth_consistency", title: "depth consistency, %", digits: 2, shown: Shown::OtherScale },
+    Score { key: "way_percent", title: "way to the water, %", digits: 1, shown: Shown::MeanAndVariance },
+    Score { key: "near_change", title: "near change, ΔE", digits: 2, shown: Shown::MeanAndVariance },
+    Score { key: "sharpness_ratio", title: "sharpness ratio", digits: 3, shown: Shown::MeanAndVariance },
     Score { key: "lpips", title: "LPIPS", digits: 4, shown: Shown::MeanAndVariance },
 ];
 const COUNTS: [Score; 2] = [
@@ -27,8 +32,18 @@ const COUNTS: [Score; 2] = [
 
 const ABOUT: &str = "Each content was fused with references, and each result compared with its content: PSNR of all \
     channels, SSIM of luma, and the RMSE of Eq. 3 depth estimated from both, in percent and in levels; depth consistency \
-    is 100 % minus the percentage. A high score means that the content is preserved, not that the water is right. Cells: \
-    mean ± variance over all pairs of the row and, in brackets, the 95 % bootstrap interval of the mean over contents.";
+    is 100 % minus the percentage. A high score means that the content is preserved, not that the water is right: an \
+    unchanged image has the highest. Cells: mean ± variance over all pairs of the row and, in brackets, the 95 % bootstrap \
+    interval of the mean over contents. PSNR leaves out unchanged images.";
+const ABOUT_WATER: &str = "Three scores do not reward an unchanged image. Way to the water: how far the mean colour of the \
+    content's far region went towards that of the reference's far region, in CIELab. 0 % is an unchanged image, 100 % is \
+    the reference's colour, and a negative value is farther from it than the content. Pairs whose waters differ by less \
+    than ΔE 10 are left out. Near change: the mean ΔE (CIE76) between result and content over the nearest 30 % of the \
+    content's pixels. Sharpness ratio: the standard deviation of the Laplacian of luma, result over content; 1 is \
+    unchanged.";
+/// Where the regions come from, for contents and for references.
+const FAR_BY_ESTIMATE: &str = "the pixels from which the estimate read the veiling light";
+const FAR_BY_DEPTH: &str = "the farthest fifth by the supplied depth maps";
 
 /// How much an image looks like its content, by the paper's scores.
 #[derive(Clone, Copy, Debug)]
@@ -39,27 +54,43 @@ pub(super) struct Likeness {
     pub(super) ssim: f64,
     /// Of Eq. 3 depth estimated again.
     pub(super) depth: DepthRmse,
+    /// What happened to the water, to near objects and to detail.
+    pub(super) change: Change,
     /// LPIPS, where there is a network for it.
     pub(super) lpips: Option<f64>,
 }
 
 impl Likeness {
-    /// Compares an image with its content, of the same size; none where they are too small for SSIM.
-    pub(super) fn of(content: &Image<u8>, made: &Image<u8>) -> Option<Self> {
+    /// Compares an image with its content, of the same size; none where they are too small for SSIM. `change` is called
+    /// where they are not.
+    pub(super) fn of(content: &Image<u8>, made: &Image<u8>, change: impl FnOnce() -> Change) -> Option<Self> {
         const SAME: &str = "results have the size of their content";
         Some(Self {
             psnr: psnr(content, made).expect(SAME),
             ssim: ssim(content, made).expect(SAME)?,
             depth: depth_rmse(content, made, DepthModel::default()).expect(SAME),
+            change: change(),
             lpips: None,
         })
     }
 
-    /// PSNR, SSIM, depth RMSE in percent and in levels, depth consistency and LPIPS: the columns of the tables, in the order of [`SCORES`].
-    pub(super) fn values(&self) -> [Option<f64>; 6] {
-        let Self { psnr, ssim, depth, lpips } = self;
-        let depth = [depth.percent(), depth.levels(), depth.consistency()];
-        [Some(*psnr), Some(*ssim), Some(depth[0]), Some(depth[1]), Some(depth[2]), *lpips]
+    /// PSNR, SSIM, depth RMSE in percent and in levels, depth consistency, way in percent, near change, sharpness ratio and
+    /// LPIPS: the columns of the tables, in the order of [`SCORES`]. A score that this pair cannot have is not a number;
+    /// LPIPS is none where no pair has it.
+    pub(super) fn values(&self) -> [Option<f64>; 9] {
+        let Self { psnr, ssim, depth, change, lpips } = self;
+        let way = change.way.map_or(f64::NAN, |way| 100.0 * way);
+        [
+            Some(*psnr),
+            Some(*ssim),
+            Some(depth.percent()),
+            Some(depth.levels()),
+            Some(depth.consistency()),
+            Some(way),
+            Some(change.near),
+            Some(change.sharpness),
+            *lpips,
+        ]
     }
 }
 
@@ -71,12 +102,24 @@ impl Fusion {
         Report {
             command: "evaluate fusion",
             title: "Fused images beside their contents".into(),
-            about: vec![ABOUT.into()],
+            about: vec![ABOUT.into(), self.about_water()],
             settings: self.described(),
             tables: vec![self.table(results)],
             items: self.items(results),
             failed,
             gallery,
+        }
+    }
+
+    fn about_water(&self) -> String {
+        let far = |supplied: bool| if supplied { FAR_BY_DEPTH } else { FAR_BY_ESTIMATE };
+        let [contents, references] =
+            [&self.content_depth, &self.reference_depth].map(|depth| far(depth.is_some()));
+        match contents == references {
+            true => format!("{ABOUT_WATER} Far regions: {contents}."),
+            false => {
+                format!("{ABOUT_WATER} Far regions: of contents {contents}; of references {references}.")
+            }
         }
     }
 
@@ -89,6 +132,8 @@ impl Fusion {
             "alpha": settings.options.gain.get(),
             "smooth": settings.smoothing.name(),
             "depth_model": settings.depth_model.name(),
+            "content_depth": self.content_depth.as_ref().map(DepthSupply::name),
+            "reference_depth": self.reference_depth.as_ref().map(DepthSupply::name),
             "lpips": self.lpips.as_ref().map(Lpips::described),
             "references_of_each": pairing.references,
             "seed": pairing.seed,
@@ -134,7 +179,7 @@ impl Fusion {
 
     /// The cells of a row: how many, and each score summarised by content.
     fn cells<'a>(&self, results: impl Iterator<Item = &'a Scored>, key: &[&str]) -> Vec<Cell> {
-        let mut by_content: Vec<(usize, [Vec<f64>; 6])> = Vec::new();
+        let mut by_content: Vec<(usize, [Vec<f64>; 9])> = Vec::new();
         let mut pairs: u32 = 0;
         for one in results {
             pairs = pairs.saturating_add(1);
@@ -156,6 +201,7 @@ impl Fusion {
     }
 
     fn items(&self, results: &[Scored]) -> Items {
+        let number = |value: Option<f64>| value.filter(|value| !value.is_nan());
         let row = |one: &Scored| {
             let content = self.contents.get(one.content)?;
             let reference = self.references.get(one.reference)?;
@@ -164,7 +210,7 @@ impl Fusion {
             let labels = labels.into_iter().chain([method.to_owned()]).collect();
             Some(ItemsRow {
                 labels,
-                values: one.likeness.values().into_iter().take(self.scores().len()).collect(),
+                values: one.likeness.values().into_iter().take(self.scores().len()).map(number).collect(),
             })
         };
         Items {

@@ -1,0 +1,54 @@
+//! CIE 1976 L*a*b*.
+
+use crate::image::{Encoding, Linear};
+
+/// From linear light to XYZ: the primaries of sRGB (IEC 61966-2-1), and the white they add up to.
+const TO_XYZ: [[f64; 3]; 3] =
+    [[0.412453, 0.357580, 0.180423], [0.212671, 0.715160, 0.072169], [0.019334, 0.119193, 0.950227]];
+const WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
+
+/// Converts an encoded sRGB colour, values in `[0, 1]`, to CIE 1976 L*a*b* (D65, 2°).
+///
+/// L* lies in `[0, 100]`. The Euclidean distance between two colours is their ΔE (CIE76); 2.3 is about what the eye just sees.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::metrics::lab;
+///
+/// let [lightness, a, b] = lab([0.5; 3]);
+/// assert!((lightness - 53.4).abs() < 0.1 && a.hypot(b) < 0.01, "a middle grey has no colour");
+/// ```
+#[must_use]
+pub fn lab(encoded: [f32; 3]) -> [f64; 3] {
+    let linear = encoded.map(|value| f64::from(Linear::from_encoded(value)));
+    let [x, y, z]: [f64; 3] = std::array::from_fn(|i| {
+        let sum: f64 = TO_XYZ[i].iter().zip(linear).map(|(weight, light)| weight * light).sum();
+        compressed(sum / WHITE[i])
+    });
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// The cube root, with a line where it would be too steep.
+fn compressed(light: f64) -> f64 {
+    if light > 0.008856 { light.cbrt() } else { 7.787 * light + 16.0 / 116.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_primaries_have_their_tabled_colours() {
+        // B. Lindbloom's values for D65, which is as far off as the rounding of the matrix.
+        for (rgb, expected) in [
+            ([1.0, 0.0, 0.0], [53.24, 80.09, 67.20]),
+            ([0.0, 1.0, 0.0], [87.73, -86.18, 83.18]),
+            ([0.0, 0.0, 1.0], [32.30, 79.19, -107.86]),
+        ] {
+            for (found, expected) in lab(rgb).iter().zip(expected) {
+                assert!((found - expected).abs() < 0.02, "{found} for {expected}");
+            }
+        }
+    }
+}

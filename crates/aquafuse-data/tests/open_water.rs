@@ -6,9 +6,8 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse::image::Image;
 use aquafuse::metrics::lab;
-use aquafuse::waterbody::{Verdict, VeilingLightSource};
+use aquafuse::waterbody::{VeilingLightSource, Verdict};
 use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use aquafuse_data::pipeline::{DepthSource, analyse};
 use serde_json::Value;
@@ -32,22 +31,23 @@ struct Found {
     verdict: Verdict,
 }
 
-fn lab_of(rgb: [f32; 3]) -> [f64; 3] {
-    lab(&Image::<f32>::from_raw(1, 1, rgb.to_vec()).unwrap())[0]
-}
-
 fn look(folder: &Path, name: &str, label: &Value) -> Found {
     let image = ImageFile::open(&folder.join(name), &ReadOptions::default()).unwrap().decode().unwrap();
     let found = analyse(&image, &DepthSource::default()).unwrap().estimate;
     let marked = label["veil_srgb"].as_array().map(|rgb| {
         let rgb: Vec<f32> = rgb.iter().map(|value| value.as_f64().unwrap() as f32 / 255.0).collect();
-        lab_of([rgb[0], rgb[1], rgb[2]])
+        lab([rgb[0], rgb[1], rgb[2]])
     });
-    let own = lab_of(found.water.veiling_light.rgb());
+    let own = lab(found.water.veiling_light.rgb());
     Found {
         name: name.to_owned(),
         marked: label["verdict"].as_str().unwrap().to_owned(),
-        flags: label["flags"].as_array().unwrap().iter().map(|flag| flag.as_str().unwrap().to_owned()).collect(),
+        flags: label["flags"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|flag| flag.as_str().unwrap().to_owned())
+            .collect(),
         off: marked.map(|marked| (0..3).map(|c| (own[c] - marked[c]).powi(2)).sum::<f64>().sqrt()),
         is_open_water: found.veiling_light_source == VeilingLightSource::OpenWater,
         verdict: found.quality.verdict,
@@ -59,8 +59,12 @@ fn the_water_of_photographs_is_the_marked_one() {
     let Some(folder) = folder() else { return };
     let labels = std::fs::read(folder.join("open_water.json")).unwrap();
     let labels: Value = serde_json::from_slice(&labels).unwrap();
-    let found: Vec<Found> =
-        labels["pictures"].as_object().unwrap().iter().map(|(name, label)| look(&folder, name, label)).collect();
+    let found: Vec<Found> = labels["pictures"]
+        .as_object()
+        .unwrap()
+        .iter()
+        .map(|(name, label)| look(&folder, name, label))
+        .collect();
     let mut off: Vec<f64> = found.iter().filter_map(|one| one.off).collect();
     off.sort_by(f64::total_cmp);
     let (mean, ninetieth) = (off.iter().sum::<f64>() / off.len() as f64, off[off.len() * 9 / 10]);
@@ -69,7 +73,9 @@ fn the_water_of_photographs_is_the_marked_one() {
         wanted.map(|one| one.name.as_str()).collect()
     };
     let (missed, mistaken) = (named("seen", false), named("none", true));
-    println!("ΔE of B∞: mean {mean:.1}, 90th percentile {ninetieth:.1}; missed {missed:?}, mistaken {mistaken:?}");
+    println!(
+        "ΔE of B∞: mean {mean:.1}, 90th percentile {ninetieth:.1}; missed {missed:?}, mistaken {mistaken:?}"
+    );
     assert!(mean <= 3.5 && ninetieth <= 7.0, "{mean} {ninetieth}");
     assert!(missed.len() <= 3, "{missed:?}");
     assert!(mistaken.len() <= 1, "{mistaken:?}");

@@ -207,7 +207,7 @@ impl DepthMap {
     }
 
     /// This map as one whose z is 1 less an inverse depth.
-    pub(super) fn from_inverse(self) -> Self {
+    pub(super) fn turned_from_inverse(self) -> Self {
         Self { is_inverse: true, ..self }
     }
 

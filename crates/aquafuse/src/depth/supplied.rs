@@ -192,7 +192,7 @@ impl Supplied {
         let kind = if self.kind.is_metric() { DepthKind::Metres } else { DepthKind::Relative };
         let depth = DepthMap::from_distances(self.width, self.height, kind, distances)
             .expect("valid values and filled ones are in range");
-        let depth = if self.kind == SuppliedKind::Inverse { depth.from_inverse() } else { depth };
+        let depth = if self.kind == SuppliedKind::Inverse { depth.turned_from_inverse() } else { depth };
         Ok(SuppliedDepth { depth, report })
     }
 

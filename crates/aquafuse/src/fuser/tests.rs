@@ -13,8 +13,7 @@ fn scene(seed: u64, water: usize) -> (Image<f32>, DepthMap) {
 fn by_steps<T: Sample>(content: &Image<T>, depth: Option<&DepthMap>, fuser: &Fuser<'_>) -> Outcome<T> {
     let options = fuser.options();
     let depth = depth.cloned().unwrap_or_else(|| options.depth_model.estimate(content));
-    let (own, share) =
-        waterbody::estimate_with_share(&content.convert(), &depth, &options.estimate).unwrap();
+    let (own, share) = waterbody::estimate_with_share(&content.convert(), &depth, &options.estimate).unwrap();
     let bounded = Bounded::new(&own, fuser.reference(), options.fusion);
     let waters = bounded.waters().with_share(&share);
     let fused = fusion::fuse(content, &depth, waters, &bounded.options).unwrap();

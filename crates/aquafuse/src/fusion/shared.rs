@@ -30,10 +30,9 @@ pub(super) fn fuse<T: Sample, E: Encoding>(
     }
     if let Some(levels) = depth.levels().filter(|_| model.is_shift())
         && let Some(table) = Table::new(law)
+        && let Some(bytes) = fused.reborrow().into_bytes()
     {
-        if let Some(bytes) = fused.reborrow().into_bytes() {
-            return Ok(shift_bytes(bytes, levels, &table, share));
-        }
+        return Ok(shift_bytes(bytes, levels, &table, share));
     }
     Ok(change_pixels(fused, depth, law, share))
 }

@@ -49,7 +49,9 @@ fn a_black_suit_and_the_suns_glare_are_not_far() {
 
 #[test]
 fn bluish_green_is_presumed_and_not_demanded() {
-    for water in [BLUE, [150.0, 130.0, 40.0], [120.0, 80.0, 50.0], [150.0, 170.0, 175.0], [130.0, 100.0, 160.0]] {
+    for water in
+        [BLUE, [150.0, 130.0, 40.0], [120.0, 80.0, 50.0], [150.0, 170.0, 175.0], [130.0, 100.0, 160.0]]
+    {
         let found = region(&above_a_reef(water, |_, _| None), TopEdge::First);
         assert!(is_near(found.colour, water), "{:?} for {water:?}", found.colour);
     }

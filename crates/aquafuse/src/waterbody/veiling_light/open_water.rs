@@ -5,7 +5,7 @@ use super::reading::{ROUNDING, Reading, VeilingLightSource};
 use crate::waterbody::far_region::{Region, median};
 
 /// A far region that is less likely than this to be water is none.
-const LIKELY: f32 = 0.65;
+const LIKELY: f32 = 0.68;
 /// Water spreads no more than this many bytes beside the camera's noise.
 const MOST_NOISE: f32 = 4.0;
 

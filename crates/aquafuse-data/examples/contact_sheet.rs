@@ -30,7 +30,8 @@ fn main() -> Result<(), Error> {
         for (reference_name, reference) in &references {
             let water = analyse(reference, &DepthSource::default())?.estimate;
             let bounded = Bounded::new(&found.estimate, &water, Options::for_model(model));
-            let fused = fuse(&content.bytes(), &found.depth, bounded.waters(), &bounded.options)?;
+            let waters = bounded.waters().with_share(&found.share);
+            let fused = fuse(&content.bytes(), &found.depth, waters, &bounded.options)?;
             let clipped = 100.0 * fused.clipping.share();
             let limited = if bounded.bounds.any() { ", limited" } else { "" };
             let caption = format!("{reference_name}, {clipped:.1} % clipped{limited}");

@@ -44,8 +44,8 @@ fn sensed(place: &Scene, image: &Image<u8>) -> Result<DepthMap, Box<dyn std::err
 
 /// The content in the reference's water by the model `physical`, bounded by what the estimates are worth.
 fn fused(images: [&Image<u8>; 2], depths: [&DepthMap; 2]) -> Result<Image<u8>, ImageError> {
-    let own = waterbody::estimate(images[0], depths[0], &Default::default())?;
+    let (own, share) = waterbody::estimate_with_share(images[0], depths[0], &Default::default())?;
     let other = waterbody::estimate(images[1], depths[1], &Default::default())?;
     let bounded = Bounded::new(&own, &other, Options::for_model(Model::Physical));
-    Ok(fuse(images[0], depths[0], bounded.waters(), &bounded.options)?.image)
+    Ok(fuse(images[0], depths[0], bounded.waters().with_share(&share), &bounded.options)?.image)
 }

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let reference: Image<u8> = Scene::new(seed + 1, size).seen_through(&green.water).convert();
 
     let (z1, z2) = (depth::estimate(&content), depth::estimate(&reference));
-    let own = waterbody::estimate(&content, &z1, &Default::default())?;
+    let (own, share) = waterbody::estimate_with_share(&content, &z1, &Default::default())?;
     let other = waterbody::estimate(&reference, &z2, &Default::default())?;
 
     println!("| model | θ | mean shift of R, G, B in steps of 255 | PSNR, dB | SSIM |");
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let incidence = Incidence::from_degrees(degrees)?;
             let options = Options::for_model(model).with_incidence(incidence);
             let bounded = Bounded::new(&own, &other, options);
-            let fused = fuse(&content, &z1, bounded.waters(), &bounded.options)?.image;
+            let fused = fuse(&content, &z1, bounded.waters().with_share(&share), &bounded.options)?.image;
             let [r, g, b] = mean_shift(&content, &fused);
             println!(
                 "| `{}` | {degrees}° | {r:.1}, {g:.1}, {b:.1} | {:.2} | {:.3} |",

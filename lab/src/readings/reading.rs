@@ -5,7 +5,7 @@ use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw};
 use aquafuse::image::{Encoding, Image, ImageError};
 use aquafuse::smooth::Smoothing;
 use aquafuse::truth::Case;
-use aquafuse::waterbody::{EstimateOptions, estimate};
+use aquafuse::waterbody::{EstimateOptions, estimate, estimate_with_share};
 
 /// One way to read all of it.
 #[derive(Clone, Copy)]
@@ -72,13 +72,15 @@ impl Reading {
         reference: &Case<E>,
     ) -> Result<Image<f32>, ImageError> {
         let z = self.depth.of(content);
-        let own = estimate::<F>(&content.image, &z, &self.water)?;
+        let (own, share) = estimate_with_share::<F>(&content.image, &z, &self.water)?;
         let other = estimate::<F>(&reference.image, &self.depth.of(reference), &self.water)?;
         let bounded = Bounded::new(&own, &other, self.options);
         let law = TransferLaw::new(bounded.waters(), &bounded.options);
         let mut fused = content.image.to_unit();
-        for (pixel, z) in fused.pixels_mut().iter_mut().zip(z.distances()) {
-            let mut out = law.at(z).of(pixel.map(F::from_encoded));
+        let (width, reads_share) = (fused.width(), self.options.model != Model::Aquafuse);
+        for (i, (pixel, z)) in fused.pixels_mut().iter_mut().zip(z.distances()).enumerate() {
+            let w = if reads_share { share.at(i % width, i / width, *pixel) } else { 0.0 };
+            let mut out = law.in_share(law.at(z), w).of(pixel.map(F::from_encoded));
             if let Direct::WithoutBackscatter = self.direct {
                 // Eq. 10 has taken cosθ F of the backscatter away already.
                 let (backscatter, factor) = (own.water.backscatter(z), own.water.depth_factor(z));

@@ -108,7 +108,8 @@ impl Made {
     fn fused(&self, reference: &Made, model: Model) -> ImageFile {
         let (content, reference) = (&self.found.estimate, &reference.found.estimate);
         let bounded = Bounded::new(content, reference, Options::for_model(model));
-        let fused = fuse(&self.image_file.bytes(), &self.found.depth, bounded.waters(), &bounded.options);
+        let waters = bounded.waters().with_share(&self.found.share);
+        let fused = fuse(&self.image_file.bytes(), &self.found.depth, waters, &bounded.options);
         ImageFile::new(fused.expect("the depth map was made from this image").image)
     }
 

@@ -16,8 +16,8 @@ const BY_COLOUR: f32 = 0.8;
 const ACROSS: f32 = 0.1;
 const ALONG: f32 = 0.25;
 /// Likelihoods of open water between which the share grows from nothing to the whole.
-const UNLIKELY: f32 = 0.15;
-const LIKELY: f32 = 0.5;
+const UNLIKELY: f32 = 0.25;
+const LIKELY: f32 = 0.65;
 /// Water whose brightest channel (encoded) is fainter cannot be distinguished from shadow: black would count as water.
 pub(super) const FAINTEST_WATER: f32 = 0.14;
 /// A pixel that is surely water is this share of it: evidence is never whole.

@@ -35,12 +35,12 @@ const ABOUT: &str = "Each content was fused with references, and each result com
     is 100 % minus the percentage. A high score means that the content is preserved, not that the water is right: an \
     unchanged image has the highest. Cells: mean ± variance over all pairs of the row and, in brackets, the 95 % bootstrap \
     interval of the mean over contents. PSNR leaves out unchanged images.";
-const ABOUT_WATER: &str = "Three scores do not reward an unchanged image. Way to the water: how far the mean colour of the \
-    content's far region went towards that of the reference's far region, in CIELab. 0 % is an unchanged image, 100 % is \
-    the reference's colour, and a negative value is farther from it than the content. Pairs whose waters differ by less \
-    than ΔE 10 are left out. Near change: the mean ΔE (CIE76) between result and content over the nearest 30 % of the \
-    content's pixels. Sharpness ratio: the standard deviation of the Laplacian of luma, result over content; 1 is \
-    unchanged.";
+const ABOUT_WATER: &str = "Three more scores measure the water apart from everything else. Way to the water: how far the mean \
+    colour of the content's far region went towards that of the reference's far region, in CIELab. An unchanged image \
+    scores 0 %, the reference's colour 100 %, and a colour farther from it than the content's less than 0 %. Pairs whose \
+    waters differ by less than ΔE 10 are left out. Near change: the mean ΔE (CIE76) between result and content over the \
+    nearest 30 % of the content's pixels. Sharpness ratio: the standard deviation of the Laplacian of luma, result over \
+    content; 1 is unchanged.";
 /// Where the regions come from, for contents and for references.
 const FAR_BY_ESTIMATE: &str = "the pixels from which the estimate read the veiling light";
 const FAR_BY_DEPTH: &str = "the farthest fifth by the supplied depth maps";

@@ -1,5 +1,5 @@
-//! Scores that do not reward an unchanged image: whether the water became the reference's, what that did to near objects, and
-//! whether the image stayed sharp.
+//! Scores of the water apart from everything else: how far it became the reference's, which an unchanged image does not, how much
+//! near objects changed meanwhile, and whether the image stayed sharp.
 
 use aquafuse::depth::DepthMap;
 use aquafuse::image::Image;

@@ -20,6 +20,7 @@ mod scene;
 mod soak;
 mod synthetic;
 mod truth;
+mod water;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -34,6 +35,7 @@ Each command writes its tables into the page that is named.
 docs/results.md
   truth               estimates and fusion on synthetic scenes whose water and depth are known
   depth               depth from colour compared with measured depth
+  water               the veiling light of photographs compared with their open water, marked by eye
   published           scores of real images, beside the paper's and those of other methods
   hostile             over a thousand bad files, given to `aquafuse` and to a rival
   memory [IMAGES]     peak memory of a run over 1,000 images of 24 megapixels
@@ -89,6 +91,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
     Some(match *words {
         ["truth"] => truth::run(),
         ["depth"] => depth::run(),
+        ["water"] => water::run(),
         ["published"] => evaluate::published(),
         ["hostile"] => hostile::run(),
         ["memory"] => memory::run(memory::IMAGES),

@@ -83,11 +83,12 @@ fn the_laws_hold_on_images_with_open_water() {
         assert_ne!(other, content);
         assert_eq!(fused(&content, 90.0)[1], content);
         assert_eq!(fused(&mirrored(&content), 0.0)[1], mirrored(&other));
-        // The first row is open water: it has the reference's colour now.
-        let veil = reference.water.veiling_light.rgb();
+        // The first row is open water: it has nearly the reference's colour now.
+        let [own, veil] = [&estimated(&content).1, &reference].map(|found| found.water.veiling_light.rgb());
         for pixel in &other.pixels()[..SIZE.width] {
             for c in 0..3 {
-                assert!((f32::from(pixel[c]) - 255.0 * veil[c]).abs() < 6.0, "{pixel:?} is not {veil:?}");
+                let left = (f32::from(pixel[c]) / 255.0 - veil[c]).abs();
+                assert!(left < 0.2 * (own[c] - veil[c]).abs() + 0.01, "{pixel:?} is not {veil:?}");
             }
         }
     }

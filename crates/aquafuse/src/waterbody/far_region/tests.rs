@@ -22,7 +22,7 @@ fn above_a_reef(water: [f32; 3], over: impl Fn(usize, usize) -> Option<[f32; 3]>
         over(x, y).unwrap_or(if y < 60 {
             water.map(|value| value + 0.6 * grain(x, y))
         } else {
-            [110.0, 95.0, 80.0].map(|value| value * (1.0 + 0.5 * grain(x / 3, y / 3)))
+            [110.0, 95.0, 80.0].map(|value| value * (1.0 + 0.5 * grain(x / 2, y / 2)))
         })
     })
 }

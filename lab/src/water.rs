@@ -103,7 +103,7 @@ fn row(name: &str, photographs: &[Photograph], way: impl Fn(&Image<u8>) -> Resul
 /// The median of the top tenth of the rows.
 fn top_rows(image: &Image<u8>) -> [f32; 3] {
     let rows = image.height().div_ceil(10);
-    median(image.pixels()[..rows * image.width()].to_vec())
+    median(&image.pixels()[..rows * image.width()])
 }
 
 /// The dark channel's way: of the pixels whose darkest channel around them is brightest, the median.
@@ -124,10 +124,10 @@ fn dark_channel(image: &Image<u8>) -> [f32; 3] {
         (0..pixels.len()).map(|i| least(&|y| across[y * width + i % width], i / width, height)).collect();
     let mut order: Vec<usize> = (0..pixels.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(dark[i]));
-    median(order[..pixels.len().div_ceil(1000)].iter().map(|&i| pixels[i]).collect())
+    median(&order[..pixels.len().div_ceil(1000)].iter().map(|&i| pixels[i]).collect::<Vec<_>>())
 }
 
-fn median(pixels: Vec<[u8; 3]>) -> [f32; 3] {
+fn median(pixels: &[[u8; 3]]) -> [f32; 3] {
     std::array::from_fn(|c| {
         let mut values: Vec<u8> = pixels.iter().map(|pixel| pixel[c]).collect();
         values.sort_unstable();

@@ -32,9 +32,12 @@ LIFT, SIXTEEN = 143, 64
 OF_RED_U16 = np.rint(OF_RED / (1 << FRACTION) * SIXTEEN).astype(np.uint16)
 OF_MAX_U16 = np.rint((OF_MAX / (1 << FRACTION) + LIFT) * SIXTEEN).astype(np.uint16)
 
-CELLS, SMOOTH, SMOOTHEST, LEAST_CELLS, STEP, NEAR = 48, 1.5, 0.10, 0.02, 8, 12
-FARTHEST_SHARE, FEW_PIXELS, CORNER_SHARE = 0.05, 100, 0.20
-STEADY, LEAST_PURE, TAIL, PURE, ROUNDING, MOST_NOISE = 1.5, 0.8, 0.1, 16, 0.3, 4.0
+CELLS, LEAST_SIDE, ROUNDING, MOST_NOISE, LIKELY_WATER, SURE = 48, 3, 0.3, 4.0, 0.68, 0.97
+SMOOTH, HIGH, FAR, BRIGHT, DARKER, GLARING, DARKEST = 0.73, 0.28, 0.075, -0.044, -1.5, -10.0, 0.05
+REGION, SEED, NEAR, ROUNDS, READ = 0.12, 0.4, 0.07, 5, 12 / 255
+ODDS = -16.9, -2.5, 3.05, 4.65, 5.2
+FAINTEST_WATER, MOST, BY_COLOUR, ACROSS, ALONG, WITHIN = 0.14, 0.98, 0.8, 0.1, 0.25, 1.4
+UNLIKELY, LIKELY, AROUND, FLAT_COLOUR = 0.25, 0.65, 2, 1e-3
 BINS, LEAST_PIXELS, DARK, MOVED = 32, 50, 0.004, (2.65, 0.9)
 FLOORS, FREQUENCY = np.array([0.0, 0.02, 0.05, 0.1, 0.2]), np.array([0.35, 0.25, 0.2, 0.12, 0.08])
 EXCESS, OUTLIER, DEVIATION, WEIGHT = 0.06, 8.0, 8 / 255, 0.1
@@ -44,7 +47,6 @@ VEILS, VEIL_DEVIATION = np.array([-0.30, -0.20, -0.12, -0.06, 0.0, 0.08, 0.16, 0
 GREY, LINE_SLOPE, LINE_STEPS, LINE_LAST = 0.4, np.array([1.5, 1.0, 1.1]), 64, 6.0
 VISIBLE, MOST_FLOOR, LEAST_ON, MOST_DEVIATION = 0.05, 0.08, 0.25, 0.5
 FLAT, SATURATED, GLARE, LIVELY, LIVELY_RED, BRIGHTEST = 0.12, 0.6, 0.7, 0.1, 12, 0.7
-WATER_WITHIN = 12, 24, 36
 
 
 def depth_before_median(bgr, exact):
@@ -66,46 +68,6 @@ def counts_of(levels, mask=None):
     return cv2.calcHist([levels], [0], mask, [256], [0, 256]).ravel()
 
 
-def is_bluish_green(bgr):
-    blue, green, _ = cv2.split(bgr)
-    low, high = cv2.min(blue, green), cv2.max(blue, green)
-    floor = cv2.LUT(high, np.where(np.arange(256) >= 16, np.arange(256) // 8, 255).astype(np.uint8))
-    fits = cv2.compare(low, floor, cv2.CMP_GE)
-    return cv2.bitwise_and(fits, cv2.compare(low, 240, cv2.CMP_LT))
-
-
-def median_colour(bgr, mask):
-    """Per-channel median from histograms; of an even number, the mean of the middle two."""
-    result = []
-    for channel in range(3):
-        counts = cv2.calcHist([bgr], [channel], mask, [256], [0, 256]).ravel().astype(np.int64)
-        seen, count = np.cumsum(counts), int(counts.sum())
-        ranks = ((count - 1) // 2, count // 2)
-        result.append(sum(int(np.searchsorted(seen, rank, side="right")) for rank in ranks) / 510.0)
-    return np.array(result[::-1])
-
-
-def farthest_mask(levels, usable):
-    every = counts_of(levels)
-    kept = every if usable is None else counts_of(levels, usable)
-    total = levels.size
-    taken, passed = np.cumsum(kept[::-1]), np.cumsum(every[::-1])
-    stop = (taken >= FARTHEST_SHARE * total) | (passed >= 0.5 * total)
-    nearest = 255 - int(np.argmax(stop)) if stop.any() else 0
-    mask = cv2.compare(levels, nearest, cv2.CMP_GE)
-    return mask if usable is None else cv2.bitwise_and(mask, usable)
-
-
-def corners_mask(shape, usable, top):
-    height, width = shape
-    rows, columns = math.ceil(height * CORNER_SHARE), math.ceil(width * CORNER_SHARE)
-    mask = np.zeros(shape, np.uint8)
-    band = slice(0, rows) if top else slice(height - rows, height)
-    mask[band, :columns] = 255
-    mask[band, width - columns:] = 255
-    return cv2.bitwise_and(mask, usable)
-
-
 def borders(length, side):
     wanted = min(max(int(np.float32(length) / np.float32(side)), 1), length)
     count = wanted if wanted % 2 == length % 2 or wanted == 1 else wanted - 1
@@ -113,83 +75,104 @@ def borders(length, side):
     return np.array([from_start(i) if 2 * i <= count else length - from_start(count - i) for i in range(count + 1)])
 
 
-def open_water(bgr, levels):
-    """The commonest colour of smooth bluish-green cells, and the noise of the water; or None."""
-    height, width = levels.shape
-    side = max(np.float32(min(width, height)) / np.float32(CELLS), np.float32(1))
-    rows, columns = borders(height, side), borders(width, side)
-    sums, squares = cv2.integral2(bgr, sdepth=cv2.CV_64F, sqdepth=cv2.CV_64F)
-    depth_sums = cv2.integral(levels, sdepth=cv2.CV_64F)
-    of_cells = lambda table: np.diff(np.diff(table[rows][:, columns], axis=0), axis=1)
-    count = np.outer(np.diff(rows), np.diff(columns)).astype(np.float64)
-    grid = count.shape
-    mean = of_cells(sums) / count[..., None]
-    spread = np.sqrt(np.maximum(of_cells(squares) / count[..., None] - mean * mean, 0).max(axis=2))
-    mean = mean.reshape(-1, 3)[:, ::-1].astype(np.float32)
-    spread = spread.ravel().astype(np.float32)
-    level = (of_cells(depth_sums) // count).ravel().astype(int)
-    needed = np.sort(spread)[int(len(spread) * SMOOTHEST)]
-    rounded = (mean + np.float32(0.5)).astype(int)
-    low, high = rounded[:, 1:].min(axis=1), rounded[:, 1:].max(axis=1)
-    bluish_green = (high >= 16) & (low < 240) & (low >= high // 8)
-    smooth = (spread <= max(needed, SMOOTH)) & bluish_green
-    rank = np.cumsum(np.bincount(level, minlength=256))
-    side = 256 // STEP + 2
-    place = (mean[smooth] / np.float32(STEP)).astype(int) + 1
-    flat = (place[:, 0] * side + place[:, 1]) * side + place[:, 2]
-    # Whole numbers far below 2^53: sums of doubles are exact.
-    cube = np.bincount(flat, rank[level[smooth]].astype(np.float64) ** 2, side**3).reshape(side, side, side)
-    for axis in range(3):
-        # Neighbours count half; the margin is empty, so nothing wraps around.
-        cube = 2 * cube + np.roll(cube, 1, axis) + np.roll(cube, -1, axis)
-    # Of several places that are commonest, the last.
-    commonest = cube.size - 1 - int(np.argmax(cube.ravel()[::-1]))
-    middle = (np.array(np.unravel_index(commonest, cube.shape)) - 0.5) * STEP
-    alike = np.flatnonzero(smooth)[(np.abs(mean[smooth] - middle) < NEAR).all(axis=1)]
-    if len(alike) < LEAST_CELLS * len(mean):
-        return None
-    upper_median = lambda values: np.sort(values, axis=0)[len(values) // 2]
-    water = upper_median(mean[alike])
-    if upper_median(steps(mean, grid)[alike]) > STEADY:
-        return None
-    # Where water is, nothing else is.
-    far = np.sort(level[alike])
-    tail = int(len(far) * TAIL)
-    as_far = (level >= far[tail]) & (level <= far[len(far) - 1 - tail])
-    pure = (np.abs(mean - water).max(axis=1) < PURE) | (spread <= max(needed, SMOOTH))
-    if pure[as_far].mean() < LEAST_PURE:
-        return None
-    return water / 255.0, float(np.clip(upper_median(spread[alike]), ROUNDING, MOST_NOISE))
+def mean_around(values, reach):
+    """Mean over a square of cells, cut off at the rim."""
+    box = lambda array: cv2.boxFilter(array, -1, (2 * reach + 1,) * 2, normalize=False, borderType=cv2.BORDER_CONSTANT)
+    ones = box(np.ones(values.shape[:2]))
+    return box(values) / (ones if values.ndim == 2 else ones[..., None])
 
 
-def steps(mean, grid):
-    """How much each cell differs from its neighbours: the second smallest of the four differences."""
-    cells = mean.reshape(*grid, 3)
-    differences = np.zeros((4, *grid), np.float32)
-    along = np.abs(np.diff(cells, axis=1)).max(axis=2)
-    down = np.abs(np.diff(cells, axis=0)).max(axis=2)
-    differences[0, :, 1:], differences[1, :, :-1] = along, along
-    differences[2, 1:], differences[3, :-1] = down, down
-    return np.sort(differences, axis=0)[1].ravel()
+def standard(values):
+    deviation = values.std()
+    return (values - values.mean()) / deviation if deviation > 0.3 else 0 * values
+
+
+def upper_median(values):
+    return np.sort(values, axis=0)[len(values) // 2]
+
+
+class Region:
+    """The cells that look most like open water, and how likely they are to be any."""
+
+    def __init__(self, bgr, levels):
+        height, width = levels.shape
+        side = max(np.float32(min(width, height)) / np.float32(CELLS), np.float32(LEAST_SIDE))
+        rows, columns = borders(height, side), borders(width, side)
+        sums, squares = cv2.integral2(bgr, sdepth=cv2.CV_64F, sqdepth=cv2.CV_64F)
+        depth_sums = cv2.integral(levels, sdepth=cv2.CV_64F)
+        of_cells = lambda table: np.diff(np.diff(table[rows][:, columns], axis=0), axis=1)
+        count = np.outer(np.diff(rows), np.diff(columns)).astype(np.float64)
+        mean = of_cells(sums) / count[..., None]
+        variance = np.maximum(of_cells(squares) / count[..., None] - mean * mean, 0)
+        self.rows, self.columns, self.mean = rows, columns, mean[..., ::-1] / 255.0
+        spread, level = np.sqrt(variance.max(axis=2)), of_cells(depth_sums) // count
+        rough, grey = np.sqrt(mean_around(variance.mean(axis=2) / 255.0**2, 1)), self.mean.mean(axis=2)
+        usual = upper_median(grey.ravel())
+        high = 1 - (np.arange(len(rows) - 1) + 0.5) / (len(rows) - 1)
+        self.evidence = mean_around(
+            -SMOOTH * np.log(rough + 0.004) + HIGH * high[:, None] + FAR * standard(level)
+            + BRIGHT * standard((65536 * grey).astype(np.int64).astype(np.float64))
+            + DARKER * np.maximum(usual - grey, 0) / (usual + DARKEST) + GLARING * np.maximum(grey - 0.92, 0), 1)
+        ordered = np.sort(self.evidence.ravel())[::-1]
+        members = math.ceil(REGION * len(ordered))
+        inside = self.evidence >= ordered[members - 1]
+        read = self.evidence >= ordered[math.ceil(SEED * members) - 1]
+        self.colour = upper_median(self.mean[read])
+        for turn in range(ROUNDS + 1):
+            off = np.abs(self.mean - self.colour)
+            near = inside & ((off**2).sum(axis=2) < NEAR**2 if turn < ROUNDS else (off < READ).all(axis=2))
+            if not near.any():
+                break
+            read, self.colour = near, upper_median(self.mean[near])
+        self.middle, self.typical = upper_median(self.mean[inside]), upper_median(self.evidence[inside])
+        smooth, most = upper_median(rough[inside]), self.colour.max()
+        self.noise = float(np.clip(upper_median(spread[read]), ROUNDING, MOST_NOISE))
+        contrast = math.log(upper_median(rough.ravel()) / (smooth + 0.0005) + 0.01)
+        brighter = math.log((self.colour.mean() + 0.02) / (usual + 0.02))
+        colourful = (most - self.colour.min()) / (most + DARKEST)
+        odds = np.dot(ODDS, (1, math.log(smooth + 0.002), contrast, brighter, colourful))
+        self.seen = 1 / (1 + math.exp(-odds))
+
+    def share(self, bgr, veil):
+        """How much of each pixel is open water."""
+        sure = min(max((self.seen - UNLIKELY) / (LIKELY - UNLIKELY), 0), 1)
+        if sure == 0 or veil.max() < FAINTEST_WATER:
+            return None
+        by_evidence = np.clip(1 - (self.typical - self.evidence) / WITHIN, 0, 1)
+        off, length = self.mean - veil, max(np.linalg.norm(veil), 1e-3)
+        along = off @ veil / length
+        across = np.maximum((off**2).sum(axis=2) - along**2, 0)
+        alike = np.exp(-across / ACROSS**2 - (along / ALONG) ** 2)
+        fits = self.guided(MOST * (1 - (1 - by_evidence) * (1 - BY_COLOUR * alike)))
+        middles = lambda borders: (borders[:-1] + borders[1:] - 1) / 2
+        cells = lambda borders: np.arange(len(borders) - 1)
+        place = lambda length, borders: np.interp(np.arange(length), middles(borders), cells(borders)).astype(np.float32)
+        x, y = np.meshgrid(place(bgr.shape[1], self.columns), place(bgr.shape[0], self.rows))
+        # OpenCV interpolates in steps of 1/32 of a cell, so this is done by hand.
+        left, above = np.minimum(x.astype(int), fits.shape[1] - 2), np.minimum(y.astype(int), fits.shape[0] - 2)
+        x, y = (x - left)[..., None], (y - above)[..., None]
+        corner = lambda down, right: fits[above + down, left + right]
+        fit = (1 - y) * ((1 - x) * corner(0, 0) + x * corner(0, 1)) + y * ((1 - x) * corner(1, 0) + x * corner(1, 1))
+        shares = (fit[..., :3] * bgr[..., ::-1] / 255.0).sum(axis=2) + fit[..., 3]
+        return sure * sure * (3 - 2 * sure) * np.clip(shares, 0, 1)
+
+    def guided(self, wanted):
+        """For each cell the affine function of colour that follows what is wanted around it."""
+        colour, of_wanted = mean_around(self.mean, AROUND), mean_around(wanted, AROUND)
+        outer = self.mean[..., :, None] * self.mean[..., None, :]
+        products = [mean_around(np.ascontiguousarray(outer[..., row, :]), AROUND) for row in range(3)]
+        matrix = np.stack(products, axis=2) - colour[..., :, None] * colour[..., None, :]
+        right = mean_around(self.mean * wanted[..., None], AROUND) - colour * of_wanted[..., None]
+        slope = np.linalg.solve(matrix + FLAT_COLOUR * np.eye(3), right[..., None])[..., 0]
+        return mean_around(np.concatenate((slope, (of_wanted - (slope * colour).sum(axis=2))[..., None]), axis=2), AROUND)
 
 
 def veiling_light(bgr, levels):
-    """Colour, the camera's noise, and whether open water was seen."""
-    water = open_water(bgr, levels)
-    if water is not None:
-        return (*water, True)
-    usable = is_bluish_green(bgr)
-    for read in (
-        lambda: farthest_mask(levels, usable),
-        lambda: corners_mask(levels.shape, usable, top=True),
-        lambda: corners_mask(levels.shape, usable, top=False),
-    ):
-        mask = read()
-        if cv2.countNonZero(mask) > FEW_PIXELS:
-            break
-    else:
-        mask = farthest_mask(levels, None)
-    return median_colour(bgr, mask), ROUNDING, False
+    """The region, its colour, the camera's noise, and whether it is open water."""
+    region = Region(bgr, levels)
+    if region.seen >= LIKELY_WATER:
+        return region, region.colour, region.noise, True
+    return region, region.middle, ROUNDING, False
 
 
 def binned(bgr, levels):
@@ -279,7 +262,7 @@ def mixing_line(z, z95, veil, taus):
     return [taus[np.argmin(((factor - np.exp(-thick * slope)) ** 2).sum(axis=1))] for slope in LINE_SLOPE]
 
 
-def backscatter(bgr, levels, veil, noise, seen):
+def backscatter(bgr, levels, region, veil, noise, seen):
     """B∞, β_B, and whether the estimate is good."""
     z, number, values, z95 = binned(bgr, levels)
     coarse = np.linspace(math.log(RANGE[0]), math.log(RANGE[1]), COARSE)
@@ -299,7 +282,8 @@ def backscatter(bgr, levels, veil, noise, seen):
         found.append(look(c, both(prior(c), others), np.linspace(mean - reach, mean + reach, FINE)))
     veil = np.array([min(veil[c] * math.exp(found[c][1][0]), 1.0) for c in range(3)])
     beta = np.array([math.exp(ln_tau[0]) / z95 for ln_tau, *_ in found])
-    return veil, beta, quality(found, veil, levels, z, number, values, seen)
+    sure = seen and region.seen >= SURE and region.colour.max() >= FAINTEST_WATER
+    return veil, beta, quality(found, veil, levels, z, number, values, sure)
 
 
 def quality(found, veil, levels, z, number, values, seen):
@@ -321,23 +305,17 @@ def estimate(bgr, exact=False):
 
 
 def depth_factors(bgr, levels, beta, good):
-    """F by level where open water is in view: a share of each bin is water, the rest things; the physical model reads it."""
-    veil, noise, seen = veiling_light(bgr, levels)
-    if not seen or veil.max() < WATER_WITHIN[-1] / 255.0:
+    """F of things by level where open water is in view; the physical model reads it."""
+    _, veil, noise, seen = veiling_light(bgr, levels)
+    if not seen:
         return None
     z, number, values, z95 = binned(bgr, levels)
-
-    def within(off):
-        low, high = (np.floor(np.clip(255.0 * veil + by, 0, 255) + 0.5).astype(int) for by in (-off, off))
-        return np.min([values[c, :, low[c] : high[c] + 1].sum(axis=1) / number for c in range(3)], axis=0)
-
-    water = np.pad(np.mean([within(off) for off in WATER_WITHIN], axis=0), 1, mode="edge")
-    things = 1 - (0.25 * water[:-2] + 0.5 * water[1:-1] + 0.25 * water[2:])
     least = [1 - envelope(number, values[c], noise) / max(veil[c], 1e-3) for c in range(3)]
-    factors = things[:, None] * np.maximum(np.exp(-beta * (z * z95)[:, None]), np.stack(least, axis=1))
+    factors = np.maximum(np.exp(-beta * (z * z95)[:, None]), np.stack(least, axis=1))
+    z, factors = z95 * z[z > 0], factors[z > 0]
+    factors = np.maximum(np.maximum.accumulate(factors[::-1])[::-1], 0)
     if not good:
         factors[:, 0] = np.maximum(factors[:, 0], factors[:, 1:].min(axis=1))
-    z, factors = z95 * z[z > 0], factors[z > 0]
     return np.stack([np.interp(BYTES, np.r_[0, z], np.r_[1, factors[:, c]]) for c in range(3)], axis=1)
 
 
@@ -354,10 +332,14 @@ def bounded(veil, beta, good, reference_veil, reference_glare, model):
     return beta, reference_veil
 
 
-def fuse(bgr, levels, veil, beta, reference_veil, model, factor=None):
+def fuse(bgr, levels, veil, beta, reference_veil, model, factor=None, share=None):
     """The shift is a table over depth: one positive and one negative part, each added with saturation."""
     if factor is None:
         factor = np.exp(-beta[None, :] * BYTES[:, None])
+    if share is not None:
+        shift = 255.0 * (1 - (1 - share[..., None]) * factor[levels]) * (reference_veil - veil)
+        shift = np.sign(shift) * np.floor(np.abs(shift) + 0.5)
+        return np.clip(bgr + shift[..., ::-1], 0, 255).astype(np.uint8)
     cosine = math.cos(math.radians(45.0)) if model == "aquafuse" else 1.0
     weight = factor * (1 - factor) if model == "aquafuse" else 1 - factor
     shift = np.floor(255.0 * cosine * weight * (reference_veil - veil)[None, :] + 0.5)[:, ::-1]
@@ -415,8 +397,9 @@ def main():
     levels, veil, beta, (good, _) = estimate(content, exact=not given.fast)
     _, reference_veil, _, (_, glare) = estimate(reference, exact=not given.fast)
     factor = depth_factors(content, levels, beta, good) if given.model == "physical" else None
+    share = Region(content, levels).share(content, veil) if given.model == "physical" else None
     beta, reference_veil = bounded(veil, beta, good, reference_veil, glare, given.model)
-    cv2.imwrite(given.output, fuse(content, levels, veil, beta, reference_veil, given.model, factor))
+    cv2.imwrite(given.output, fuse(content, levels, veil, beta, reference_veil, given.model, factor, share))
     if given.depth:
         cv2.imwrite(given.depth, levels.astype(np.uint16) * 257)
 

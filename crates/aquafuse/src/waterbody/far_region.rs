@@ -8,8 +8,9 @@ use super::cells::{Cells, mean_around};
 use crate::image::TopEdge;
 
 /// Weights of the evidence: of smoothness (−ln of a deviation), height (0 bottom, 1 top), depth (in deviations from the
-/// image's mean; from colour and given), brightness (likewise), darkness, and glare. All but that of given depth were chosen on
-/// 90 photographs whose open water was marked by eye; one half of them chosen on, the other is off by a third more.
+/// image's mean; from colour and given), brightness (likewise), darkness, and glare. They were chosen on 90 photographs whose
+/// open water was marked by eye, but for the weight of given depth. Chosen on one half and tested on the other, B∞ is off by a
+/// third more.
 const SMOOTH: f32 = 0.73;
 const HIGH: f32 = 0.28;
 const FAR_BY_COLOUR: f32 = 0.075;
@@ -33,8 +34,8 @@ const ROUNDS: usize = 5;
 const READ: f32 = 12.0;
 
 /// ln of the odds that a region is open water: a base, and weights of ln of its deviation, of how much rougher the image is, of
-/// how much brighter the region, and of how colourful it is. Fitted to 156 photographs, of 85 of which 90 % and more are found
-/// and of the 66 others 6 % mistaken, by halves.
+/// how much brighter the region is, and of how colourful it is. They were fitted to 156 photographs. In eighths that had no part in
+/// the fit, 94 % of the open water was found, and 6 to 8 % of the images without any were mistaken.
 const ODDS: [f32; 5] = [-16.9, -2.5, 3.05, 4.65, 5.2];
 /// How much more likely it is where the depth map says itself what is far.
 const ODDS_AS_GIVEN: f32 = 1.3;

@@ -77,7 +77,7 @@ def borders(length, side):
 
 def mean_around(values, reach):
     """Mean over a square of cells, cut off at the rim."""
-    box = lambda array: cv2.boxFilter(array, -1, (2 * reach + 1,) * 2, normalize=False, borderType=cv2.BORDER_CONSTANT)
+    box = lambda array: cv2.boxFilter(array, -1, (2 * reach + 1,) * 2, None, (-1, -1), False, cv2.BORDER_CONSTANT)
     ones = box(np.ones(values.shape[:2]))
     return box(values) / (ones if values.ndim == 2 else ones[..., None])
 

@@ -30,7 +30,7 @@ pub use share::{WaterShare, water_share};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::bands;
-use crate::depth::{DepthKind, DepthMap, DepthModel, Quantised};
+use crate::depth::{DepthMap, DepthModel, Quantised};
 use crate::image::{Encoded, Encoding, ImageError, ImageRef, TopEdge};
 use backscatter::Growth;
 use cells::Cells;
@@ -293,7 +293,8 @@ impl<E: Encoding> Look<E> {
         let veil = estimate.water.veiling_light.rgb().map(E::to_encoded);
         let size = whole.image.size();
         let of_region = |region| WaterShare::of(size, region, veil);
-        (estimate, self.region.as_ref().map_or_else(|| WaterShare::none(size), of_region))
+        let region = self.region.as_ref().filter(|_| !depth.is_measured());
+        (estimate, region.map_or_else(|| WaterShare::none(size), of_region))
     }
 }
 
@@ -308,7 +309,7 @@ fn look<E: Encoding>(
 ) -> Look<E> {
     let counted = Seen { image, levels: &quantised.levels };
     let given = depth.model().is_none();
-    let (statistics, mut region) = bands::both(
+    let (statistics, region) = bands::both(
         whole.levels.len(),
         || Statistics::<E>::gather(image, quantised),
         || match options.veiling_light {
@@ -321,11 +322,8 @@ fn look<E: Encoding>(
     let mut light = veiling_light::read(region.as_ref(), counted, depth.is_measured(), options.top);
     let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     if depth.is_measured() && is_seen_through(&light, &growth, quantised) {
-        (light, region) = (veiling_light::read_things(counted, options.top), None);
+        light = veiling_light::read_things(counted, options.top);
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
-    }
-    if depth.kind() == DepthKind::Metres && is_opaque(&light, &growth, quantised) {
-        region = None;
     }
     let veil = VeilingLight::<E>::new(growth.veil);
     let attenuation =
@@ -350,15 +348,6 @@ fn fit<E: Encoding>(
             light,
         ),
     }
-}
-
-/// Whether nothing shines through where open water was seen: depth alone says then where it is.
-fn is_opaque(light: &Reading, growth: &Growth, quantised: &Quantised<'_>) -> bool {
-    light.level.is_some_and(|level| {
-        let z = f32::from(level) * quantised.step;
-        quantised.beyond == Some(level)
-            || growth.coefficient.iter().all(|beta| (-beta * z).exp() < LEFT_IN_OPEN_WATER)
-    })
 }
 
 /// Share of the direct signal that open water may still let through at the distance it was seen at.

@@ -80,7 +80,7 @@ impl<E: Encoding> TransferLaw<E> {
         }
     }
 
-    /// The offset of open water under a gain that is that of things: `cosθ (α B2∞ - B1∞) - (gain - 1) B1∞`.
+    /// The offset of open water where things have this gain: `cosθ (α B2∞ - B1∞) - (gain - 1) B1∞`.
     #[inline(always)]
     fn of_water(&self, things: PixelTransform) -> [f32; 3] {
         let own = self.content.veiling_light.rgb();
@@ -102,7 +102,7 @@ impl<E: Encoding> TransferLaw<E> {
     }
 
     /// The depth factor F of red, green and blue at distance `z`, for a pixel of which the share `w` is open water:
-    /// `F = (1 - w) F'(z)`. F' is that of things: the content's [`DepthFactors`] where the model is [`Model::Physical`] and
+    /// `F = (1 - w) F'(z)`. F' is the depth factor of things: the content's [`DepthFactors`] where the model is [`Model::Physical`] and
     /// the waters have them, `e^(-β_B1 z)` otherwise. [`Model::Aquafuse`] does not read `w`.
     ///
     /// # Examples

@@ -1,6 +1,6 @@
 //! Fusion where a share of each pixel is open water.
 //!
-//! The shift of a pixel is `D - (1 - w) G(z)`, with D that of open water and `G = D - shift(z)`, so that it is still one
+//! The shift of a pixel is `D - (1 - w) G(z)`, with D the shift of open water and `G = D - shift(z)`, so that it is still one
 //! look at a table of 256 depths a pixel, and one product. Both are kept in 1/256 of a byte, w in 1/32768: the shift of a byte
 //! is off by less than 1/64 before it is rounded, and a w that changes slowly shows no steps but those of the bytes.
 

@@ -1,7 +1,7 @@
 //! Where an image is far: the region that looks most like open water, and whether it is any.
 //!
-//! Depth from colour takes a black suit or a shadow for far, and red is dead in many images. So a cell counts by all that
-//! speaks for water: it is smooth, high up in the image, far by the depth map, not darker than the rest, and no glare. What is
+//! Depth from colour takes a black suit or a shadow for far, and red is dead in many images. So a cell counts by several signs of
+//! water: it is smooth, high up in the image, far by the depth map, not darker than the rest, and no glare. What is
 //! bluish-green counts by depth from colour alone: amber or milky water is found too.
 
 use super::cells::{Cells, mean_around};
@@ -25,7 +25,8 @@ const GLARING: f32 = 0.92;
 /// What is added to a grey that is divided by.
 const DARKEST: f32 = 0.05;
 
-/// The region is this share of the image, its colour first that of this share of the region, then that of cells this near.
+/// Share of the image that the region is, share of the region whose colour is taken first, and how near to it cells are that
+/// are taken then.
 const SHARE: f32 = 0.12;
 const SEED: f32 = 0.4;
 const NEAR: f32 = 0.07;
@@ -98,6 +99,13 @@ impl Region {
         let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
         let seen = likelihood(of_region, median(rough), &colour, median(grey), given);
         Self { cells, evidence, typical, colour, read, middle, inside, seen }
+    }
+}
+
+impl Region {
+    /// The level of depth that its colour was read at.
+    pub(super) fn level(&self) -> u8 {
+        median(self.read.iter().map(|&cell| f32::from(self.cells.all()[cell].level)).collect()) as u8
     }
 }
 

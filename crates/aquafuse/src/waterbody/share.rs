@@ -2,13 +2,14 @@
 
 mod guided;
 
+use super::cells::Cells;
 use super::far_region::Region;
 use super::{EstimateOptions, VeilingLight, VeilingLightMethod};
 use crate::depth::DepthMap;
 use crate::image::{Encoding, ImageError, ImageRef, Sample};
 use guided::Affine;
 
-/// A cell whose evidence is this much less than that of the far region is none.
+/// A cell with so much less evidence than the far region is no water.
 const REACH: f32 = 1.4;
 /// Cells of the water's colour are water, though things beside them speak against it: to this share, and if they are
 /// this near, across the line from black through the water's colour and along it.
@@ -26,8 +27,9 @@ const MOST: f32 = 0.98;
 /// The share of water w: how much of each pixel is open water, in `[0, 1]`.
 ///
 /// Open water lets nothing through, whatever depth it is taken for, so that the depth factor of a pixel is
-/// `F = (1 - w) F'(z)`, with F' that of things. w is 1 where the image is like its far region and 0 on things; where no
-/// open water is in view it is 0 everywhere. It is found in small cells and refined with the image as guide, so that it
+/// `F = (1 - w) F'(z)`; F' is the depth factor of things. w is 1 where the image is like its far region and 0 on things; where no
+/// open water is in view it is 0 everywhere, and so it is with measured depth, whose F' vanishes in open water by itself. It is
+/// found in small cells and refined with the image as guide, so that it
 /// ends where things begin: near a place, w is an affine function of colour.
 ///
 /// [`Model::Physical`](crate::fusion::Model::Physical) and [`Model::Exchange`](crate::fusion::Model::Exchange) read it.
@@ -60,8 +62,8 @@ pub struct WaterShare {
     fits: Vec<Affine>,
 }
 
-/// The share of water of an image in a water that is known: that of another frame, say. With the image's own estimate,
-/// [`estimate_with_share`](super::estimate_with_share) does both at once.
+/// The share of water of an image whose water is known, from another frame for example. Where the water is not known,
+/// [`estimate_with_share`](super::estimate_with_share) estimates both at once.
 ///
 /// # Errors
 ///
@@ -74,10 +76,10 @@ pub fn water_share<'a, E: Encoding>(
 ) -> Result<WaterShare, ImageError> {
     let image = image.into();
     depth.check_fits(image.size())?;
-    if options.veiling_light == VeilingLightMethod::Published {
+    if options.veiling_light == VeilingLightMethod::Published || depth.is_measured() {
         return Ok(WaterShare::none(image.size()));
     }
-    let cells = super::cells::Cells::new(image, &depth.quantised().levels);
+    let cells = Cells::new(image, &depth.quantised().levels);
     let region = Region::of(cells, depth.model().is_none(), options.top);
     Ok(WaterShare::of(image.size(), &region, veiling_light.rgb().map(E::to_encoded)))
 }

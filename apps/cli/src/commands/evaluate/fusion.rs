@@ -22,8 +22,8 @@ Scores compare each fused image with its content, as in the paper: PSNR, SSIM of
 Eq. 3 depth estimated from both (percent of the range, and levels of 255), and depth consistency.
 They measure how much of the content is preserved, and an unchanged image has the highest. Three more
 scores measure the water apart from everything else:
-  way to the water   how far the mean colour of the content's far region went towards that of the
-                     reference's, in CIELab: 0 % is an unchanged image, 100 % is the reference's
+  way to the water   how far the mean colour of the content's far region went towards the mean
+                     colour of the reference's, in CIELab: 0 % is an unchanged image, 100 % is the reference's
                      colour. Pairs whose waters differ by less than ΔE 10 are left out.
   near change        mean ΔE over the nearest 30 % of the content's pixels
   sharpness ratio    standard deviation of the Laplacian of luma, result over content

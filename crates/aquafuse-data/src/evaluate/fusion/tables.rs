@@ -36,7 +36,7 @@ const ABOUT: &str = "Each content was fused with references, and each result com
     unchanged image has the highest. Cells: mean ± variance over all pairs of the row and, in brackets, the 95 % bootstrap \
     interval of the mean over contents. PSNR leaves out unchanged images.";
 const ABOUT_WATER: &str = "Three more scores measure the water apart from everything else. Way to the water: how far the mean \
-    colour of the content's far region went towards that of the reference's far region, in CIELab. An unchanged image \
+    colour of the content's far region went towards the mean colour of the reference's, in CIELab. An unchanged image \
     scores 0 %, the reference's colour 100 %, and a colour farther from it than the content's less than 0 %. Pairs whose \
     waters differ by less than ΔE 10 are left out. Near change: the mean ΔE (CIE76) between result and content over the \
     nearest 30 % of the content's pixels. Sharpness ratio: the standard deviation of the Laplacian of luma, result over \

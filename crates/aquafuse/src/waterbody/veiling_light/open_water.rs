@@ -25,7 +25,7 @@ pub(super) fn read(region: &Region) -> Option<Reading> {
                 standard_error_of_median(values) / 255.0
             }),
             seen: Some(region.seen),
-            level: Some(of_read(&|cell| f32::from(cells[cell].level)) as u8),
+            level: Some(region.level()),
             noise: of_read(&|cell| cells[cell].spread).clamp(ROUNDING, MOST_NOISE),
         }
     })

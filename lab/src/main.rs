@@ -36,6 +36,7 @@ docs/results.md
   truth               estimates and fusion on synthetic scenes whose water and depth are known
   depth               depth from colour compared with measured depth
   water               the veiling light of photographs compared with their open water, marked by eye
+  pairs               restoration and enhancement beside references that people chose, and beside rivals
   published           scores of real images, beside the paper's and those of other methods
   hostile             over a thousand bad files, given to `aquafuse` and to a rival
   memory [IMAGES]     peak memory of a run over 1,000 images of 24 megapixels
@@ -92,6 +93,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["truth"] => truth::run(),
         ["depth"] => depth::run(),
         ["water"] => water::run(),
+        ["pairs"] => evaluate::pairs(),
         ["published"] => evaluate::published(),
         ["hostile"] => hostile::run(),
         ["memory"] => memory::run(memory::IMAGES),

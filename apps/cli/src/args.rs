@@ -8,6 +8,7 @@ pub(crate) mod enhance;
 pub(crate) mod evaluation;
 pub(crate) mod failures;
 pub(crate) mod fusion;
+pub(crate) mod levels;
 pub(crate) mod pairs;
 pub(crate) mod reading;
 pub(crate) mod water;

@@ -55,13 +55,13 @@ enum Command {
 const EXAMPLES: &str = "\
 Examples:
   aquafuse demo                                      try it on synthetic images
-  aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical
+  aquafuse fuse reef.jpg green.jpg -o fused.jpg
                                                      reef.jpg in the water of green.jpg
   aquafuse fuse photos/ green.jpg -o fused/          every image of a folder
   aquafuse inspect reef.jpg                          estimated depth and water, with a verdict
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --depth reef.tiff --depth-kind metres
                                                      with measured depth
-  aquafuse fuse reef.jpg preset:jerlov-3C -o fused.jpg --model physical
+  aquafuse fuse reef.jpg preset:jerlov-3C -o fused.jpg
                                                      in the water of a published table
   aquafuse enhance reef.jpg -o clearer.jpg           in clear water, with scores before and after
   aquafuse restore reef.jpg -o air.jpg               as if seen through air

@@ -393,7 +393,7 @@ fn a_scene_that_thick_water_hides_is_named_in_a_warning() {
     let said = run.ok(&thick).stdout;
     assert!(
         said.contains("WARNING: a.png (")
-            && said.contains("WATER hides the scene; use a smaller --metres-at-one"),
+            && said.contains("WATER hides the scene; say how far one sees in it with --visibility"),
         "{said}"
     );
 }

@@ -254,8 +254,15 @@ fn truth_tells_the_methods_apart() {
 fn enhancement_is_told_image_by_image() {
     let run = Run::new();
     dives(&run);
-    let evaluate = ["evaluate", "enhancement", "dives", "--method", "same=dives"];
+    let evaluate = ["evaluate", "enhancement", "dives", "--reference", "dives", "--method", "same=dives"];
     let report = json(&run, &evaluate);
+    // The references are the images themselves here, so that each change is a loss.
+    let score =
+        |method: &str, score: &str| row(&report, "scores", &[("method", method)])[score]["mean"].as_f64();
+    assert_eq!((score("before", "psnr"), score("before", "ssim")), (None, Some(1.0)));
+    for method in ["AquaFuse enhance", "AquaFuse restore", "stretch, 1 to 99 %", "gray world"] {
+        assert!(score(method, "psnr").is_some_and(|psnr| (5.0..60.0).contains(&psnr)), "{method}");
+    }
     let change = |method: &str, score: &str| {
         row(&report, "change", &[("method", method)])[score]["mean"].as_f64().unwrap()
     };

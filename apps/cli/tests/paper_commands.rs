@@ -33,12 +33,20 @@ fn truth(run: &Run) -> (Scene, aquafuse::waterbody::Waterbody) {
 fn restore_comes_nearer_to_the_clear_image() {
     let run = Run::new();
     truth(&run);
-    let said =
-        run.ok(&["restore", "seen.png", "-o", "air.png", "--depth", "z.tiff", "--depth-kind", "metres"]);
+    let restore = ["restore", "seen.png", "--depth", "z.tiff", "--depth-kind", "metres", "--max-gain", "8"];
+    let alone = ["-o", "air.png", "--white", "none", "--exposure", "none"];
+    let said = run.ok(&[&restore[..], &alone].concat());
     assert!(said.stdout.contains("air.png: written"), "{}", said.stdout);
     let (clear, seen, air) = (read(&run, "clear.png"), read(&run, "seen.png"), read(&run, "air.png"));
     let to_clear = |image_file: &ImageFile| psnr(&clear.bytes(), &image_file.bytes()).unwrap();
     assert!(to_clear(&air) > to_clear(&seen) + 1.0, "{} against {}", to_clear(&air), to_clear(&seen));
+    // At no strength it is the image as it was, and by default its levels are set besides.
+    run.ok(&[&restore[..], &["-o", "none.png", "--strength", "0"]].concat());
+    assert_eq!(read(&run, "none.png").bytes(), seen.bytes());
+    let json = run.ok(&[&restore[..], &["-o", "levelled.png", "--json"]].concat()).stdout;
+    let record: Value = serde_json::from_str(&json).unwrap();
+    assert!(record["levels"]["gain"][0].as_f64().unwrap() > 0.0, "{json}");
+    assert_ne!(read(&run, "levelled.png").bytes(), air.bytes());
 }
 
 #[test]
@@ -58,13 +66,32 @@ fn enhance_scores_before_and_after() {
     let run = Run::new();
     scene(&run.path("reef.png"), 1, "green");
     let said = run.ok(&["enhance", "reef.png", "-o", "clearer.png"]).stdout;
-    for word in ["preset:jerlov-I", "UCIQE", "UIQM", "contrast", "sharpness", "before"] {
+    for word in ["UCIQE", "UIQM", "contrast", "sharpness", "before"] {
         assert!(said.contains(word), "{word} in {said}");
     }
+    assert!(!said.contains("estimate"), "nothing is estimated: {said}");
     let json = run.ok(&["enhance", "reef.png", "-o", "b.png", "--json"]).stdout;
     let record: Value = serde_json::from_str(&json).unwrap();
     let score = |when: &str| record["scores"][when]["contrast"].as_f64().unwrap();
     assert!(score("after") > score("before"), "{json}");
+}
+
+#[test]
+fn with_clear_water_enhance_keeps_the_lightness() {
+    let run = Run::new();
+    scene(&run.path("reef.png"), 1, "green");
+    let said = run.ok(&["enhance", "reef.png", "preset:jerlov-I", "-o", "clearer.png"]).stdout;
+    assert!(said.contains("preset:jerlov-I") && said.contains("estimate"), "{said}");
+    let light = |name: &str| aquafuse::levels::lightness(&*read(&run, name).bytes());
+    assert!((light("clearer.png") - light("reef.png")).abs() < 0.02, "{}", light("clearer.png"));
+    // What only one of the two ways reads is refused by the other.
+    for more in [&["--linear"][..], &["--theta", "20"], &["--maps", "m"], &["--depth-model", "ratio"]] {
+        let refused = run.fails(2, &[&["enhance", "reef.png", "-o", "b.png"], more].concat()).stderr;
+        assert!(refused.contains("CLEAR"), "{refused}");
+    }
+    let clear = ["enhance", "reef.png", "preset:jerlov-I", "-o", "b.png"];
+    let refused = run.fails(2, &[&clear[..], &["--strength", "0.5"]].concat()).stderr;
+    assert!(refused.contains("--strength"), "{refused}");
 }
 
 #[test]

@@ -24,7 +24,7 @@
 //! let plan = Plan::new(&Request::new(&path("content.png"), &path("fused.png"), &depth))?;
 //! let summary = plan.run(&recipe, &RunOptions::default(), &|event| {
 //!     if let Event::Done { item, result } = event {
-//!         println!("{}: {:?}", item.output.display(), result.quality.verdict);
+//!         println!("{}: {:?}", item.output.display(), result.quality);
 //!     }
 //! })?;
 //! assert_eq!((summary.done, summary.failed), (1, 0));
@@ -37,13 +37,14 @@ mod record;
 use std::path::PathBuf;
 
 use aquafuse::depth::SuppliedReport;
+use aquafuse::fusion::Options;
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::Quality;
 use serde_json::{Value, json};
 
 use crate::files::{FileError, make_folder, make_folder_of, remove_stale_parts};
 use crate::image_file::{Format, ImageFile, Opened, WriteOptions};
-use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, analyse_in, maps};
+use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, WaterEstimate, analyse_in, maps};
 use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::Numbers;
 
@@ -81,12 +82,12 @@ pub struct Recipe {
 pub struct Report {
     /// What the operation did.
     pub outcome: Outcome,
-    /// The content's own water, in the encoding that the operation worked in.
-    pub water: Numbers,
+    /// The content's own water, in the encoding that the operation worked in; `None` where it was not estimated.
+    pub water: Option<Numbers>,
     /// Scores before and after, if requested.
     pub scores: Option<[Scores; 2]>,
-    /// The verdict on the estimate of the content, with its reasons.
-    pub quality: Quality,
+    /// The verdict on the estimate of the content, with its reasons; `None` where there is no estimate.
+    pub quality: Option<Quality>,
     /// The report on supplied depth.
     pub supplied: Option<SuppliedReport>,
     /// The damage of the content's file, if it was accepted.
@@ -109,16 +110,23 @@ impl Recipe {
     pub fn fingerprint(&self, lenient: bool) -> Value {
         let Self { operation, smoothing, upright, quality } = self;
         let encoding = operation.encoding().name();
-        let operation = match operation {
-            Operation::Fuse { reference, options } => json!({
+        let fusion = |reference: &WaterEstimate, options: &Options| {
+            json!({
                 "model": options.model.name(),
                 "theta": options.incidence.degrees(),
                 "alpha": options.gain.get(),
                 "most_gain": options.max_gain,
                 "water": Numbers::from(reference),
                 "quality": reference.quality(),
-            }),
-            Operation::Restore { options, .. } => json!({ "restore": { "most_gain": options.max_gain } }),
+            })
+        };
+        let operation = match operation {
+            Operation::Fuse { reference, options } => fusion(reference, options),
+            Operation::Clarify { reference, options } => json!({ "clarify": fusion(reference, options) }),
+            Operation::Restore { options, levels, .. } => {
+                json!({ "restore": { "most_gain": options.max_gain, "levels": levels } })
+            }
+            Operation::Enhance { levels } => json!({ "levels": levels }),
         };
         json!({
             "version": env!("CARGO_PKG_VERSION"),
@@ -233,17 +241,17 @@ impl Work<'_> {
         options.stop.check(&item.output)?;
         let mut image = opened.decode()?;
         options.stop.check(&item.output)?;
-        let found = analyse_in(recipe.operation.encoding(), &image, &item.depth)?;
+        let analyse = || analyse_in(recipe.operation.encoding(), &image, &item.depth);
+        let found = recipe.operation.needs_analysis().then(analyse).transpose()?;
         options.stop.check(&item.output)?;
         let scored = |image: &ImageFile| self.plan.scores().then(|| Scores::of(&image.bytes()));
         let before = scored(&image);
-        if let Some(folder) = self.plan.maps() {
-            maps::write(folder, &item.input, &image, &found, &recipe.operation)?;
+        if let (Some(folder), Some(found)) = (self.plan.maps(), &found) {
+            maps::write(folder, &item.input, &image, found, &recipe.operation)?;
         }
         let outcome =
-            recipe.operation.apply(&mut image.pixels, &found).expect("the depth map is this image's");
-        let (estimate, supplied) = (found.estimate, found.supplied);
-        drop(found.depth);
+            recipe.operation.apply(&mut image.pixels, found.as_ref()).expect("the depth map is this image's");
+        let (estimate, supplied) = found.map(|found| (found.estimate, found.supplied)).unzip();
         image.pixels = image.pixels.smoothed(recipe.smoothing);
         let scores = before.zip(scored(&image)).map(|(before, after)| [before, after]);
         if recipe.upright {
@@ -264,10 +272,10 @@ impl Work<'_> {
         }
         Ok(Report {
             outcome,
-            water: Numbers::from(&estimate),
+            water: estimate.as_ref().map(Numbers::from),
             scores,
-            quality: estimate.quality(),
-            supplied,
+            quality: estimate.map(|estimate| estimate.quality()),
+            supplied: supplied.flatten(),
             damage,
             left_out: metadata.left_out,
         })

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`Fusion`] | the similarity of fused images to their contents, by the scores of the paper |
 //! | [`Truth`] | the share of the true change that each method achieves, on synthetic scenes |
-//! | [`Enhancement`] | the quality of images before and after |
+//! | [`Enhancement`] | the quality of images before and after restoration and enhancement |
 //! | [`Depth`] | the accuracy of depth from colour, and of other depth maps |
 //!
 //! Each runs on its own threads within one memory budget and returns a [`Report`], which [`report`] writes as Markdown,
@@ -45,7 +45,7 @@ pub use lpips::Lpips;
 pub use members::{GroupBy, Member, Pairing};
 pub use outputs::Outputs;
 pub use report::Report;
-pub use rivals::{Palette, Rival};
+pub use rivals::{Alone, Palette, Rival};
 pub use statistics::Summary;
 pub use truth::Truth;
 

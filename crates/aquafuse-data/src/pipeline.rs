@@ -5,6 +5,8 @@ mod encoding;
 mod estimate;
 pub(crate) mod maps;
 mod operation;
+#[allow(clippy::disallowed_methods, reason = "sums of floats do not overflow")]
+mod sampled;
 mod scores;
 mod simulate;
 mod supply;

@@ -146,7 +146,7 @@ fn check(image: &ImageFile, lenient: bool) {
         .expect("depth from colour never fails");
     let operation = Operation::Fuse { reference: found.estimate, options: Options::default() };
     let mut fused = image.clone();
-    operation.apply(&mut fused.pixels, &found).expect("of one size");
+    operation.apply(&mut fused.pixels, Some(&found)).expect("of one size");
     if let Pixels::Floats(layers) = &fused.pixels {
         assert!(layers.image.as_raw().iter().all(|value| (0.0..=1.0).contains(&value.to_unit())));
     }

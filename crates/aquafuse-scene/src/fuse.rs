@@ -337,7 +337,7 @@ impl Work<'_> {
             estimate: shared.water.into(),
         };
         drop(relative);
-        recipe.operation.apply(&mut image.pixels, &found)?;
+        recipe.operation.apply(&mut image.pixels, Some(&found))?;
         drop(found);
         image.pixels = image.pixels.smoothed(recipe.smoothing);
         self.options.stop.check(&item.output)?;

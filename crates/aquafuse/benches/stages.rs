@@ -63,7 +63,7 @@ fn fusion_in_place(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     let (mut image, z, water) = prepared(size);
     let reference = waters()[1].water;
     let exchanged = Waters::new(&water, &reference);
-    bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::default()));
+    bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::for_model(Model::Aquafuse)));
 }
 
 #[divan::bench(args = SIZES)]
@@ -87,6 +87,6 @@ fn frame(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     bencher.bench_local(|| {
         let z = depth::estimate(&image);
         let water = water_of(&image, &z);
-        fuse_mut(&mut image, &z, Waters::new(&water, &reference), &Options::default())
+        fuse_mut(&mut image, &z, Waters::new(&water, &reference), &Options::for_model(Model::Aquafuse))
     });
 }

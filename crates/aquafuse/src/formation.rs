@@ -1,6 +1,7 @@
 //! The image formation model, forwards and back (Eq. 1 and 2).
 
 mod bound;
+mod levelled;
 
 pub use bound::{BoundedRestoration, RestoreBounds};
 
@@ -61,14 +62,14 @@ pub fn form<'a, T: Sample, E: Encoding>(
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RestoreOptions {
-    /// Bound on the gain e^τ of each channel, >= 1. Where light is all but gone, what is left is noise: 8 turns one byte's
-    /// step into three percent of the range, which still looks like grain and not like confetti.
+    /// Bound on the gain e^τ of each channel, >= 1. Where light is all but gone, what is left is noise, and depth from colour
+    /// overstates how far that is; levels amplify what is left once more.
     pub max_gain: [f32; 3],
 }
 
 impl Default for RestoreOptions {
     fn default() -> Self {
-        Self { max_gain: [8.0; 3] }
+        Self { max_gain: [2.0; 3] }
     }
 }
 
@@ -92,7 +93,7 @@ impl RestoreOptions {
 /// # Examples
 ///
 /// ```
-/// use aquafuse::{depth::{DepthKind, DepthMap}, formation::{form, restore}, image::Image};
+/// use aquafuse::{depth::{DepthKind, DepthMap}, formation::{RestoreOptions, form, restore}, image::Image};
 /// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
 ///
 /// let clear: Image<f32> = Image::from_raw(1, 1, vec![0.8, 0.5, 0.2])?;
@@ -102,7 +103,9 @@ impl RestoreOptions {
 ///     backscatter_coefficient: [0.2; 3],
 ///     attenuation: [Attenuation::constant(0.3)?; 3],
 /// };
-/// let restored = restore(&form(&clear, &z, &water)?, &z, &water, &Default::default())?;
+/// // The red of this scene is amplified e^1.2 times, which is more than the default bound.
+/// let options = RestoreOptions::default().with_max_gain([8.0; 3]);
+/// let restored = restore(&form(&clear, &z, &water)?, &z, &water, &options)?;
 /// assert!((restored.pixels()[0][0] - 0.8).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

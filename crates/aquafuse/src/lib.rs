@@ -5,14 +5,14 @@
 //! # Where do I start?
 //!
 //! ```
-//! use aquafuse::{Fuser, fusion::Model, truth};
+//! use aquafuse::{Fuser, truth};
 //!
 //! // Two images of synthetic places in synthetic waters; yours come from a camera.
 //! let size = truth::Size { width: 96, height: 64 };
 //! let content = truth::Scene::new(1, size).seen_through(&truth::waters()[0].water);
 //! let reference = truth::Scene::new(2, size).seen_through(&truth::waters()[1].water);
 //!
-//! let fused = Fuser::new(&reference)?.model(Model::Physical).fuse(&content)?;
+//! let fused = Fuser::new(&reference)?.fuse(&content)?;
 //! assert_eq!(fused.image.size(), (96, 64));
 //! # Ok::<(), aquafuse::image::ImageError>(())
 //! ```
@@ -96,6 +96,7 @@ pub mod fuser;
 pub mod fusion;
 pub mod image;
 mod integration;
+pub mod levels;
 pub mod metrics;
 mod names;
 #[doc(hidden)]

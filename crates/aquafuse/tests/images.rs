@@ -148,7 +148,7 @@ fn with_everything_given_physical_is_the_truth_and_aquafuse_its_closed_form() {
             assert!((found - truth.clamp(0.0, 1.0)).abs() < 1e-6, "{found} is not {truth}");
         }
 
-        let aquafuse = Options::default();
+        let aquafuse = Options::for_model(Model::Aquafuse);
         let fused = fuse(&content, &scene.depth, Waters::new(&scene_water, &reference), &aquafuse).unwrap();
         let distances = scene.depth.distances();
         for ((found, before), z) in fused.image.pixels().iter().zip(content.pixels()).zip(distances) {

@@ -252,7 +252,7 @@ proptest! {
 
     #[test]
     fn the_fused_veil_peaks_at_an_optical_depth_of_ln_2(scene in waterbody(), other in waterbody(), z in 0.0..10.0_f32) {
-        let added = |z| shift(&scene, &other, &Options::default(), z);
+        let added = |z| shift(&scene, &other, &Options::for_model(Model::Aquafuse), z);
         for c in 0..3 {
             let peak = added(2.0_f32.ln() / scene.backscatter_coefficient[c])[c];
             prop_assert!(added(z)[c].abs() <= peak.abs() + ROUNDING);

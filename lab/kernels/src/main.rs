@@ -7,11 +7,11 @@
 
 use std::hint::black_box;
 
-use aquafuse::fusion::{Gain, Options, Waters, fuse_into};
+use aquafuse::fusion::{Gain, Model, Options, Waters, fuse_into};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::smooth::bilateral;
 use aquafuse::stream::Stream;
-use aquafuse::{depth, waterbody};
+use aquafuse::{Fuser, depth, waterbody};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "fusion" => {
             let waters = Waters::new(&estimate.water, &estimate.water);
             // Twice one's own veil: something to add.
-            let options = Options::default().with_gain(Gain::new(2.0)?);
+            let options = Options::for_model(Model::Aquafuse).with_gain(Gain::new(2.0)?);
             let mut fused = image.clone();
             for _ in times {
                 fuse_into(&image, &z, waters, &options, &mut fused)?;
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         "bilateral" => times.for_each(|_| drop(black_box(bilateral(&image)))),
         "frame" => {
-            let mut stream = Stream::new(estimate.into());
+            let mut stream = Stream::new(Fuser::from(estimate).model(Model::Aquafuse));
             let mut fused = image.clone();
             stream.fuse_into(&image, &mut fused)?;
             for _ in times {

@@ -13,9 +13,10 @@ use crate::args::depth_model::DepthModelArg;
 pub(crate) const HELP: &str = "\
 Models. D is alpha times the veiling light of WATER minus the veiling light of CONTENT.
 F falls with distance, from 1 at the camera to 0 in open water.
-  aquafuse   The method of the paper: adds cos(theta) F (1 - F) D, a veil over the middle distance.
-  physical   Adds cos(theta) (1 - F) D, the whole veil: open water gets the colour of WATER.
-             Visibility stays as in CONTENT.
+  physical   Adds cos(theta) (1 - F) D, the whole veil: open water gets the colour of WATER, as in
+             the figures of the paper. Visibility stays as in CONTENT. The default.
+  aquafuse   The equations of the paper to the letter: adds cos(theta) F (1 - F) D, a veil over the
+             middle distance. Open water keeps its colour.
   exchange   Replaces the water of CONTENT by WATER, with its attenuation, weighted by cos(theta).
              The strongest change, and the most sensitive to wrong estimates: supply depth.
              Faded colours, and their noise, are amplified at most 2 times.
@@ -24,14 +25,14 @@ F falls with distance, from 1 at the camera to 0 in open water.
 The paper states no settings; these reproduce its scores best.
 
 Example:
-  aquafuse fuse reef.jpg green.jpg -o fused.jpg --model physical --theta 30";
+  aquafuse fuse reef.jpg green.jpg -o fused.jpg --theta 30";
 
 #[derive(Args)]
 pub(crate) struct SettingsArgs {
-    /// Fusion model: `aquafuse` is subtle, `physical` the whole veil, `exchange` the whole water.
+    /// Fusion model: `physical` the whole veil, `aquafuse` the paper's equations and subtle, `exchange` the whole water.
     #[arg(long, default_value = Model::default().name(), value_parser = model())]
     model: Model,
-    /// Angle of incidence in degrees: 0 is full strength, 90 no change [default: 45; physical, exchange: 0].
+    /// Angle of incidence in degrees: 0 is full strength, 90 no change [default: 0; aquafuse: 45].
     #[arg(long, value_name = "DEG", value_parser = incidence, allow_negative_numbers = true)]
     theta: Option<Incidence>,
     /// Gain on the colour of the reference water, 0 or more; above 1: brighter [default: 1].

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
+use aquafuse::fusion::Model;
 use aquafuse::waterbody::presets::{Conditions, Preset, White};
 use aquafuse_data::files::display;
 use aquafuse_data::pipeline::{DepthSource, PixelEncoding, WaterEstimate, analyse_in};
@@ -29,10 +30,19 @@ pub(crate) struct WaterArguments {
     below_surface: f64,
     /// White balance and exposure of the camera that a preset simulates.
     #[arg(long, value_name = "HOW", value_enum, default_value_t, help_heading = "Presets and units")]
-    white: Balance,
+    camera: Balance,
     /// Distance in metres of relative depth 1. Used if the water is per metre and depth is relative, or vice versa.
     #[arg(long, value_name = "METRES", default_value_t = RelativeScale::default().metres_at_one(), help_heading = "Presets and units")]
     metres_at_one: f32,
+    /// How far one sees in WATER, in metres: at this distance 2 % of the contrast of a thing are left. Its colours stay. Only
+    /// `exchange`, `simulate` and `scene` read it.
+    #[arg(long, value_name = "METRES", value_parser = visibility, help_heading = "Presets and units")]
+    visibility: Option<f32>,
+}
+
+fn visibility(text: &str) -> Result<f32, String> {
+    let metres: f32 = text.parse().map_err(|_| "not a number")?;
+    if (0.1..=1000.0).contains(&metres) { Ok(metres) } else { Err("give 0.1 to 1000 metres".into()) }
 }
 
 /// [`White`] on the command line.
@@ -92,7 +102,7 @@ impl WaterArguments {
 
     /// How the camera is balanced, in words.
     pub(crate) fn white(&self) -> &'static str {
-        match self.white {
+        match self.camera {
             Balance::Daylight => "balanced for daylight and exposed at depth",
             Balance::AtDepth => "balanced at depth",
             Balance::AtSurface => "balanced for daylight and exposed just below the surface",
@@ -101,7 +111,7 @@ impl WaterArguments {
 
     /// The conditions that a preset is derived for.
     pub(crate) fn conditions(&self) -> Result<Conditions, Failure> {
-        let white = match self.white {
+        let white = match self.camera {
             Balance::Daylight => White::Daylight,
             Balance::AtDepth => White::AtDepth,
             Balance::AtSurface => White::AtSurface,
@@ -150,6 +160,18 @@ impl WaterArguments {
     /// The water per unit of depth of `kind`.
     pub(crate) fn per(&self, kind: DepthKind, file: &WaterFile) -> Result<WaterEstimate, Failure> {
         let scale = RelativeScale::new(self.metres_at_one).map_err(Failure::usage)?;
-        file.per(kind, scale).map_err(Failure::work)
+        let Some(visibility) = self.visibility else { return file.per(kind, scale).map_err(Failure::work) };
+        let metric = file.per(DepthKind::Metres, scale).and_then(|water| water.with_visibility(visibility));
+        metric.and_then(|water| water.per(DepthKind::Metres, kind, scale)).map_err(Failure::work)
+    }
+
+    /// Refuses what `model` does not read of WATER.
+    pub(crate) fn refuse_unread(&self, model: Model) -> Result<(), Failure> {
+        if self.visibility.is_some() && model != Model::Exchange {
+            return Err(Failure::usage(anyhow!(
+                "--visibility needs --model exchange: {model} takes only the colour of WATER"
+            )));
+        }
+        Ok(())
     }
 }

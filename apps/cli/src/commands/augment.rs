@@ -283,6 +283,7 @@ impl Augment {
 
     fn recipe(&self, encoding: PixelEncoding, common: &Common) -> Result<Recipe, Failure> {
         let Settings { depth_model, options, smoothing, .. } = self.settings.get();
+        self.presets.refuse_unread(options.model)?;
         let kind = self.depth.kind_of_map();
         let read =
             |source: &WaterSource| waters::read(source, &self.presets, depth_model, kind, encoding, common);

@@ -20,7 +20,7 @@ use crate::report::water::veiling_light;
 ///
 /// Writes DIR/A__B.png, the scene of A in the water of B, and DIR/B__A.png (named without extensions).
 #[derive(Args)]
-#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/ --model physical")]
+#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/")]
 pub(crate) struct Crossover {
     /// The first image.
     a: PathBuf,
@@ -56,7 +56,7 @@ impl Crossover {
         }
         for (i, (mut image, path)) in [a, b].into_iter().zip(&outputs).enumerate() {
             let operation = Operation::Fuse { reference: waters[1 - i].estimate, options };
-            let outcome = operation.apply(&mut image.pixels, &waters[i]).map_err(Failure::work)?;
+            let outcome = operation.apply(&mut image.pixels, Some(&waters[i])).map_err(Failure::work)?;
             image.pixels = image.pixels.smoothed(smoothing);
             image.write(path, &WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() })?;
             if !common.quiet {

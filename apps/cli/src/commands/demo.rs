@@ -77,7 +77,7 @@ impl Demo {
         say(&format!(
             "  {}   all side by side, after {:.1} s\n\n\
              Look at that sheet first. Then try your own images:\n  \
-             aquafuse fuse YOUR.jpg {} -o fused.jpg --model physical\n",
+             aquafuse fuse YOUR.jpg {} -o fused.jpg\n",
             display(&path),
             began.elapsed().as_secs_f32(),
             display(&self.output.join("reference_green.png"))

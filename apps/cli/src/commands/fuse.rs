@@ -52,6 +52,7 @@ impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let encoding = self.batch.encoding();
         let Settings { depth_model, options, smoothing, .. } = self.settings.get();
+        self.waters.refuse_unread(options.model)?;
         let water = WaterSource::parse(&self.water)?;
         let water_depth = self.water_depth.source(&water, depth_model).map_err(Failure::usage)?;
         let map = match &water_depth {

@@ -11,18 +11,21 @@ use serde_json::json;
 use crate::args::batch::BatchArguments;
 use crate::args::common::Common;
 use crate::args::depth_model::DepthModelArg;
+use crate::args::levels::LevelsArguments;
 use crate::failure::Failure;
 use crate::report::batch::{self, Words};
 
 const HELP: &str = "\
 Evaluates Eq. 2 of the paper, I = (U - B) e^(beta_D z): subtracts the backscatter, then amplifies
-the remaining light, at most --max-gain times. The result is as accurate as depth and water are.
-With depth from colour expect a clearer image, not true colours; a depth map in metres helps.
-Distant objects that are lost in noise stay dark. If colours look oversaturated, try --max-gain 2.
+the remaining light, at most --max-gain times. Then white balance and exposure are set.
+The result is as accurate as depth and water are. With depth from colour expect a clearer image, not
+true colours: red is kept from leading where it did not lead. With a depth map in metres, a larger
+--max-gain and --white none --exposure none give Eq. 2 alone, which measures.
 
 Examples:
   aquafuse restore reef.jpg -o clear.png
-  aquafuse restore photos/ -o clear/ --depth depths/ --depth-kind metres";
+  aquafuse restore photos/ -o clear/ --depth depths/ --depth-kind metres
+  aquafuse restore reef.jpg -o eq2.png --white none --exposure none";
 
 /// Remove the water from an image or a folder of images.
 #[derive(Args)]
@@ -34,6 +37,8 @@ pub(crate) struct Restore {
     batch: BatchArguments,
     #[command(flatten)]
     depth_model: DepthModelArg,
+    #[command(flatten)]
+    levels: LevelsArguments,
     /// Upper limit of the gain on the light of the scene, 1 to 100. The gain amplifies noise too.
     #[arg(long, value_name = "N", default_value_t = RestoreOptions::default().max_gain[0], value_parser = gain)]
     max_gain: f32,
@@ -45,13 +50,15 @@ impl Restore {
         let depth_model = self.depth_model.get();
         let plan = self.batch.plan(&self.content, &[], depth_model, false)?;
         let options = RestoreOptions::default().with_max_gain([self.max_gain; 3]);
-        let operation = Operation::Restore { options, encoding };
+        let levels = self.levels.options();
+        let operation = Operation::Restore { options, levels, encoding };
         let recipe =
             Recipe { upright: self.batch.upright, quality: self.batch.quality, ..Recipe::new(operation) };
         let settings = json!({
             "command": "restore",
             "encoding": encoding.name(),
             "max_gain": self.max_gain,
+            "levels": levels,
             "depth_model": depth_model.name(),
         });
         batch::run(&plan, &recipe, Words { heading: String::new(), settings }, &self.batch, common)

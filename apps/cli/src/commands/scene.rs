@@ -29,7 +29,7 @@ Examples:
   aquafuse scene train reef/ -o reef.ply --water learn
   aquafuse scene render reef.ply reef/ -o dewatered/ --water none
   aquafuse scene view reef.ply reef/ -o reef.html
-  aquafuse scene fuse reef/ green.jpg -o reef_green/ --model physical
+  aquafuse scene fuse reef/ green.jpg -o reef_green/
   aquafuse scene train reef_green/ -o reef_green.ply
   aquafuse scene compare reef/ reef_green/ --original reef.ply --fused reef_green.ply -o reef.html")]
 pub(crate) struct Scene {

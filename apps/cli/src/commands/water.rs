@@ -43,7 +43,7 @@ With several images, each number is the median, weighted by the certainty of eac
 
 Examples:
   aquafuse water extract harbour.jpg -o harbour.water.json
-  aquafuse fuse reef.jpg harbour.water.json -o fused.jpg --model physical")]
+  aquafuse fuse reef.jpg harbour.water.json -o fused.jpg")]
 struct Extract {
     /// Images of the same water.
     #[arg(required = true)]

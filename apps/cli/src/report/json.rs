@@ -5,6 +5,7 @@ use std::path::Path;
 
 use aquafuse::depth::SuppliedReport;
 use aquafuse::fusion::Clipping;
+use aquafuse::levels::Levels;
 use aquafuse::waterbody::Quality;
 use aquafuse_data::batch::{Item, Report};
 use aquafuse_data::pipeline::Limited;
@@ -35,9 +36,11 @@ enum Outcome<'a> {
 #[derive(Serialize)]
 struct Done<'a> {
     clipping: Clipping,
-    contrast_left: Option<f64>,
-    quality: Quality,
-    waterbody: Numbers,
+    contrast_left: f64,
+    change: f64,
+    quality: Option<Quality>,
+    waterbody: Option<Numbers>,
+    levels: Option<Levels>,
     scores: Option<BeforeAfter>,
     held_back: HeldBack,
     supplied_depth: Option<Supplied>,
@@ -73,6 +76,7 @@ struct HeldBack {
     red: bool,
     gain: bool,
     backscatter: bool,
+    night: bool,
 }
 
 #[derive(Serialize)]
@@ -104,14 +108,17 @@ fn done(report: &Report) -> Outcome<'_> {
     Outcome::Done(Box::new(Done {
         clipping: report.outcome.clipping,
         contrast_left: report.outcome.contrast_left,
+        change: report.outcome.change,
         quality: report.quality,
         waterbody: report.water,
+        levels: report.outcome.levels,
         scores: report.scores.map(|[before, after]| BeforeAfter { before, after }),
         held_back: HeldBack {
             glare: fusion.glare,
             red: fusion.red || restoration.red,
             gain: fusion.gain || restoration.gain,
             backscatter: restoration.backscatter,
+            night: fusion.night,
         },
         supplied_depth: report.supplied.map(supplied),
         damage: report.damage.as_deref(),

@@ -15,6 +15,8 @@ use crate::report::water::{estimate_counts, reasons, verdict};
 
 /// More clipping than this share of the values is listed.
 const MUCH: f64 = 0.05;
+/// More red made from green than this is listed.
+const MUCH_RED: f32 = 0.05;
 /// No water's backscatter grows faster than this in green, per metre: the thickest of Jerlov's has a third of it.
 const THICKEST: f32 = 20.0;
 /// Images that a warning names; with `--verbose` it names all.
@@ -27,7 +29,11 @@ type Detail = fn(&Report) -> Option<String>;
 type Warning = fn(&Report) -> Option<(String, Option<String>)>;
 
 /// Always printed.
-const WARNINGS: [Warning; 4] = [
+const WARNINGS: [Warning; 5] = [
+    |report| {
+        let about = "the water is nearly black, as at night: less of it was exchanged, or none";
+        report.outcome.limited.fusion.night.then(|| (about.into(), None))
+    },
     |report| Some(("damaged file; the output is marked as such".into(), Some(report.damage.clone()?))),
     |report| {
         let supplied = report.supplied.filter(SuppliedReport::looks_inverted)?;
@@ -36,7 +42,8 @@ const WARNINGS: [Warning; 4] = [
     |report| {
         let kind = report.supplied?.kind;
         let is_metric = matches!(kind, SuppliedKind::Metres | SuppliedKind::Millimetres);
-        let is_too_thick = is_metric && report.water.backscatter_coefficient[1] > THICKEST;
+        let is_too_thick =
+            is_metric && report.water.is_some_and(|water| water.backscatter_coefficient[1] > THICKEST);
         let name = kind.name();
         is_too_thick.then(|| {
             (
@@ -46,15 +53,18 @@ const WARNINGS: [Warning; 4] = [
         })
     },
     |report| {
-        let left =
-            format!("{:.0} % of the contrast left", 100.0 * report.outcome.contrast_left.unwrap_or(1.0));
-        let about = "WATER hides the scene; use a smaller --metres-at-one, or --model physical";
+        let left = format!("{:.0} % of the contrast left", 100.0 * report.outcome.contrast_left);
+        let about = "WATER hides the scene; say how far one sees in it with --visibility METRES, or take --model physical";
         report.outcome.has_vanished().then(|| (about.into(), Some(left)))
     },
 ];
 
 /// Lists that explain the counts: printed with `--verbose`.
-const DETAILS: [(&str, Detail); 6] = [
+const DETAILS: [(&str, Detail); 7] = [
+    ("red made from green in part", |report| {
+        let share = report.outcome.levels.map_or(0.0, |levels| levels.red_from_green);
+        (share > MUCH_RED).then(|| format!("{:.0} % of green where there is no red", 100.0 * share))
+    }),
     ("estimate failed, see `aquafuse inspect`", |report| of_verdict(report, Verdict::Failed)),
     ("estimate doubtful, see `aquafuse inspect`", |report| of_verdict(report, Verdict::Doubtful)),
     ("much clipped", |report| {
@@ -97,15 +107,20 @@ fn written(text: &mut String, reports: &[(Item, Report)], verbose: bool) {
     let _ = match reports {
         [] => Ok(()),
         [(item, report)] => {
-            let (output, verdict) = (display(&item.output), verdict(report.quality));
-            writeln!(text, "{output}: written; estimate {verdict}; {clipped}")
+            let output = display(&item.output);
+            let estimate = report.quality.map(|quality| format!("estimate {}; ", verdict(quality)));
+            writeln!(text, "{output}: written; {}{clipped}", estimate.unwrap_or_default())
         }
         _ => {
-            let verdicts = reports.iter().map(|(_, report)| report.quality.verdict);
+            let verdicts = reports.iter().filter_map(|(_, report)| Some(report.quality?.verdict));
             let all_good = verdicts.clone().all(|verdict| verdict == Verdict::Good);
             let more = if all_good || verbose { "" } else { "; -v names the images" };
-            let (count, estimates) = (images(reports.len()), estimate_counts(&verdicts));
-            writeln!(text, "{count} written; {estimates}; {clipped}{more}")
+            let count = images(reports.len());
+            let estimates = match verdicts.clone().next() {
+                Some(_) => format!("{}; ", estimate_counts(&verdicts)),
+                None => String::new(),
+            };
+            writeln!(text, "{count} written; {estimates}{clipped}{more}")
         }
     };
 }
@@ -115,7 +130,7 @@ fn images(count: usize) -> String {
 }
 
 fn of_verdict(report: &Report, wanted: Verdict) -> Option<String> {
-    (report.quality.verdict == wanted).then(|| reasons(report.quality))
+    report.quality.filter(|quality| quality.verdict == wanted).map(reasons)
 }
 
 /// The images of a list, as they can be given to another command, each with its detail.
@@ -201,6 +216,7 @@ fn bounds(bounds: Limited) -> String {
         (fusion.glare, "glare of WATER darkened"),
         (fusion.red || restoration.red, "red limited"),
         (fusion.gain, "amplification limited"),
+        (fusion.night, "water too dark to exchange"),
         (restoration.backscatter, "less backscatter subtracted"),
         (restoration.gain, "gain limited to avoid clipping"),
     ];

@@ -111,7 +111,8 @@ impl Recipe {
             .with_gain(Gain::new(draw.alpha).unwrap_or(self.options.gain));
         let mut image = read.image.clone();
         let operation = Operation::Fuse { reference: water.file.estimate, options };
-        let outcome = operation.apply(&mut image.pixels, &read.found).expect("the depth map is this image's");
+        let outcome =
+            operation.apply(&mut image.pixels, Some(&read.found)).expect("the depth map is this image's");
         image.pixels = image.pixels.smoothed(self.smoothing);
         Ok((image.encode(output, self.quality)?, outcome))
     }
@@ -139,7 +140,7 @@ impl Read<'_> {
             verdict: quality.verdict.name().to_owned(),
             reasons: quality.reasons.iter().collect(),
             clipped: outcome.clipping.share(),
-            contrast_left: outcome.contrast_left,
+            contrast_left: Some(outcome.contrast_left),
             instead: self.instead,
             output: written.output,
             bytes: written.bytes,

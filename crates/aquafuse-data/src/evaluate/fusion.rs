@@ -298,7 +298,7 @@ impl Fusion {
                 let operation =
                     Operation::Fuse { reference: reference.estimate, options: self.settings.options };
                 let mut pixels: Pixels = content.image.pixels.clone();
-                operation.apply(&mut pixels, &content.found).expect("the depth map is this image's");
+                operation.apply(&mut pixels, Some(&content.found)).expect("the depth map is this image's");
                 pixels.smoothed(self.settings.smoothing).into_bytes()
             }
             Method::Rival(rival) => {

@@ -3,12 +3,15 @@
 //! None of them knows of depth: near and far things take the same colours. They stand beside the physics because they
 //! are what is at hand. All work on encoded values, and give values that are neither clipped nor rounded.
 
+mod alone;
 mod histogram;
 mod matrix;
 mod monge_kantorovich;
 mod reinhard;
 
 use aquafuse::image::Image;
+
+pub use alone::Alone;
 
 /// A way to give an image the colours of another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

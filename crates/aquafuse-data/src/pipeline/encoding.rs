@@ -197,6 +197,30 @@ impl WaterEstimate {
     }
 }
 
+impl WaterEstimate {
+    /// The water of the same colours in which one sees so far, in the unit of its depth.
+    ///
+    /// # Errors
+    ///
+    /// [`AttenuationError`] when it has no visibility, or a coefficient does not fit into a number.
+    pub fn with_visibility(self, distance: f32) -> Result<Self, AttenuationError> {
+        fn changed<E: Space>(
+            mut estimate: Estimate<E>,
+            distance: f32,
+        ) -> Result<WaterEstimate, AttenuationError> {
+            let water = estimate.water.with_visibility(distance)?;
+            let pairs = water.backscatter_coefficient.iter().zip(estimate.water.backscatter_coefficient);
+            for (ends, (new, old)) in estimate.intervals.backscatter_coefficient.iter_mut().zip(pairs) {
+                let times = if old > 0.0 { new / old } else { 1.0 };
+                ends.iter_mut().for_each(|end| *end *= times);
+            }
+            estimate.water = water;
+            Ok(E::wrap(estimate))
+        }
+        with_estimate!(self, estimate => changed(estimate, distance))
+    }
+}
+
 /// An encoding of the core, and the way between its estimates and values.
 pub(crate) trait Space: Encoding {
     /// The estimate inside, if it is of this encoding.

@@ -26,7 +26,7 @@ const FACTOR: &str = ".factor.npy";
 /// millimetre), backscatter B, illumination E, what the operation changes (mid grey: nothing), and, of a fusion, the depth
 /// factor F that it used.
 pub(crate) fn paths(folder: &Path, input: &Path, operation: &Operation) -> Vec<PathBuf> {
-    let factor = matches!(operation, Operation::Fuse { .. }).then_some(FACTOR);
+    let factor = operation.fusion().map(|_| FACTOR);
     IMAGES.into_iter().chain(factor).map(|end| file(folder, input, end)).collect()
 }
 
@@ -76,7 +76,7 @@ fn seen<E: Encoding>(value: f32, depth: &DepthMap, water: &Waterbody<E>) -> Imag
 fn changed(image_file: &ImageFile, found: &Analysis<WaterEstimate>, operation: &Operation) -> Image<u8> {
     let before = image_file.bytes().into_owned();
     let mut after = Pixels::from(before.clone());
-    operation.apply(&mut after, found).expect("the depth map is this image's");
+    operation.apply(&mut after, Some(found)).expect("the depth map is this image's");
     let (width, height) = before.size();
     let difference = |(after, before): (&u8, &u8)| {
         128_u8.saturating_add(after.saturating_sub(*before)).saturating_sub(before.saturating_sub(*after))

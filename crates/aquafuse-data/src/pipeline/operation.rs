@@ -1,12 +1,14 @@
-//! Operations on an image: its water is exchanged or removed.
+//! Operations on an image: its water is exchanged or removed, or its levels are set.
 
 use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, restore_mut};
-use aquafuse::fusion::{Bounded, Bounds, Clipping, Model, Options, TransferLaw, fuse_mut};
+use aquafuse::fusion::{Bounded, Bounds, Clipping, Options, TransferLaw, fuse_mut};
 use aquafuse::image::{Encoding, Image, ImageError, Sample};
+use aquafuse::levels::{Levels, LevelsOptions, lightness};
 use aquafuse::waterbody::Estimate;
 
 use super::encoding::{PixelEncoding, Space, WaterEstimate, with_estimate};
 use super::estimate::Analysis;
+use super::sampled::Sampled;
 use crate::image_file::Pixels;
 
 /// What is done to each image.
@@ -20,12 +22,26 @@ pub enum Operation {
         /// How to fuse.
         options: Options,
     },
-    /// The image is seen as if through air.
+    /// As [`Fuse`](Self::Fuse), with the lightness that the image had.
+    Clarify {
+        /// The clear water, with its verdict.
+        reference: WaterEstimate,
+        /// How to fuse.
+        options: Options,
+    },
+    /// The image is seen as if through air, and its levels are set.
     Restore {
         /// How to restore.
         options: RestoreOptions,
+        /// How to set the levels of what is restored.
+        levels: LevelsOptions,
         /// Which values to work on.
         encoding: PixelEncoding,
+    },
+    /// The levels of the image are set, without an estimate of its water.
+    Enhance {
+        /// How to set them.
+        levels: LevelsOptions,
     },
 }
 
@@ -46,18 +62,32 @@ pub enum OperationError {
         /// That of the analysis.
         analysis: PixelEncoding,
     },
+    /// The operation needs an analysis.
+    #[error("this operation needs the water of the image; analyse the image first")]
+    NoAnalysis,
 }
 
 /// The outcome of an operation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Values that were clipped.
     pub clipping: Clipping,
     /// Which safety bounds acted.
     pub limited: Limited,
-    /// The share of the image's contrast (deviation of green) that is left, of [`Model::Exchange`] alone: thick water
-    /// hides a scene.
-    pub contrast_left: Option<f64>,
+    /// The share of the image's contrast (deviation of green) that is left: thick water hides a scene.
+    pub contrast_left: f64,
+    /// How much the image changed: the mean distance of colours in CIELab (ΔE 1976), over some rows.
+    pub change: f64,
+    /// The levels that were set.
+    pub levels: Option<Levels>,
+}
+
+/// What an operation did.
+#[derive(Default)]
+struct Done {
+    clipping: Clipping,
+    limited: Limited,
+    levels: Option<Levels>,
 }
 
 impl Outcome {
@@ -66,7 +96,7 @@ impl Outcome {
 
     /// Whether the water hides the scene.
     pub fn has_vanished(&self) -> bool {
-        self.contrast_left.is_some_and(|left| left < Self::VANISHED)
+        self.contrast_left < Self::VANISHED
     }
 }
 
@@ -90,8 +120,24 @@ impl Operation {
     /// The encoding that it works in, and that an image must be analysed in.
     pub fn encoding(&self) -> PixelEncoding {
         match self {
-            Self::Fuse { reference, .. } => reference.encoding(),
+            Self::Fuse { reference, .. } | Self::Clarify { reference, .. } => reference.encoding(),
             Self::Restore { encoding, .. } => *encoding,
+            Self::Enhance { .. } => PixelEncoding::Encoded,
+        }
+    }
+
+    /// Whether it needs depth and water of the image.
+    pub fn needs_analysis(&self) -> bool {
+        !matches!(self, Self::Enhance { .. })
+    }
+
+    /// The water of a fusion, and how to fuse.
+    pub(crate) fn fusion(&self) -> Option<(&WaterEstimate, &Options)> {
+        match self {
+            Self::Fuse { reference, options } | Self::Clarify { reference, options } => {
+                Some((reference, options))
+            }
+            Self::Restore { .. } | Self::Enhance { .. } => None,
         }
     }
 
@@ -99,74 +145,92 @@ impl Operation {
     ///
     /// # Errors
     ///
-    /// [`OperationError`] when pixels and depth map differ in size, or operation and analysis in encoding; the pixels
-    /// are then unchanged.
+    /// [`OperationError`] when pixels and depth map differ in size, operation and analysis in encoding, or an analysis is
+    /// needed and there is none; the pixels are then unchanged.
     pub fn apply(
         &self,
         pixels: &mut Pixels,
-        found: &Analysis<WaterEstimate>,
+        found: Option<&Analysis<WaterEstimate>>,
     ) -> Result<Outcome, OperationError> {
         match pixels {
-            Pixels::Bytes(layers) => self.change(&mut layers.image, found),
-            Pixels::Words(layers) => self.change(&mut layers.image, found),
-            Pixels::Floats(layers) => self.change(&mut layers.image, found),
+            Pixels::Bytes(layers) => self.measured(&mut layers.image, found),
+            Pixels::Words(layers) => self.measured(&mut layers.image, found),
+            Pixels::Floats(layers) => self.measured(&mut layers.image, found),
         }
     }
 
-    /// Changes an image as its file holds it: encoded values in place, light decoded to floats and encoded again.
+    /// Changes an image, and measures how much.
+    fn measured<T: Sample>(
+        &self,
+        image: &mut Image<T>,
+        found: Option<&Analysis<WaterEstimate>>,
+    ) -> Result<Outcome, OperationError> {
+        let before = Sampled::of(image);
+        let Done { clipping, limited, levels } = self.change(image, found)?;
+        let after = Sampled::of(image);
+        let (contrast_left, change) = (after.contrast_beside(&before), after.change_from(&before));
+        Ok(Outcome { clipping, limited, contrast_left, change, levels })
+    }
+
+    /// Changes an image as its file holds it.
     fn change<T: Sample>(
         &self,
         image: &mut Image<T>,
+        found: Option<&Analysis<WaterEstimate>>,
+    ) -> Result<Done, OperationError> {
+        if let Self::Enhance { levels } = self {
+            let levels = Levels::of(&*image, levels);
+            return Ok(Done { clipping: levels.apply(image), levels: Some(levels), ..Done::default() });
+        }
+        let found = found.ok_or(OperationError::NoAnalysis)?;
+        let (operation, analysis) = (self.encoding(), found.estimate.encoding());
+        if operation != analysis {
+            return Err(OperationError::Encodings { operation, analysis });
+        }
+        match self {
+            Self::Restore { options, levels, .. } => restored(image, found, options, levels),
+            Self::Clarify { .. } => {
+                let before = lightness(&*image);
+                let outcome = self.fused(image, found)?;
+                let levels = Levels::of_lightness(&*image, before);
+                levels.apply(image);
+                Ok(Done { levels: Some(levels), ..outcome })
+            }
+            _ => self.fused(image, found),
+        }
+    }
+
+    /// Encoded values in place, light decoded to floats and encoded again.
+    fn fused<T: Sample>(
+        &self,
+        image: &mut Image<T>,
         found: &Analysis<WaterEstimate>,
-    ) -> Result<Outcome, OperationError> {
+    ) -> Result<Done, OperationError> {
         match &found.estimate {
-            WaterEstimate::Encoded(own) => self.on(image, found, own),
+            WaterEstimate::Encoded(own) => self.fuse(image, found, own),
             WaterEstimate::Linear(own) => {
                 let mut light = image.to_linear();
-                let outcome = self.on(&mut light, found, own)?;
+                let outcome = self.fuse(&mut light, found, own)?;
                 *image = light.to_encoded().convert();
                 Ok(outcome)
             }
         }
     }
 
-    /// Changes an image in the encoding of its water.
-    fn on<T: Sample, E: Space>(
+    /// Fuses an image in the encoding of its water.
+    fn fuse<T: Sample, E: Space>(
         &self,
         image: &mut Image<T, E>,
         found: &Analysis<WaterEstimate>,
         own: &Estimate<E>,
-    ) -> Result<Outcome, OperationError> {
-        let depth = &found.depth;
-        let (operation, analysis) = (self.encoding(), E::wrap(*own).encoding());
-        if operation != analysis {
-            return Err(OperationError::Encodings { operation, analysis });
-        }
-        match self {
-            Self::Fuse { reference, options } => {
-                let Some(bounded) = bounded(own, reference, *options) else {
-                    return Err(OperationError::Encodings { operation, analysis });
-                };
-                let hides = options.model == Model::Exchange;
-                let before = hides.then(|| deviation(image));
-                let clipping = fuse_mut(
-                    &mut *image,
-                    depth,
-                    bounded.waters().with_share(&found.share),
-                    &bounded.options,
-                )?;
-                let limited = Limited { fusion: bounded.bounds, ..Limited::default() };
-                // An image that had no contrast has lost none.
-                let left = before.map(|before| if before > 0.0 { deviation(image) / before } else { 1.0 });
-                Ok(Outcome { clipping, limited, contrast_left: left })
-            }
-            Self::Restore { options, .. } => {
-                let bounded = BoundedRestoration::new(&*image, depth, own, options)?;
-                let clipping = restore_mut(image, depth, &bounded.water, &bounded.options)?;
-                let limited = Limited { restoration: bounded.bounds, ..Limited::default() };
-                Ok(Outcome { clipping, limited, contrast_left: None })
-            }
-        }
+    ) -> Result<Done, OperationError> {
+        let (operation, analysis) = (self.encoding(), found.estimate.encoding());
+        let fusion = self.fusion().and_then(|(reference, options)| bounded(own, reference, *options));
+        let bounded = fusion.ok_or(OperationError::Encodings { operation, analysis })?;
+        let waters = bounded.waters().with_share(&found.share);
+        let clipping = fuse_mut(&mut *image, &found.depth, waters, &bounded.options)?;
+        let limited = Limited { fusion: bounded.bounds, ..Limited::default() };
+        Ok(Done { clipping, limited, levels: None })
     }
 
     /// The depth factor F that a fusion uses at each of the pixels that `found` was estimated from, row by row, within the safety
@@ -190,7 +254,7 @@ impl Operation {
             };
             rows.flat_map(of_row).collect()
         }
-        let Self::Fuse { reference, options } = self else { return None };
+        let (reference, options) = self.fusion()?;
         with_estimate!(&found.estimate, own => {
             let bounded = bounded(own, reference, *options)?;
             let law = TransferLaw::new(bounded.waters(), &bounded.options);
@@ -208,20 +272,52 @@ impl Operation {
     }
 }
 
+/// Restores an image in the encoding of its water, and sets its levels.
+fn restored<T: Sample>(
+    image: &mut Image<T>,
+    found: &Analysis<WaterEstimate>,
+    options: &RestoreOptions,
+    levels: &LevelsOptions,
+) -> Result<Done, OperationError> {
+    match &found.estimate {
+        WaterEstimate::Encoded(own) => {
+            let bounded = BoundedRestoration::new(&*image, &found.depth, own, options)?;
+            levelled(image, found, &bounded, levels, |image| {
+                restore_mut(image, &found.depth, &bounded.water, &bounded.options)
+            })
+        }
+        WaterEstimate::Linear(own) => {
+            let bounded = BoundedRestoration::new(&image.to_linear(), &found.depth, own, options)?;
+            levelled(image, found, &bounded, levels, |image| {
+                let mut light = image.to_linear();
+                let clipping = restore_mut(&mut light, &found.depth, &bounded.water, &bounded.options)?;
+                *image = light.to_encoded().convert();
+                Ok(clipping)
+            })
+        }
+    }
+}
+
+/// Restores an image and sets its levels in one pass, or restores it `alone` where no levels are wanted.
+fn levelled<T: Sample, E: Encoding>(
+    image: &mut Image<T>,
+    found: &Analysis<WaterEstimate>,
+    bounded: &BoundedRestoration<E>,
+    options: &LevelsOptions,
+    alone: impl FnOnce(&mut Image<T>) -> Result<Clipping, ImageError>,
+) -> Result<Done, OperationError> {
+    let limited = Limited { restoration: bounded.bounds, ..Limited::default() };
+    if options.sets_nothing() {
+        return Ok(Done { clipping: alone(image)?, limited, ..Done::default() });
+    }
+    let levels = bounded.levels(&*image, &found.depth, options)?;
+    let clipping = bounded.restore_and_level_mut(image, &found.depth, &levels)?;
+    Ok(Done { clipping, limited, levels: Some(levels) })
+}
+
 /// The waters and options of a fusion within the safety bounds; `None` for waters of two encodings.
 fn bounded<E: Space>(own: &Estimate<E>, reference: &WaterEstimate, options: Options) -> Option<Bounded<E>> {
     Some(Bounded::new(own, &E::estimate(reference)?, options))
-}
-
-/// Standard deviation of green.
-fn deviation<T: Sample, E: Encoding>(image: &Image<T, E>) -> f64 {
-    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-    for [_, green, _] in image.pixels() {
-        let green = f64::from(green.to_unit());
-        (sum, squares, count) = (sum + green, squares + green * green, count + 1.0);
-    }
-    let mean: f64 = sum / count;
-    (squares / count - mean * mean).max(0.0).sqrt()
 }
 
 #[cfg(test)]
@@ -229,7 +325,8 @@ mod tests {
     use super::*;
     use crate::image_file::ImageFile;
     use crate::pipeline::{DepthSource, analyse, analyse_in};
-    use aquafuse::fusion::{Gain, Incidence};
+    use aquafuse::fusion::{Gain, Incidence, Model};
+    use aquafuse::levels::Setting;
     use aquafuse::truth::{Scene, Size, waters};
     use aquafuse::waterbody::{Attenuation, Quality, WaterShare};
 
@@ -248,7 +345,7 @@ mod tests {
             .with_incidence(Incidence::from_degrees(theta).unwrap())
             .with_gain(Gain::new(1.0).unwrap());
         let mut pixels = content.pixels.clone();
-        Operation::Fuse { reference, options }.apply(&mut pixels, &found).unwrap();
+        Operation::Fuse { reference, options }.apply(&mut pixels, Some(&found)).unwrap();
         [content.pixels.into_bytes(), pixels.into_bytes()]
     }
 
@@ -272,7 +369,8 @@ mod tests {
         let reference =
             analyse_in(PixelEncoding::Linear, &reference, &DepthSource::default()).unwrap().estimate;
         let mut pixels = content.pixels.clone();
-        let refused = Operation::Fuse { reference, options: Options::default() }.apply(&mut pixels, &found);
+        let refused =
+            Operation::Fuse { reference, options: Options::default() }.apply(&mut pixels, Some(&found));
         assert!(matches!(refused, Err(OperationError::Encodings { .. })), "{refused:?}");
         assert_eq!(pixels.into_bytes(), content.pixels.into_bytes());
     }
@@ -297,7 +395,7 @@ mod tests {
             reference.water.attenuation = [0, 1, 2].map(curve);
             let options = Options::for_model(Model::Exchange);
             let mut pixels = content.pixels.clone();
-            Operation::Fuse { reference: reference.into(), options }.apply(&mut pixels, &found).unwrap()
+            Operation::Fuse { reference: reference.into(), options }.apply(&mut pixels, Some(&found)).unwrap()
         };
         assert!(!thick(1.0).has_vanished(), "{:?}", thick(1.0));
         assert!(thick(60.0).has_vanished(), "{:?}", thick(60.0));
@@ -315,13 +413,14 @@ mod tests {
             estimate: WaterEstimate::from(Estimate::given(water)),
         };
         let mut pixels = Pixels::from(scene.seen_through(&water));
-        let outcome =
-            Operation::Restore { options: RestoreOptions::default(), encoding: PixelEncoding::Encoded }
-                .apply(&mut pixels, &found)
-                .unwrap();
+        let options = RestoreOptions::default().with_max_gain([8.0; 3]);
+        let levels = LevelsOptions::default().with_white(Setting::None).with_exposure(Setting::None);
+        let outcome = Operation::Restore { options, levels, encoding: PixelEncoding::Encoded }
+            .apply(&mut pixels, Some(&found))
+            .unwrap();
         assert!(!outcome.limited.any(), "{:?}", outcome.limited);
         let Pixels::Floats(restored) = pixels else { panic!("floats stay floats") };
-        let most = RestoreOptions::default().max_gain[0];
+        let most = options.max_gain[0];
         let places = restored.image.pixels().iter().zip(scene.clear.pixels()).zip(scene.depth.distances());
         for ((found, clear), z) in places {
             for c in (0..3).filter(|&c| water.illumination(z)[c] > 1.0 / most) {

@@ -16,6 +16,8 @@ pub struct BoundedRestoration<E: Encoding> {
     pub options: RestoreOptions,
     /// Which bounds acted.
     pub bounds: RestoreBounds,
+    /// Whether depth was read off colours.
+    pub(super) depth_from_colour: bool,
 }
 
 /// Which safety bounds acted on a restoration.
@@ -76,7 +78,9 @@ impl<E: Encoding> BoundedRestoration<E> {
     ) -> Result<Self, ImageError> {
         let image = image.into();
         depth.check_fits(image.size())?;
-        let mut found = Self { water: estimate.water, options: *options, bounds: RestoreBounds::default() };
+        let depth_from_colour = estimate.depth_model.is_some();
+        let bounds = RestoreBounds::default();
+        let mut found = Self { water: estimate.water, options: *options, bounds, depth_from_colour };
         let mut channels = channels(image, depth, &estimate.water);
         let mut veil = estimate.water.veiling_light.rgb();
         for (c, channel) in channels.iter_mut().enumerate() {
@@ -95,7 +99,7 @@ impl<E: Encoding> BoundedRestoration<E> {
             }
         }
         found.water.veiling_light = VeilingLight::new(veil);
-        if estimate.depth_model.is_some() {
+        if depth_from_colour {
             found.hold_red(&channels);
         }
         Ok(found)

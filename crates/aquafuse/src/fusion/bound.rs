@@ -7,6 +7,10 @@ use crate::waterbody::{DepthFactors, Estimate, Reason, VeilingLight, Verdict, Wa
 /// Brightest channel (encoded) of a veil that is taken from glare: as bright as water in the sun.
 const BRIGHTEST_WATER: f32 = 0.7;
 
+/// A content's veil whose brightest channel (encoded) is as bright as the second of these is exchanged; one as faint as the first
+/// is the black of night, where colour says nothing of distance.
+const NIGHT: [f32; 2] = [0.05, 0.14];
+
 /// Waters and options of a fusion after the safety bounds, and which of these acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -33,12 +37,14 @@ pub struct Bounds {
     pub red: bool,
     /// One of the two is doubtful: exchange does not strengthen the direct signal, or leaves it as it is.
     pub gain: bool,
+    /// The content's own veil is nearly black and its depth is from colour: of its water less is exchanged, or nothing.
+    pub night: bool,
 }
 
 impl Bounds {
     /// Whether any acted.
     pub fn any(self) -> bool {
-        self.glare || self.red || self.gain
+        self.glare || self.red || self.gain || self.night
     }
 }
 
@@ -54,6 +60,9 @@ impl<E: Encoding> Bounded<E> {
     ///   huge β_B would otherwise turn near things red;
     /// - exchange does not strengthen the direct signal; with depth from colour it leaves it as it is and
     ///   exchanges the backscatter alone: β_D is the most fragile of the estimates, and tints near things.
+    ///
+    /// Whatever the verdict, with depth from colour: of a veil that is nearly black less is exchanged the darker it is, for what
+    /// colour says of distance there is noise.
     ///
     /// One's own water is not glare to itself: fused with its own estimate, an image is still itself.
     pub fn new(content: &Estimate<E>, reference: &Estimate<E>, options: Options) -> Self {
@@ -72,6 +81,9 @@ impl<E: Encoding> Bounded<E> {
         }
         if content.quality.verdict != Verdict::Good {
             bounded.hold_red();
+        }
+        if content.depth_model.is_some() {
+            bounded.hold_night();
         }
         let both = [content, reference];
         if options.model == Model::Exchange && both.iter().any(|one| one.quality.verdict != Verdict::Good) {
@@ -92,6 +104,18 @@ impl<E: Encoding> Bounded<E> {
         let held = [red.min(largest), green, blue].map(|value| E::from_encoded(value * scale));
         self.reference.veiling_light = VeilingLight::new(held);
         self.bounds.glare = true;
+    }
+
+    /// F comes nearer to 1: things and black water stay as they are.
+    fn hold_night(&mut self) {
+        let brightest = self.content.veiling_light.rgb().map(E::to_encoded).into_iter().fold(0.0, f32::max);
+        let seen = ((brightest - NIGHT[0]) / (NIGHT[1] - NIGHT[0])).clamp(0.0, 1.0);
+        if seen < 1.0 {
+            let coefficient = self.content.backscatter_coefficient.map(|coefficient| seen * coefficient);
+            self.content.backscatter_coefficient = coefficient;
+            self.depth_factors = self.depth_factors.map(|factors| factors.faded(seen));
+            self.bounds.night = true;
+        }
     }
 
     fn hold_gain(&mut self, from_colour: bool) {
@@ -146,6 +170,27 @@ mod tests {
 
     const BLUE: [f32; 3] = [0.01, 0.4, 0.6];
     const GLARE: [f32; 3] = [0.95, 0.92, 0.9];
+
+    #[test]
+    fn of_a_black_veil_nothing_is_exchanged_with_depth_from_colour() {
+        let factors = DepthFactors::from_knots(&[(0.5, [0.4; 3]), (1.0, [0.1; 3])]);
+        let other = estimate(BLUE, [1.0; 3], Quality::default());
+        let most = |brightness: f32, depth_model: Option<DepthModel>| {
+            let own = Estimate {
+                depth_model,
+                depth_factors: factors,
+                ..estimate([brightness; 3], [1.0; 3], Quality::default())
+            };
+            let bounded = Bounded::new(&own, &other, Options::for_model(Model::Physical));
+            let shift = TransferLaw::new(bounded.waters(), &bounded.options).at(1.0).offset[2];
+            (bounded.bounds.night, shift)
+        };
+        let colour = Some(DepthModel::default());
+        assert_eq!(most(0.03, colour), (true, 0.0));
+        let (dim, lit) = (most(0.1, colour), most(0.14, colour));
+        assert!(dim.0 && dim.1 > 0.0 && dim.1 < 0.7 * lit.1, "{dim:?} {lit:?}");
+        assert!(!lit.0 && !most(0.03, None).0 && most(0.03, None).1 > 0.3, "{lit:?}");
+    }
 
     #[test]
     fn good_estimates_are_not_bounded() {

@@ -17,7 +17,7 @@ use crate::waterbody::{DepthFactors, Waterbody};
 /// # Examples
 ///
 /// ```
-/// use aquafuse::fusion::{TransferLaw, Options, Waters};
+/// use aquafuse::fusion::{Model, TransferLaw, Options, Waters};
 /// use aquafuse::waterbody::{Attenuation, VeilingLight, Waterbody};
 ///
 /// let blue: Waterbody = Waterbody {
@@ -26,7 +26,7 @@ use crate::waterbody::{DepthFactors, Waterbody};
 ///     attenuation: [Attenuation::constant(0.5)?; 3],
 /// };
 /// let green = Waterbody { veiling_light: VeilingLight::new([0.0, 0.6, 0.2]), ..blue };
-/// let law = TransferLaw::new(Waters::new(&blue, &green), &Options::default());
+/// let law = TransferLaw::new(Waters::new(&blue, &green), &Options::for_model(Model::Aquafuse));
 /// assert_eq!(law.at(0.0).of([0.1, 0.5, 0.9]), [0.1, 0.5, 0.9]);
 /// // The shift peaks at β_B z = ln 2, at a quarter of the difference times cos 45°.
 /// let peak = law.at(2.0_f32.ln()).offset;

@@ -5,10 +5,10 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum Model {
-    /// The paper's: a veil over the middle distance, nothing at the camera nor in open water.
-    #[default]
+    /// The paper's equations to the letter: a veil over the middle distance, nothing at the camera nor in open water.
     Aquafuse,
-    /// The whole backscatter: open water takes the reference's colour.
+    /// The whole backscatter: open water takes the reference's colour, as in the paper's figures. The default.
+    #[default]
     Physical,
     /// The whole water: backscatter, and how the scene's own light fades. Strongest and most fragile: it
     /// needs β_D of both waters and a depth whose 0 is at the camera, so measured rather than from colour.

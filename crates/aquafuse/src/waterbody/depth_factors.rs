@@ -61,6 +61,13 @@ impl DepthFactors {
         std::array::from_fn(|c| (before[c] + share * (factors[c] - before[c])).max(factors[c].min(before[c])))
     }
 
+    /// The same with only this share of what is missing to 1.
+    pub(crate) fn faded(mut self, share: f32) -> Self {
+        let factors = self.factors.as_flattened_mut();
+        factors.iter_mut().for_each(|factor| *factor = 1.0 - share * (1.0 - *factor));
+        self
+    }
+
     /// Red is nowhere less than the lesser of green and blue; whether it was anywhere.
     pub(crate) fn hold_red(&mut self) -> bool {
         let mut held = false;

@@ -103,8 +103,8 @@ pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize,
     if tally.vanished > 0 {
         let _ = writeln!(
             text,
-            "  WARNING: the water hides the scene in {} variants (`contrast_left` in the manifest); use a smaller \
-             --metres-at-one, or --model physical",
+            "  WARNING: the water hides the scene in {} variants (`contrast_left` in the manifest); say how far \
+             one sees with --visibility METRES, or take --model physical",
             tally.vanished
         );
     }

@@ -5,15 +5,19 @@ use std::time::{Duration, Instant};
 
 use aquafuse::Fuser;
 use aquafuse::depth::{self, DepthMap};
-use aquafuse::formation::{BoundedRestoration, RestoreOptions, restore_mut};
-use aquafuse::fusion::{self, Bounded};
+use aquafuse::formation::{BoundedRestoration, RestoreOptions};
+use aquafuse::fusion::{self, Bounded, Model};
 use aquafuse::image::{Encoded, Image, ImageError};
+use aquafuse::levels::LevelsOptions;
 use aquafuse::smooth::{Smoothing, bilateral_into};
 use aquafuse::stream::Stream;
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::{self, Estimate};
 use clap::ValueEnum;
 use serde::Serialize;
+
+/// The model that is measured: the pipeline in OpenCV, which stands beside it, is timed with this one.
+pub(super) const MODEL: Model = Model::Aquafuse;
 
 /// How long one case is measured without --frames.
 const TRIED: Duration = Duration::from_millis(500);
@@ -91,7 +95,7 @@ impl Images {
         smoothing: Smoothing,
         frames: Option<u32>,
     ) -> Result<Speed, ImageError> {
-        let mut stream = Stream::new(Fuser::new(&self.reference)?.smoothing(smoothing));
+        let mut stream = Stream::new(Fuser::new(&self.reference)?.model(MODEL).smoothing(smoothing));
         let mut fused = self.content.clone();
         self.speed(frames, || {
             if let Reference::Estimated = reference {
@@ -102,14 +106,15 @@ impl Images {
         })
     }
 
-    /// The content without its water.
+    /// The content without its water, its levels set.
     pub(super) fn restored(&self, frames: Option<u32>) -> Result<Speed, ImageError> {
-        let options = RestoreOptions::default();
+        let (options, levels) = (RestoreOptions::default(), LevelsOptions::default());
         self.speed(frames, || {
             let (z, found) = estimate(&self.content)?;
             let bounded = BoundedRestoration::new(&self.content, &z, &found, &options)?;
             let mut clear = self.content.clone();
-            restore_mut(&mut clear, &z, &bounded.water, &bounded.options)?;
+            let levels = bounded.levels(&clear, &z, &levels)?;
+            bounded.restore_and_level_mut(&mut clear, &z, &levels)?;
             black_box(clear);
             Ok(())
         })
@@ -118,7 +123,7 @@ impl Images {
     /// Each stage of a frame by itself.
     pub(super) fn stages(&self, frames: Option<u32>) -> Result<Stages, ImageError> {
         let (content, (z, own)) = (&self.content, estimate(&self.content)?);
-        let bounded = Bounded::new(&own, &estimate(&self.reference)?.1, fusion::Options::default());
+        let bounded = Bounded::new(&own, &estimate(&self.reference)?.1, fusion::Options::for_model(MODEL));
         let mut fused = content.clone();
         Ok(Stages {
             depth: median(frames, || {

@@ -2,12 +2,11 @@
 
 use std::fmt;
 
-use aquafuse::fusion::Model;
 use aquafuse::smooth::Smoothing;
 use aquafuse::truth::Size;
 use serde::Serialize;
 
-use super::measure::{Reference, Speed, Stages};
+use super::measure::{MODEL, Reference, Speed, Stages};
 
 /// Whole frames, fused.
 #[derive(Serialize)]
@@ -35,7 +34,7 @@ impl Case {
         speed: Speed,
         stages: Stages,
     ) -> Self {
-        let (smooth, model) = (smoothing.name(), Model::default().name());
+        let (smooth, model) = (smoothing.name(), MODEL.name());
         Self { width, height, threads, reference, smooth, model, speed, stages }
     }
 }

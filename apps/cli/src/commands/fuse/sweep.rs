@@ -96,7 +96,7 @@ impl Sweep {
         for (caption, options) in steps {
             let mut fused = content.clone();
             let operation = Operation::Fuse { reference: *reference, options };
-            operation.apply(&mut fused.pixels, &found).map_err(Failure::work)?;
+            operation.apply(&mut fused.pixels, Some(&found)).map_err(Failure::work)?;
             fused.pixels = fused.pixels.smoothed(settings.smoothing);
             cells.push(Cell { caption, image: Some(seen(fused)) });
         }

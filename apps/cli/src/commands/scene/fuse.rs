@@ -24,7 +24,7 @@ use crate::report::water::veiling_light;
 #[derive(Args)]
 #[command(after_help = "\
 Example:
-  aquafuse scene fuse reef/ green.jpg -o reef_green/ --model physical")]
+  aquafuse scene fuse reef/ green.jpg -o reef_green/")]
 pub(crate) struct Fuse {
     /// A folder with cameras and images.
     scene: PathBuf,
@@ -45,6 +45,7 @@ pub(crate) struct Fuse {
 impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let Settings { depth_model, options, smoothing, .. } = self.settings.get();
+        self.waters.refuse_unread(options.model)?;
         let water = WaterSource::parse(&self.water)?;
         let (scene, output) = (&self.scene, &self.output);
         let plan = Plan::new(&Request { scene, output, depth_model, overwrite: self.overwrite })?;

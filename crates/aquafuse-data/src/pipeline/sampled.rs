@@ -1,0 +1,70 @@
+//! Some pixels of an image, before and after an operation: how much of its contrast is left, how much it changed.
+
+use aquafuse::image::{Image, Sample};
+use aquafuse::metrics::lab;
+
+/// Pixels looked at: a mean needs no more.
+const PIXELS: usize = 1 << 12;
+
+/// Encoded colours of some rows.
+pub(super) struct Sampled(Vec<[f32; 3]>);
+
+impl Sampled {
+    pub(super) fn of<T: Sample>(image: &Image<T>) -> Self {
+        // Rows as far apart as makes so many pixels.
+        let step = image.pixels().len().div_ceil(PIXELS);
+        let rows = image.pixels().chunks(image.size().0).step_by(step);
+        Self(rows.flatten().map(|pixel| pixel.map(Sample::to_unit)).collect())
+    }
+
+    /// The mean distance in CIELab (ΔE 1976) from the same pixels before.
+    pub(super) fn change_from(&self, before: &Self) -> f64 {
+        let distance = |(after, before): (&[f32; 3], &[f32; 3])| {
+            let (after, before) = (lab(*after), lab(*before));
+            after.iter().zip(before).map(|(after, before)| (after - before).powi(2)).sum::<f64>().sqrt()
+        };
+        self.0.iter().zip(&before.0).map(distance).sum::<f64>() / self.0.len() as f64
+    }
+
+    /// The deviation of green as a share of what it was; 1 where there was none.
+    pub(super) fn contrast_beside(&self, before: &Self) -> f64 {
+        let before = before.deviation();
+        if before > 0.0 { self.deviation() / before } else { 1.0 }
+    }
+
+    fn deviation(&self) -> f64 {
+        let greens = || self.0.iter().map(|[_, green, _]| f64::from(*green));
+        let count = self.0.len() as f64;
+        let mean = greens().sum::<f64>() / count;
+        (greens().map(|green| (green - mean).powi(2)).sum::<f64>() / count).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grey(values: [u8; 4]) -> Sampled {
+        let samples = values.iter().flat_map(|&value| [value; 3]).collect();
+        Sampled::of(&Image::<u8>::from_raw(2, 2, samples).unwrap())
+    }
+
+    #[test]
+    fn half_the_contrast_is_half() {
+        let (whole, half) = (grey([0, 200, 0, 200]), grey([50, 150, 50, 150]));
+        assert!((half.contrast_beside(&whole) - 0.5).abs() < 1e-6);
+        assert_eq!(half.contrast_beside(&grey([7; 4])), 1.0);
+    }
+
+    #[test]
+    fn from_black_to_white_is_a_change_of_100() {
+        assert!((grey([255; 4]).change_from(&grey([0; 4])) - 100.0).abs() < 0.1);
+        assert_eq!(grey([9; 4]).change_from(&grey([9; 4])), 0.0);
+    }
+
+    #[test]
+    fn a_large_image_is_looked_at_in_rows() {
+        let image = Image::<u8>::from_raw(64, 640, vec![3; 64 * 640 * 3]).unwrap();
+        assert_eq!(Sampled::of(&image).0.len(), 64 * 64);
+    }
+}

@@ -1,0 +1,89 @@
+//! A restoration whose levels are set in the same pass: values are rounded once.
+
+use std::marker::PhantomData;
+
+use super::{BoundedRestoration, undoing};
+use crate::depth::{DepthMap, LEVELS, level_to_z};
+use crate::image::{Clipping, Encoding, ImageError, ImageMut, ImageRef, Sample};
+use crate::levels::{Before, Levels, LevelsOptions};
+
+impl<E: Encoding> BoundedRestoration<E> {
+    /// The levels of what [`restore_and_level_mut`](Self::restore_and_level_mut) restores. With depth from colour red is kept from
+    /// leading where it did not.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError`] when image and depth map differ in size.
+    pub fn levels<'a, T: Sample>(
+        &self,
+        image: impl Into<ImageRef<'a, T>>,
+        depth: &DepthMap,
+        options: &LevelsOptions,
+    ) -> Result<Levels, ImageError> {
+        let image = image.into();
+        depth.check_fits(image.size())?;
+        Ok(Levels::of_restored(image, options, self.depth_from_colour, &self.restored(depth)))
+    }
+
+    /// Restores an encoded image by Eq. 2 in the encoding of the water, and sets its levels.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError`] when image and depth map differ in size; the image is then unchanged.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse::{depth, formation::{BoundedRestoration, RestoreOptions}, image::Image, levels::LevelsOptions};
+    /// use aquafuse::{truth, waterbody};
+    ///
+    /// let scene = truth::Scene::new(1, truth::Size { width: 96, height: 64 });
+    /// let mut image: Image<u8> = scene.seen_through(&truth::waters()[0].water).convert();
+    /// let z = depth::estimate(&image);
+    /// let found = waterbody::estimate(&image, &z, &Default::default())?;
+    /// let bounded = BoundedRestoration::new(&image, &z, &found, &RestoreOptions::default())?;
+    /// let levels = bounded.levels(&image, &z, &LevelsOptions::default())?;
+    /// bounded.restore_and_level_mut(&mut image, &z, &levels)?;
+    /// # Ok::<(), aquafuse::image::ImageError>(())
+    /// ```
+    pub fn restore_and_level_mut<'a, T: Sample>(
+        &self,
+        image: impl Into<ImageMut<'a, T>>,
+        depth: &DepthMap,
+        levels: &Levels,
+    ) -> Result<Clipping, ImageError> {
+        let image = image.into();
+        depth.check_fits(image.size())?;
+        Ok(levels.apply_restored(image, &self.restored(depth)))
+    }
+
+    fn restored<'a>(&self, depth: &'a DepthMap) -> Restored<'a, E, impl Fn(f32) -> Change + Sync> {
+        let law = undoing(&self.water, &self.options);
+        let levels = depth.levels();
+        let table = levels.map(|levels| (levels, std::array::from_fn(|level| law(level_to_z(level as u8)))));
+        Restored { depth, table, law, encoding: PhantomData::<E> }
+    }
+}
+
+/// Gain and backscatter.
+type Change = ([f32; 3], [f32; 3]);
+
+/// Eq. 2 in encoding `E`, from an encoded value to an encoded value.
+struct Restored<'a, E, L> {
+    depth: &'a DepthMap,
+    /// Of depth in levels: the levels, and the law at each.
+    table: Option<(&'a [u8], [Change; LEVELS])>,
+    law: L,
+    encoding: PhantomData<E>,
+}
+
+impl<E: Encoding, L: Fn(f32) -> Change + Sync> Before for Restored<'_, E, L> {
+    #[inline(always)]
+    fn at(&self, x: usize, y: usize, raw: [f32; 3]) -> [f32; 3] {
+        let (gain, backscatter) = match &self.table {
+            Some((levels, table)) => table[usize::from(levels[y * self.depth.width() + x])],
+            None => (self.law)(self.depth.at(x, y)),
+        };
+        std::array::from_fn(|c| E::to_encoded((E::from_encoded(raw[c]) - backscatter[c]) * gain[c]))
+    }
+}

@@ -127,7 +127,7 @@ impl LevelsOptions {
 /// use aquafuse::levels::{Levels, LevelsOptions};
 ///
 /// // A dim image with a blue cast.
-/// let row: Vec<u8> = (0..64).flat_map(|x| [20 + x / 4, 40 + x, 60 + 2 * x]).collect();
+/// let row: Vec<u8> = (0..64).flat_map(|x| [60 + x, 80 + 2 * x, 100 + 2 * x]).collect();
 /// let mut image = Image::<u8>::from_raw(64, 1, row)?;
 /// let levels = Levels::of(&image, &LevelsOptions::default());
 /// levels.apply(&mut image);

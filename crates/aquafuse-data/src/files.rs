@@ -8,6 +8,7 @@ mod error;
 mod folders;
 mod lock;
 mod tally;
+mod text;
 
 pub(crate) use atomic::{Output, Staged, write_atomically};
 pub use atomic::{abandon_parts, remove_stale_parts, write_bytes, write_text};
@@ -21,3 +22,4 @@ pub use error::FileError;
 pub use folders::{holds_files, make_folder, make_folder_of};
 pub(crate) use lock::lock;
 pub use tally::{Step, Tally, count, tally};
+pub(crate) use text::{decoded, text_of};

@@ -52,12 +52,6 @@ const OF_LABELS: [&str; 35] = [
     "lmdb",
     "mdb",
 ];
-/// Extensions of pictures that are not read.
-const OF_PICTURES: [&str; 17] = [
-    "heic", "heif", "avif", "jp2", "j2k", "jxl", "dng", "arw", "cr2", "cr3", "nef", "gpr", "orf", "raf",
-    "rw2", "srw", "insp",
-];
-
 /// What kind of file was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -185,7 +179,7 @@ fn kind(tree: &Tree, path: &str, stems: &BTreeSet<String>) -> Kind {
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension).to_lowercase();
     let own = stem(name).to_lowercase();
     let is_about_image = stems.contains(&own) || without_end(&own).is_some_and(|own| stems.contains(own));
-    if Format::listed(Path::new(name)) || OF_PICTURES.contains(&extension.as_str()) {
+    if Format::listed(Path::new(name)) || Format::is_other(Path::new(name)) {
         return Kind::Picture;
     }
     match extension.as_str() {

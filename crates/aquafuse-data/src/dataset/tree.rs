@@ -71,6 +71,9 @@ impl Tree {
                     Ok(target) if target.starts_with(home) && target.is_file() => {
                         self.files.insert(path);
                     }
+                    Ok(target) if target.starts_with(home) => {
+                        self.faults.add(Fault::new(path, "a link to a folder, which is not followed"));
+                    }
                     _ => {
                         self.faults
                             .add(Fault::new(path, "a link that is broken or leads out of the dataset"));

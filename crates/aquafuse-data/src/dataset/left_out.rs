@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::de::IgnoredAny;
 
-use super::masks::{self, without_end};
+use super::masks::{is_mask, without_end};
 use super::tree::{NO_TEXT, Tree};
 use super::{Dataset, Fault, Index, foreign, split, stem};
 use crate::files::display;
@@ -183,13 +183,11 @@ fn kind(tree: &Tree, path: &str, stems: &BTreeSet<String>) -> Kind {
         return Kind::Picture;
     }
     match extension.as_str() {
-        "gif" if is_about_image && super::places::is_in(path, &masks::NAMES) => Kind::Mask,
+        "gif" if is_about_image && is_mask(path) => Kind::Mask,
         "gif" => Kind::Picture,
         extension if OF_LABELS.contains(&extension) => Kind::Labels,
         "txt" | "" if is_about_image || stems.contains(stem(&own)) => Kind::Labels,
-        "txt" if super::places::is_in(path, &masks::NAMES) || foreign::is_table_of_images(tree, path) => {
-            Kind::Labels
-        }
+        "txt" if is_mask(path) || foreign::is_table_of_images(tree, path) => Kind::Labels,
         _ => Kind::Other,
     }
 }

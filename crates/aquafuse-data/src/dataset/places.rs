@@ -31,7 +31,7 @@ pub(super) fn of_images(folder: &str, names: &[&str]) -> Vec<String> {
 }
 
 /// What they are called, and nothing else is: images stand here even where a folder above is called as masks are.
-const ONLY_IMAGES: [&str; 6] = ["images", "image", "imgs", "img", "img_dir", "jpegimages"];
+pub(super) const ONLY_IMAGES: [&str; 6] = ["images", "image", "imgs", "img", "img_dir", "jpegimages"];
 
 /// Whether a folder in the path is called so, and none below it holds images.
 pub(super) fn is_in(path: &str, names: &[&str]) -> bool {
@@ -40,7 +40,7 @@ pub(super) fn is_in(path: &str, names: &[&str]) -> bool {
     last.is_some_and(|part| is_one_of(part, names))
 }
 
-fn is_one_of(part: &str, names: &[&str]) -> bool {
+pub(super) fn is_one_of(part: &str, names: &[&str]) -> bool {
     names.iter().any(|name| part.eq_ignore_ascii_case(name))
 }
 

@@ -8,15 +8,14 @@ use std::path::Path;
 use tiff::ColorType;
 use tiff::decoder::Decoder;
 
-use super::masks::{self, without_end};
-use super::places::is_in;
+use super::masks::{is_mask, without_end};
 use super::tree::Tree;
 use super::{split, stem};
 use crate::files::catch_panic;
 use crate::image_file::{Format, open_file};
 
-/// Images of another one's name that stand where masks do, are called as masks are, have no colours, or stand beside a
-/// JPEG.
+/// Images that stand where masks do; and those of another one's name that are called as masks are, have no colours, or
+/// stand beside a JPEG.
 pub(super) fn suspects(tree: &Tree) -> BTreeSet<String> {
     let mut by_name: BTreeMap<String, Vec<&String>> = BTreeMap::new();
     for path in tree.images() {
@@ -24,12 +23,15 @@ pub(super) fn suspects(tree: &Tree) -> BTreeSet<String> {
         by_name.entry(without_end(name).unwrap_or(name).to_lowercase()).or_default().push(path);
     }
     let alike = by_name.into_values().filter(|alike| alike.len() > 1);
-    alike.flat_map(|alike| of_one_name(tree, &alike)).collect()
+    let alike = alike.flat_map(|alike| of_one_name(tree, &alike));
+    // Where no image stands elsewhere, the folders say nothing.
+    let are_others = tree.images().any(|path| !is_mask(path));
+    alike.chain(tree.images().filter(|path| are_others && is_mask(path)).cloned()).collect()
 }
 
 /// Those among images that may be called alike because some are about others.
 fn of_one_name(tree: &Tree, alike: &[&String]) -> Vec<String> {
-    let by_place = |path: &&&String| is_in(path, &masks::NAMES) || without_end(stem(split(path).1)).is_some();
+    let by_place = |path: &&&String| is_mask(path) || without_end(stem(split(path).1)).is_some();
     let (mut found, images): (Vec<&String>, Vec<&String>) = alike.iter().partition(by_place);
     if images.is_empty() {
         return Vec::new();

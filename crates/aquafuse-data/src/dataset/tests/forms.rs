@@ -133,12 +133,26 @@ fn masks_are_found_in_splits_and_in_folders_of_classes() {
         ("images/train/a.jpg", &["masks/fish/train/a.png", "masks/train/fish/a_mask.png"]),
         ("a.jpg", &["masks/a.png"]),
         ("rgb/a.jpg", &["depth/a.tif"]),
+        ("train/a.png", &["train_labels/a.png"]),
+        ("train/a.png", &["trainannot/a.png"]),
+        ("Images/a.jpg", &["GroundTruth/a_GT.png"]),
+        ("JPEGImages/a.jpg", &["SegmentationClass/a.png", "SegmentationObject/a.png"]),
+        ("train/images/a.jpg", &["masks/train/a.png"]),
+        ("images_train/a.jpg", &["CombinedMasks_train/a.png"]),
     ] {
         let files: Vec<(&str, &str)> = [key].iter().chain(masks).map(|path| (*path, "")).collect();
         let found = opened(&folder(&files));
         assert_eq!((found.layout, faults(&found)), (Layout::Masks, Vec::new()), "{key}");
         assert_eq!((keys(&found), companions(&found)), (vec![key], vec![masks.to_vec()]));
     }
+    // No mask of another split.
+    let set = folder(&[
+        ("train/a.png", ""),
+        ("train_labels/a.png", ""),
+        ("val/a.png", ""),
+        ("val_labels/a.png", ""),
+    ]);
+    assert_eq!(companions(&opened(&set)), [["train_labels/a.png"], ["val_labels/a.png"]]);
     // Other layouts carry masks too.
     let both = folder(&[("images/a.jpg", ""), ("labels/a.txt", "0 0.5 0.5 0.1 0.1\n"), ("masks/a.png", "")]);
     assert_eq!(companions(&opened(&both)), [["labels/a.txt", "masks/a.png"]]);

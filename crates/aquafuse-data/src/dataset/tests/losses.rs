@@ -109,6 +109,7 @@ fn a_mask_is_never_an_image() {
         ("i0.png", "i0_SEG.png", 1),
         ("pictures/i0.png", "coloured/i0.png", 1),
         ("a/pictures/i0.jpg", "b/masks/i0.png", 3),
+        ("x/images/x.png", "x/masks/0.png", 3),
         ("i0.jpg", "other/i0.tif", 1),
         ("i0.jpg", "other/i0.bmp", 1),
     ] {

@@ -15,7 +15,7 @@ use crate::image_file::Format;
 /// Names that are given of each kind.
 const NAMED: usize = 3;
 /// Extensions of files that hold annotations more often than anything else.
-const OF_LABELS: [&str; 35] = [
+const OF_LABELS: [&str; 38] = [
     "json",
     "jsonl",
     "ndjson",
@@ -50,8 +50,14 @@ const OF_LABELS: [&str; 35] = [
     "7z",
     "rar",
     "lmdb",
+    "xlsx",
+    "xls",
+    "ods",
     "mdb",
 ];
+/// Extensions of files that cameras and their programs write beside images.
+const OF_CAMERAS: [&str; 5] = ["xmp", "thm", "aae", "pp3", "dop"];
+
 /// What kind of file was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -102,6 +108,9 @@ impl LeftOut {
     pub fn remedy(&self) -> String {
         match self.seems {
             Some(foreign::Format { name, remedy }) => format!("They seem to be {name}: {remedy}"),
+            None if self.count(Kind::Labels) == 0 => {
+                "Put masks into a folder masks/ beside the folder images/ of their images".to_owned()
+            }
             None => {
                 "Convert them to COCO, YOLO or Pascal VOC, or give the --format that they have".to_owned()
             }
@@ -186,7 +195,10 @@ fn kind(tree: &Tree, path: &str, stems: &BTreeSet<String>) -> Kind {
         "gif" if is_about_image && is_mask(path) => Kind::Mask,
         "gif" => Kind::Picture,
         extension if OF_LABELS.contains(&extension) => Kind::Labels,
-        "txt" | "" if is_about_image || stems.contains(stem(&own)) => Kind::Labels,
+        extension if OF_CAMERAS.contains(&extension) => Kind::Other,
+        // What is called as an image is about it, whatever it is.
+        _ if is_about_image || stems.contains(stem(&own)) => Kind::Labels,
+        _ if name.to_lowercase().contains(".tfrecord") => Kind::Labels,
         "txt" if is_mask(path) || foreign::is_table_of_images(tree, path) => Kind::Labels,
         _ => Kind::Other,
     }

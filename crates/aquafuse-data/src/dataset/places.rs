@@ -14,6 +14,7 @@ pub(super) const IMAGES: [&str; 11] =
 /// likeliest first. The folder itself is the last.
 pub(super) fn about(folder: &str, names: &[&str]) -> Vec<String> {
     let mut places = exchanged(folder, &IMAGES, names);
+    places.extend(moved(folder, &IMAGES, names));
     places.extend(names.iter().map(|name| join(folder, name)));
     places.push(folder.to_owned());
     places
@@ -22,6 +23,7 @@ pub(super) fn about(folder: &str, names: &[&str]) -> Vec<String> {
 /// The folders in which the images may stand that the files in `folder` are about: the other way round.
 pub(super) fn of_images(folder: &str, names: &[&str]) -> Vec<String> {
     let mut places = exchanged(folder, names, &IMAGES);
+    places.extend(moved(folder, names, &IMAGES));
     // `annotations/xmls/` is one folder to them.
     let within: Vec<String> = places.iter().flat_map(|place| places_without(place, names)).collect();
     places.extend(within);
@@ -57,6 +59,20 @@ fn exchanged(folder: &str, from: &[&str], to: &[&str]) -> Vec<String> {
         .flat_map(|place| to.iter().map(move |name| (place, *name)))
         .map(|(place, name)| with(place, name))
         .collect()
+}
+
+/// The folder without one part of its path that is among `from`, and with one of `to` elsewhere: `train/images` and
+/// `labels/train`.
+fn moved(folder: &str, from: &[&str], to: &[&str]) -> Vec<String> {
+    let mut places = Vec::new();
+    for rest in places_without(folder, from).into_iter().filter(|rest| !rest.is_empty()) {
+        let parts: Vec<&str> = rest.split('/').collect();
+        for at in 0..=parts.len() {
+            let (before, after) = parts.split_at_checked(at).unwrap_or_default();
+            places.extend(to.iter().map(|name| [before, &[name], after].concat().join("/")));
+        }
+    }
+    places
 }
 
 /// The folder without one part of its path that is among `names`.
@@ -106,8 +122,11 @@ mod tests {
     #[test]
     fn files_about_images_stand_where_people_put_them() {
         let of = |folder| about(folder, &["labels"]);
-        assert_eq!(of("images/train"), ["labels/train", "images/train/labels", "images/train"]);
-        assert_eq!(of("Images/img"), ["Images/labels", "labels/img", "Images/img/labels", "Images/img"]);
+        let has = |folder, place: &str| of(folder).iter().any(|found| found == place);
+        assert_eq!(of("images/train")[0], "labels/train");
+        assert!(has("images/train", "train/labels") && has("train/images", "labels/train"));
+        assert!(has("Images/img", "Images/labels") && has("Images/img", "Images/img/labels"));
+        assert_eq!(of("Images/img").last().map(String::as_str), Some("Images/img"));
         assert_eq!(of(""), ["labels", ""]);
         let back = of_images("a/Labels/train", &["labels"]);
         assert!(

@@ -90,7 +90,7 @@ impl From<FuseError> for Failure {
         match error {
             FuseError::File(error) => error.into(),
             FuseError::Cameras(error) => error.into(),
-            FuseError::Images(error) => Self::usage(error),
+            FuseError::Images(error) => error.into(),
             FuseError::Filled { .. } | FuseError::Input { .. } | FuseError::Water(_) => Self::usage(error),
             error => Self::work(error),
         }

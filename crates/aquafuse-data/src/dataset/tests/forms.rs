@@ -64,6 +64,7 @@ fn labels_of_yolo_are_found_under_all_names() {
         ("images/a.jpg", "labels/a.jpg.txt"),
         ("img/a.jpg", "label/a.txt"),
         ("train/a.jpg", "train/labels/a.txt"),
+        ("train/images/a.jpg", "labels/train/a.txt"),
         ("obj_train_data/a.PNG", "obj_train_data/a.txt"),
         ("a.jpg", "a.txt"),
     ] {

@@ -28,6 +28,8 @@ fn a_folder_is_plain_only_where_nothing_looks_like_annotations() {
         (&[("a.jpg", ""), ("labels.zip", "")], "unpack it"),
         (&[("a.jpg", ""), ("s0.tar.gz", "")], "gunzip"),
         (&[("a.jpg", ""), ("a.mat", "")], "1 .mat"),
+        (&[("a.jpg", ""), ("a.caption", "two fish")], "1 .caption"),
+        (&[("a.jpg", ""), ("x.tfrecord-00000-of-00001", "")], "x.tfrecord-00000"),
     ] {
         let text = unread(files);
         assert!(text.contains(said) && text.contains("--format folder"), "{text}");

@@ -102,9 +102,7 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Result<(), Failure> {
     signals::heed().map_err(Failure::work)?;
     let common = &cli.common;
-    if let Some(threads) = common.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::work)?;
-    }
+    start_threads(common.threads)?;
     match &cli.command {
         Command::Demo(demo) => demo.run(common.quiet),
         Command::Fuse(fuse) => fuse.run(common),
@@ -125,6 +123,15 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),
     }
+}
+
+/// Starts the threads that work on one image or file together. Their number is ours to say: one that the environment says
+/// would have no bounds. Where the system gives no threads, this one does the work.
+fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let started = pool(threads.map_or_else(cores, usize::from)).build_global();
+    started.or_else(|_| pool(1).use_current_thread().build_global()).map_err(Failure::work)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 #[cfg(unix)]
 mod unix {
-    use std::io::{IsTerminal, Write};
+    use std::io::{Error, IsTerminal, Write};
     use std::sync::Arc;
     use std::sync::atomic::AtomicBool;
 
@@ -18,17 +18,24 @@ mod unix {
         let heeded =
             [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & (1 << (signal - 1)) == 0);
         let mut signals = Signals::new(heeded)?;
-        std::thread::spawn(move || {
+        let heed = move || {
             let mut received = signals.forever();
             if let Some(signal) = received.next() {
                 // If the removal hangs on a disk that hangs, a second signal ends the process without it.
-                std::thread::spawn(move || stop(signal));
+                if thread(move || stop(signal)).is_err() {
+                    stop(signal);
+                }
             }
             if let Some(signal) = received.next() {
                 std::process::exit(128 + signal);
             }
-        });
-        Ok(())
+        };
+        thread(heed)
+            .map_err(|error| Error::new(error.kind(), "the system gives no more threads; end other programs"))
+    }
+
+    fn thread(work: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
+        std::thread::Builder::new().spawn(work).map(|_| ())
     }
 
     /// The signals that were ignored when we started, as bits; none where the system does not say.

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use aquafuse_data::files::display;
+use aquafuse_data::files::{display, one_line};
 
 /// The program that runs, if any.
 static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
@@ -74,7 +74,7 @@ fn failed(program: String, status: &ExitStatus, log: &Path) -> ToolError {
     let said = std::fs::read(log).unwrap_or_default();
     let said = String::from_utf8_lossy(&said);
     let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    let last = lines[lines.len().saturating_sub(LAST_LINES)..].join(" / ");
+    let last = one_line(&lines[lines.len().saturating_sub(LAST_LINES)..].join(" / "));
     ToolError::Failed { program, status: status.to_string(), last, log: display(log).to_string() }
 }
 

@@ -133,6 +133,23 @@ fn what_cannot_be_done_is_said_before_anything_is_made() {
 }
 
 #[test]
+fn what_is_left_out_is_named_and_a_dataset_without_its_annotations_is_no_folder() {
+    let run = fish(2);
+    fs::write(run.path("fish/boxes.csv"), "file,x\n0.png,1\n").unwrap();
+    let named = run.ok(&with(&["--dry-run"]));
+    assert!(named.stdout.contains("left out: 1 .csv (boxes.csv)"), "{}", named.stdout);
+    let quiet = run.ok(&with(&["--quiet"]));
+    assert!(quiet.stderr.contains("left out: 1 .csv (boxes.csv)"), "{}", quiet.stderr);
+    fs::remove_dir_all(run.path("fish/labels")).unwrap();
+    fs::remove_file(run.path("fish/data.yaml")).unwrap();
+    let refused = run.fails(2, &["augment", "fish", "waters", "-o", "plain"]);
+    assert!(refused.stderr.contains("reads none of them: 1 .csv (boxes.csv)"), "{}", refused.stderr);
+    assert!(!run.path("plain").exists());
+    run.ok(&["augment", "fish", "waters", "-o", "plain", "--format", "folder"]);
+    assert!(!run.path("plain/boxes.csv").exists());
+}
+
+#[test]
 fn an_image_that_fails_is_named_and_listed() {
     let run = fish(4);
     fs::write(run.path("fish/images/val/0.png"), "no image").unwrap();

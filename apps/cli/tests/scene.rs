@@ -89,8 +89,43 @@ fn an_orbit_is_a_row_of_frames_that_differ() {
     let mut names: Vec<_> =
         std::fs::read_dir(run.path("orbit")).unwrap().map(|one| one.unwrap().file_name()).collect();
     names.sort();
-    assert_eq!(names, [0, 1, 2, 3, 4].map(|i| OsString::from(format!("orbit_00{i}.png"))));
+    // The record comes first.
+    assert_eq!(names[1..], [0, 1, 2, 3, 4].map(|i| OsString::from(format!("orbit_00{i}.png"))));
     assert!(score(&run, "orbit/orbit_001.png", "orbit/orbit_003.png") < 30.0);
+}
+
+#[test]
+fn a_rendering_that_was_stopped_goes_on() {
+    let run = trained();
+    let all = ["scene", "render", "reef.ply", "reef", "-o", "views", "--longest", "64", "--depth"];
+    run.ok(&all);
+    let whole = run.bytes("views/view_003.png");
+    std::fs::remove_file(run.path("views/view_003.png")).unwrap();
+    let record = std::fs::read_to_string(run.path("views/aquafuse-job.jsonl")).unwrap();
+    let last = record.trim_end().rfind('\n').unwrap();
+    std::fs::write(run.path("views/aquafuse-job.jsonl"), &record[..=last]).unwrap();
+    std::fs::remove_file(run.path("views/view_003.depth.tiff")).unwrap();
+    let said = run.ok(&all).stdout;
+    assert!(said.contains("; 7 were rendered by an earlier run"), "{said}");
+    assert_eq!(run.bytes("views/view_003.png"), whole);
+    let other = run.fails(2, &[&all[..], &["--water", "none"]].concat());
+    assert!(other.stderr.contains("made with other settings"), "{}", other.stderr);
+    std::fs::write(run.path("views/view_004.png"), "mine").unwrap();
+    run.fails(2, &all);
+    assert_eq!(run.bytes("views/view_004.png"), b"mine");
+}
+
+#[test]
+fn images_that_are_missing_are_counted_and_left_out_on_request() {
+    let run = Run::new();
+    reef(&run);
+    scene(&run.path("green.png"), 3, "green");
+    std::fs::remove_file(run.path("reef/images/view_003.png")).unwrap();
+    let fuse = ["scene", "fuse", "reef", "green.png", "-o", "fused"];
+    let said = run.fails(2, &fuse).stderr;
+    assert!(said.contains("lacks 1 of the 9 images of the scene, first view_003.png"), "{said}");
+    let said = run.ok(&[&fuse[..], &["--skip-missing"]].concat()).stdout;
+    assert!(said.contains("8 images in green.png's water (left out, because missing: 1)"), "{said}");
 }
 
 #[test]

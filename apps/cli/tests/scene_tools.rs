@@ -73,6 +73,18 @@ fn a_scene_is_made_of_what_colmap_finds() {
 }
 
 #[test]
+fn no_python_of_the_current_folder_is_run() {
+    let run = Run::new();
+    reef(&run);
+    for module in ["pycolmap.py", "sqlite3.py", "pathlib.py", "site.py"] {
+        std::fs::write(run.path(module), "open('was_run', 'w')\n").unwrap();
+    }
+    let sfm = ["scene", "sfm", "reef/images", "-o", "reef3d"];
+    let _ = run.command(&sfm).env("PYTHONPATH", ".").output().unwrap();
+    assert!(!run.path("was_run").exists());
+}
+
+#[test]
 fn a_tool_that_fails_is_quoted_and_one_that_is_missing_is_named() {
     let run = Run::new();
     reef(&run);
@@ -80,7 +92,7 @@ fn a_tool_that_fails_is_quoted_and_one_that_is_missing_is_named() {
     let python = program(
         &run,
         "python",
-        "[ \"$2\" = 'import pycolmap' ] && exit 0\necho 'no two images see the same' >&2\nexit 3",
+        "case \"$*\" in *'import pycolmap') exit 0;; esac\necho 'no two images see the same' >&2\nexit 3",
     );
     let said = run.fails(1, &[&sfm[..], &["--python", &python]].concat()).stderr;
     assert!(said.contains("finding features: ") && said.contains("no two images see the same"), "{said}");

@@ -34,7 +34,7 @@ pub use verify::{Check, verify};
 pub use water::{OnDoubtful, Water};
 
 use crate::dataset::Dataset;
-use crate::files::{FileError, display, remove_stale_parts};
+use crate::files::{FileError, display, make_folder_within, remove_stale_parts};
 
 use crate::pipeline::PixelEncoding;
 use crate::run::{self, Ending, Event, Permit, RunOptions, Summary};
@@ -199,12 +199,16 @@ impl Augmentation {
             let place = samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok();
             place.filter(|_| self.shard.holds(key))
         };
-        let journal = Journal::open(&self.output, self.shard, &header, self.overwrite, &place)?;
+        let journal = Journal::open(
+            &self.output,
+            self.shard,
+            &header,
+            self.overwrite,
+            &self.run_options.reading,
+            &place,
+        )?;
         for folder in plan.folders() {
-            let folder = self.output.join(folder);
-            std::fs::create_dir_all(&folder)
-                .map_err(|error| FileError::Write { path: folder.clone(), cause: error.to_string() })?;
-            remove_stale_parts(&folder);
+            remove_stale_parts(&make_folder_within(&self.output, &folder)?);
         }
         listener(Event::Started { total: plan.files() });
         let maker = make::Maker::new(self, depths);
@@ -241,16 +245,17 @@ impl Augmentation {
 pub(crate) fn try_manifest(bytes: &[u8]) {
     use line::Line;
     use manifest::{Manifest, Sealing, scan};
-    let Ok(found) = Manifest::from(bytes) else { return };
+    let most_line = bytes.len() as u64;
+    let Ok(found) = Manifest::from(bytes, most_line.saturating_add(1)) else { return };
     let mut sealing = Sealing::begin(Vec::new(), &found.header).expect("memory takes what is written");
-    let scanned = scan(bytes, |line, _| {
+    let scanned = scan(bytes, most_line.saturating_add(1), |line, _| {
         if !matches!(line, Line::Index(_)) {
             sealing.add(line.text().as_bytes()).expect("memory takes what is written");
         }
     });
     assert!(scanned.is_ok(), "what was read is read again");
     let text = sealing.end(found.indices.clone()).expect("memory takes what is written");
-    let again = Manifest::from(text.as_slice()).expect("what is written is read");
+    let again = Manifest::from(text.as_slice(), u64::MAX).expect("what is written is read");
     assert_eq!(again, Manifest { sealed: Some(true), ..found });
 }
 

@@ -6,18 +6,26 @@
 pub(crate) mod coco;
 mod fault;
 mod folder;
+mod foreign;
 mod index;
+mod left_out;
+mod lists;
 mod masks;
+mod places;
 pub(crate) mod shards;
+mod suspects;
 pub(crate) mod tables;
 mod tree;
 mod voc;
 mod yolo;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 pub use fault::{Fault, Faults};
 pub use index::Index;
+pub use left_out::{Kind, LeftOut};
+pub(crate) use lists::named;
 pub(crate) use tree::{Tree, inside};
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use {
@@ -31,13 +39,13 @@ use crate::image_file::{ReadOptions, read_beside};
 /// How a dataset is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// Images in folders, without annotations.
+    /// Images in folders, without annotations. Detected only where nothing looks like annotations.
     Folder,
     /// Files of JSON with `images` and `annotations`: instances, keypoints, captions.
     Coco,
     /// One text file per image, in `labels/` for an image in `images/`: detection, segmentation, pose.
     Yolo,
-    /// One XML file per image, in `Annotations/` for an image in `JPEGImages/`.
+    /// One XML file per image, in `Annotations/` for an image in `JPEGImages/`, or beside it.
     Voc,
     /// WebDataset: tar files in which all members of a sample share its name.
     Shards,
@@ -81,7 +89,7 @@ impl Layout {
             Self::Folder => None,
             Self::Coco => coco::evidence(tree)?,
             Self::Yolo => yolo::evidence(tree)?,
-            Self::Voc => voc::evidence(tree),
+            Self::Voc => voc::evidence(tree)?,
             Self::Masks => masks::evidence(tree),
             Self::Shards => shards::evidence(tree),
             Self::Parquet => tables::evidence(tree),
@@ -102,6 +110,8 @@ pub struct Dataset {
     pub indices: Vec<Index>,
     /// The faults of its annotations.
     pub faults: Faults,
+    /// The files in its folder that are not part of it.
+    pub left_out: LeftOut,
 }
 
 /// An image of a dataset, with the files that are about it alone; or a file that [holds many](Layout::holds_many).
@@ -173,6 +183,21 @@ pub enum DatasetError {
         /// The dataset.
         root: PathBuf,
     },
+    /// There are annotations in it, and the layout reads none of them.
+    #[error(
+        "{} has files that look like annotations, and layout {layout} reads none of them: {left_out}. {}; or add --format \
+         folder to leave them out",
+        display(root),
+        left_out.remedy()
+    )]
+    Unread {
+        /// The dataset.
+        root: PathBuf,
+        /// The layout it was read as.
+        layout: &'static str,
+        /// The files.
+        left_out: Box<LeftOut>,
+    },
     /// There is no image in it.
     #[error(
         "{} holds no images in layout {layout}; name the top folder of the dataset, or another --format",
@@ -187,18 +212,20 @@ pub enum DatasetError {
 }
 
 impl Dataset {
-    /// Reads a dataset: its images and annotations. No image is opened.
+    /// Reads a dataset: its images and annotations. Of images only headers are read, and only where annotations leave a
+    /// question: a box that reaches over the edge, an image that may be a mask.
     ///
     /// Without a given layout, the layout is detected. No file about images may be larger than a quarter of the
-    /// memory that `reading` allows.
+    /// memory that `reading` allows. What the folder holds beside is in [`Dataset::left_out`].
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] when its folder cannot be read, more than one layout fits, or it holds no image. Faults
-    /// of annotations are no error; they are in [`Dataset::faults`].
-    pub fn open(root: &Path, layout: Option<Layout>, reading: &ReadOptions) -> Result<Self, DatasetError> {
+    /// [`DatasetError`] when its folder cannot be read, more than one layout fits, it holds no image, or it holds
+    /// annotations of which none is read and the layout is not given as [`Layout::Folder`]. Faults of annotations are
+    /// no error; they are in [`Dataset::faults`].
+    pub fn open(root: &Path, given: Option<Layout>, reading: &ReadOptions) -> Result<Self, DatasetError> {
         let tree = Tree::of(root, reading)?;
-        let layout = match layout {
+        let layout = match given {
             Some(layout) => layout,
             None => recognise(root, &tree)?,
         };
@@ -208,6 +235,7 @@ impl Dataset {
             samples: Vec::new(),
             indices: Vec::new(),
             faults: tree.faults.clone(),
+            left_out: LeftOut::default(),
         };
         match layout {
             Layout::Folder => folder::read(&tree, &mut dataset),
@@ -221,14 +249,46 @@ impl Dataset {
             }
             Layout::Parquet => tables::read(&tree, &mut dataset),
         }
-        dataset.samples.sort_by(|a, b| a.key.cmp(&b.key));
-        for (sample, rank) in dataset.samples.iter_mut().zip(0..) {
-            sample.rank = rank;
+        dataset.complete(&tree);
+        let (root, layout_name) = (root.to_owned(), layout.name());
+        if dataset.is_without_annotations() && given != Some(Layout::Folder) && dataset.left_out.has_labels()
+        {
+            let left_out = Box::new(dataset.left_out);
+            return Err(DatasetError::Unread { root, layout: layout_name, left_out });
         }
         if dataset.samples.is_empty() && dataset.faults.is_empty() {
-            return Err(DatasetError::Empty { root: root.to_owned(), layout: layout.name() });
+            return Err(DatasetError::Empty { root, layout: layout_name });
         }
         Ok(dataset)
+    }
+
+    /// Adds what any layout may have beside its own annotations, sorts the samples, and names what is left.
+    fn complete(&mut self, tree: &Tree) {
+        let mut masks = BTreeSet::new();
+        if !self.layout.holds_many() {
+            if self.layout != Layout::Folder {
+                masks::attach(tree, self);
+            }
+            masks = suspects::suspects(tree);
+            let is_named = self.layout == Layout::Coco;
+            self.samples
+                .retain(|sample| is_named || !sample.companions.is_empty() || !masks.contains(&sample.key));
+            lists::attach(tree, self);
+        }
+        self.samples.sort_by(|a, b| a.key.cmp(&b.key));
+        for (sample, rank) in self.samples.iter_mut().zip(0..) {
+            sample.rank = rank;
+        }
+        left_out::look(tree, &masks, self);
+    }
+
+    /// Whether no annotation was read, and none was found to be bad.
+    fn is_without_annotations(&self) -> bool {
+        let is_coco = |index: &Index| matches!(index, Index::Coco(_));
+        !self.layout.holds_many()
+            && self.faults.is_empty()
+            && self.samples.iter().all(|sample| sample.companions.is_empty())
+            && !self.indices.iter().any(is_coco)
     }
 }
 
@@ -240,6 +300,10 @@ fn recognise(root: &Path, tree: &Tree) -> Result<Layout, DatasetError> {
         fits.extend(evidence.map(|evidence| (layout, evidence)));
     }
     let said = |(layout, evidence): &(Layout, String)| format!("{} ({evidence})", layout.name());
+    // Every layout carries masks too.
+    if fits.len() > 1 {
+        fits.retain(|(layout, _)| *layout != Layout::Masks);
+    }
     match fits.as_slice() {
         [] => Ok(Layout::Folder),
         [(layout, _)] => Ok(*layout),

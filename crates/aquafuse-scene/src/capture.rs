@@ -37,6 +37,23 @@ pub enum CaptureError {
     /// An image.
     #[error(transparent)]
     Image(#[from] FileError),
+    /// Images are not there.
+    #[error(
+        "{} lacks {missing} of the {of} images of the scene, first {}. Put them there, name another folder (--images), or \
+         go on without them (--skip-missing)",
+        display(folder),
+        display(first)
+    )]
+    Missing {
+        /// The folder of images.
+        folder: PathBuf,
+        /// The first image that is missing.
+        first: PathBuf,
+        /// How many are missing.
+        missing: usize,
+        /// How many there should be.
+        of: usize,
+    },
     /// An image has another shape than its camera says.
     #[error(
         "{} is {}x{} pixels, but its camera has {}x{}: use the images that the model was made of, or ones scaled evenly",
@@ -56,10 +73,38 @@ pub enum CaptureError {
     },
 }
 
-/// The folder of a scene's images.
-pub fn images_of(scene: &Path) -> PathBuf {
+/// The folder that the names of a scene's images begin at: `images` in the scene's folder, or that folder itself, whichever
+/// holds more of them.
+pub fn images_of(scene: &Path, cameras: &Cameras) -> PathBuf {
     let images = scene.join("images");
-    if images.is_dir() { images } else { scene.to_owned() }
+    let held = |folder: &Path| {
+        cameras.images.iter().filter(|one| folder.join(&one.name).symlink_metadata().is_ok()).count()
+    };
+    match images.is_dir() && held(&images) >= held(scene) {
+        true => images,
+        false => scene.to_owned(),
+    }
+}
+
+/// Leaves the cameras out whose images are not there, if `skip` says so; gives how many they are.
+///
+/// # Errors
+///
+/// [`CaptureError::Missing`] when some are missing and none may be, or all are.
+pub fn without_missing(cameras: &mut Cameras, images: &Path, skip: bool) -> Result<usize, CaptureError> {
+    let is_there = |one: &PosedImage| images.join(&one.name).symlink_metadata().is_ok();
+    let of = cameras.images.len();
+    let first = cameras.images.iter().find(|one| !is_there(one)).map(|one| one.name.clone());
+    let missing = cameras.images.iter().filter(|one| !is_there(one)).count();
+    match first {
+        Some(first) if !skip || missing == of => {
+            Err(CaptureError::Missing { folder: images.to_owned(), first, missing, of })
+        }
+        _ => {
+            cameras.images.retain(is_there);
+            Ok(missing)
+        }
+    }
 }
 
 /// Reads the images that `cameras` belong to, each no longer than `longest` pixels on its longer side.
@@ -114,4 +159,37 @@ fn undistorted(lens: &Lens, image: &Image<f32>, longest: usize) -> Option<(Camer
     let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
     let (small_width, small_height) = (side(width), side(height));
     Some((lens.camera.scaled_to(small_width, small_height), shrunk(&straight, small_width, small_height)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::truth;
+
+    #[test]
+    fn missing_images_are_counted_and_may_be_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let images: Vec<PosedImage> = truth::views(1, aquafuse::truth::Size { width: 8, height: 6 }, 3, 1)
+            .iter()
+            .zip(["a.png", "b.png", "c.png"])
+            .map(|(view, name)| PosedImage {
+                name: name.into(),
+                lens: Lens { camera: view.camera.clone(), distortion: [0.0; 4] },
+            })
+            .collect();
+        let whole = Cameras { images, ..Cameras::default() };
+        assert_eq!(images_of(folder.path(), &whole), folder.path());
+        std::fs::create_dir(folder.path().join("images")).unwrap();
+        assert_eq!(images_of(folder.path(), &whole), folder.path().join("images"));
+        std::fs::write(folder.path().join("b.png"), "").unwrap();
+        assert_eq!(images_of(folder.path(), &whole), folder.path());
+
+        let mut cameras = whole.clone();
+        let said = without_missing(&mut cameras, folder.path(), false).unwrap_err().to_string();
+        assert!(said.contains("lacks 2 of the 3 images") && said.contains("first a.png"), "{said}");
+        assert_eq!(without_missing(&mut cameras, folder.path(), true).unwrap(), 2);
+        assert_eq!(cameras.images[0].name, Path::new("b.png"));
+        let mut cameras = whole;
+        assert!(without_missing(&mut cameras, &folder.path().join("images"), true).is_err());
+    }
 }

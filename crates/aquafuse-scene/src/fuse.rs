@@ -11,21 +11,23 @@
 //! counted in the run's budget and may take half of it. Images beyond that are decoded again in the second stage, and of those,
 //! one whose unit comes from the other images a third time. No output depends on which images stay.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use aquafuse::depth::{DepthMap, DepthModel};
 use aquafuse::waterbody::WaterShare;
 use aquafuse_data::batch::{Item, RECORD, Recipe, Record, State};
-use aquafuse_data::files::{FileError, display, holds_files, make_folder, remove_stale_parts, write_bytes};
+use aquafuse_data::files::{
+    FileError, display, holds_files, make_folder, place_of, remove_stale_parts, write_bytes,
+};
 use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
 use aquafuse_data::pipeline::{Analysis, DepthSource, OperationError};
 use aquafuse_data::run::{self, Budget, Event, RunOptions, Stopped, Summary};
 use aquafuse_data::water_file::Numbers;
 use serde_json::json;
 
-use crate::capture::images_of;
+use crate::capture::{CaptureError, images_of, without_missing};
 use crate::files::{Cameras, SceneFileError, read_cameras};
 use crate::lens::Lens;
 use crate::shared_water::{self, MissingUnit, SharedWater, SharedWaterError, in_scene};
@@ -40,7 +42,7 @@ const DEPTH_IN_SCENE: u64 = 16;
 const RELATIVE_DEPTH: u64 = 2;
 
 /// The files of a COLMAP or NeRF model.
-const MODEL: [&str; 7] = [
+const MODEL: [&str; 8] = [
     "cameras.bin",
     "images.bin",
     "points3D.bin",
@@ -48,6 +50,7 @@ const MODEL: [&str; 7] = [
     "images.txt",
     "points3D.txt",
     "transforms.json",
+    "transforms_train.json",
 ];
 
 /// What is to be fused.
@@ -59,6 +62,10 @@ pub struct Request<'a> {
     pub output: &'a Path,
     /// The depth model.
     pub depth_model: DepthModel,
+    /// Further inputs, which no output may replace.
+    pub inputs: &'a [&'a Path],
+    /// Fuse the scene without the images that are not there.
+    pub skip_missing: bool,
     /// Write into a folder that is not empty, and replace images of the same names.
     pub overwrite: bool,
 }
@@ -68,6 +75,7 @@ pub struct Request<'a> {
 pub struct Plan {
     cameras: Cameras,
     items: Vec<Item>,
+    missing: usize,
     depth_model: DepthModel,
     scene: PathBuf,
     output: PathBuf,
@@ -97,12 +105,21 @@ pub enum FuseError {
     /// The cameras cannot be read.
     #[error(transparent)]
     Cameras(#[from] SceneFileError),
+    /// Images are missing.
+    #[error(transparent)]
+    Images(#[from] CaptureError),
     /// The images give no shared water.
     #[error(transparent)]
     Water(#[from] SharedWaterError),
     /// The water is of another encoding than the images are analysed in.
     #[error(transparent)]
     Operation(#[from] OperationError),
+    /// An output would replace an input.
+    #[error("{} is an input and must not be overwritten; give another output folder", display(path))]
+    Input {
+        /// The input.
+        path: PathBuf,
+    },
     /// The output folder holds files that no run of this kind has made.
     #[error("{} is not empty; name another folder with -o, or add --overwrite", display(folder))]
     Filled {
@@ -130,9 +147,10 @@ impl Plan {
     ///
     /// [`FuseError`] when the cameras cannot be read, or the output must not be touched.
     pub fn new(request: &Request<'_>) -> Result<Self, FuseError> {
-        let Request { scene, output, depth_model, overwrite } = *request;
-        let cameras = read_cameras(scene)?;
-        let images = images_of(scene);
+        let Request { scene, output, depth_model, inputs, skip_missing, overwrite } = *request;
+        let mut cameras = read_cameras(scene)?;
+        let images = images_of(scene, &cameras);
+        let missing = without_missing(&mut cameras, &images, skip_missing)?;
         let into = output.join(images.strip_prefix(scene).unwrap_or(Path::new("")));
         let items = cameras.images.iter().map(|one| Item {
             input: images.join(&one.name),
@@ -140,17 +158,31 @@ impl Plan {
             depth: DepthSource::Estimated(depth_model),
         });
         let items: Vec<Item> = items.collect();
+        // What is read, and what is written: the images, and the model beside them.
+        let of_model = |folder: &Path| MODEL.map(|name| folder.join(&cameras.model).join(name));
+        let read = items.iter().map(|item| item.input.clone()).chain(of_model(scene));
+        let read = read.chain(inputs.iter().map(|input| (*input).to_owned()));
+        let read: HashSet<PathBuf> = read.filter_map(|path| path.canonicalize().ok()).collect();
+        let mut written = items.iter().map(|item| item.output.clone()).chain(of_model(output));
+        if let Some(path) = written.find(|path| place_of(path).is_some_and(|place| read.contains(&place))) {
+            return Err(FuseError::Input { path });
+        }
         let is_recorded = items.iter().any(|item| folder_of(item).join(RECORD).is_file());
         if !overwrite && !is_recorded && holds_files(output, &[]) {
             return Err(FuseError::Filled { folder: output.to_owned() });
         }
         let (scene, output) = (scene.to_owned(), output.to_owned());
-        Ok(Self { cameras, items, depth_model, scene, output, overwrite })
+        Ok(Self { cameras, items, missing, depth_model, scene, output, overwrite })
     }
 
     /// The images, by name.
     pub fn items(&self) -> &[Item] {
         &self.items
+    }
+
+    /// How many images of the scene are not there.
+    pub fn missing(&self) -> usize {
+        self.missing
     }
 
     /// Fuses every image that is not fused yet, and copies the cameras beside them.

@@ -25,7 +25,7 @@ pub const SCENE_COLMAP_TEXT: Target = Target {
 pub const SCENE_PLY: Target = Target { name: "scene-ply", run: |bytes| refusals(&[try_ply(file(), bytes)]) };
 /// Cameras as `transforms.json`.
 pub const SCENE_TRANSFORMS: Target =
-    Target { name: "scene-transforms", run: |bytes| refusals(&[try_transforms(file(), bytes)]) };
+    Target { name: "scene-transforms", run: |bytes| refusals(&[try_transforms(file(), bytes, &|_| None)]) };
 
 /// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
 pub const ALL: [Target; 5] =

@@ -14,6 +14,7 @@ mod state;
 mod water;
 
 pub use checkpoint::CheckpointError;
+pub(crate) use checkpoint::is_checkpoint;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use checkpoint::try_state;
 pub use options::{DensityOptions, Options, Rates};

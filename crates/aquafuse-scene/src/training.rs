@@ -24,7 +24,7 @@ use crate::points::{self, Point};
 use crate::render::render;
 use crate::shared_water::{self, MissingUnit, SharedWaterError, to_learn};
 use crate::train::loss::Target;
-use crate::train::{CheckpointError, Options, TrainView, Trainer, extent};
+use crate::train::{CheckpointError, Options, TrainView, Trainer, extent, is_checkpoint};
 
 /// Added to the output's name: the checkpoint of a run that is not finished.
 const CHECKPOINT: &str = ".checkpoint";
@@ -51,6 +51,8 @@ pub struct Request {
     pub scene: PathBuf,
     /// The folder of the images; `None`: `images` in the scene's folder, or that folder itself.
     pub images: Option<PathBuf>,
+    /// Train without the images that are not there.
+    pub skip_missing: bool,
     /// Where the result goes, FILE.ply; a learned water goes beside it.
     pub output: PathBuf,
     /// How to train.
@@ -80,6 +82,7 @@ pub struct Training {
     request: Request,
     points: Vec<Point>,
     views: Split,
+    missing: usize,
 }
 
 /// How far a run is after a step.
@@ -187,7 +190,10 @@ impl Plan {
         let harmonics = (u64::from(*sh_degree) + 1).pow(2);
         let begun_with = self.cameras.points.len().max(SCATTERED);
         let splats = options.max_splats.max(begun_with) as u64;
-        BYTES_A_PIXEL * all + STEP_BYTES_A_PIXEL * largest + splats * (BYTES_A_SPLAT + 5 * 12 * harmonics)
+        let of_splats = splats.saturating_mul(BYTES_A_SPLAT.saturating_add(harmonics.saturating_mul(5 * 12)));
+        let of_pixels =
+            BYTES_A_PIXEL.saturating_mul(all).saturating_add(STEP_BYTES_A_PIXEL.saturating_mul(largest));
+        of_pixels.saturating_add(of_splats)
     }
 
     /// Reads the images, and makes the folder of the output.
@@ -198,18 +204,19 @@ impl Plan {
     /// read; when an image cannot be read, or none is left to train on.
     pub fn load(self, options: &RunOptions) -> Result<Training, TrainingError> {
         let (needed, most) = (self.memory(), options.reading.max_memory);
-        let Self { request, cameras } = self;
+        let Self { request, mut cameras } = self;
         if needed > most {
             return Err(TrainingError::Memory { scene: request.scene, needed, most });
         }
+        let folder = request.images.clone().unwrap_or_else(|| images_of(&request.scene, &cameras));
+        let missing = capture::without_missing(&mut cameras, &folder, request.skip_missing)?;
         remove_stale_parts(make_folder_of(&request.output)?);
-        let folder = request.images.clone().unwrap_or_else(|| images_of(&request.scene));
         let views = capture::read(&cameras, &folder, request.longest, &options.reading)?;
         let views = Split::new(views, request.hold_out.unwrap_or(0));
         if views.training.is_empty() {
             return Err(TrainingError::NothingToTrainOn);
         }
-        Ok(Training { request, points: cameras.points, views })
+        Ok(Training { request, points: cameras.points, views, missing })
     }
 }
 
@@ -222,6 +229,11 @@ impl Training {
     /// The views to train on, and those held out.
     pub fn views(&self) -> &Split {
         &self.views
+    }
+
+    /// How many images of the scene were not there.
+    pub fn missing(&self) -> usize {
+        self.missing
     }
 
     /// The points of the scene; empty where its model has none.
@@ -308,10 +320,19 @@ impl Training {
         });
         let views: Vec<TrainView> = views.collect();
         let path = self.beside(CHECKPOINT);
-        if !overwrite && path.is_file() {
-            let bytes =
-                std::fs::read(&path).map_err(|error| FileError::Read { path: path.clone(), error })?;
-            let refused = |cause| TrainingError::Checkpoint { path: path.clone(), cause };
+        let refused = |cause| TrainingError::Checkpoint { path: path.clone(), cause };
+        let is_there = path.symlink_metadata().is_ok();
+        if is_there && !is_checkpoint(&path) {
+            return Err(refused(CheckpointError::Unknown));
+        }
+        if !overwrite && is_there {
+            let cannot_read = |error| FileError::Read { path: path.clone(), error };
+            let (bytes, most) = (path.metadata().map_err(cannot_read)?.len(), options.reading.max_memory);
+            if bytes > most {
+                let cause = format!("it has {bytes} bytes, but --max-memory is {most}");
+                return Err(FileError::TooLarge { path, cause }.into());
+            }
+            let bytes = std::fs::read(&path).map_err(cannot_read)?;
             let trainer = Trainer::resume(how.clone(), views, &bytes).map_err(refused)?;
             let learned = trainer.medium() != Medium::Air;
             if (learned, trainer.splats().sh_degree()) != (*learns_water, *sh_degree) {

@@ -28,13 +28,17 @@ use crate::report::progress::Progress;
 
 const HELP: &str = "\
 Layouts, detected from the files:
-  folder   images in folders, without annotations
+  folder   images in folders, where nothing looks like annotations
   coco     JSON with images and annotations: boxes, outlines, key points, captions
   yolo     images/NAME.jpg with labels/NAME.txt, and data.yaml if there is one
-  voc      JPEGImages/NAME.jpg with Annotations/NAME.xml, masks and lists of names
-  masks    images/NAME.jpg with masks/NAME.png
+  voc      JPEGImages/NAME.jpg with Annotations/NAME.xml, and lists of names
+  masks    images/NAME.jpg with masks/NAME.png, or a folder in masks/ for each class
   shards   WebDataset: tar files with KEY.jpg and all other members of that key
   parquet  Hugging Face: tables with a column of images (needs a build with --features parquet)
+
+Folders may have the other usual names (img, label, gt, ...), and labels may stand beside images.
+Files that are not part of the dataset are named and counted; if they look like annotations and
+none was read, nothing is written, unless --format folder leaves them out.
 
 Pixels do not move, so annotations stay valid: labels and masks are copied byte for byte, JSON
 and XML with new ids and file names, data.yaml without its `path`. A variant is named
@@ -199,6 +203,9 @@ impl Augment {
         let mut dataset =
             Dataset::open(&self.dataset, self.format, &common.reading.options()).map_err(Failure::usage)?;
         let bad = self.without_bad(&mut dataset)?;
+        if (common.quiet || self.json) && dataset.left_out.has_labels() {
+            output::complain(&format!("{}: left out: {}", display(&self.dataset), dataset.left_out));
+        }
         let job = Augmentation {
             recipe: self.recipe(encoding, common)?,
             dataset,

@@ -76,6 +76,7 @@ impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         match error {
             CaptureError::Image(error) => error.into(),
+            error @ CaptureError::Missing { .. } => Self::usage(error),
             error => Self::work(error),
         }
     }

@@ -48,7 +48,7 @@ impl Verify {
             Some(parent) if self.folder.is_file() => parent,
             _ => &self.folder,
         };
-        let check = verify(folder, self.dataset.as_deref())?;
+        let check = verify(folder, self.dataset.as_deref(), &common.reading.options())?;
         if self.json {
             let wrong = |(path, cause): &(PathBuf, String)| Wrong {
                 file: display(path).to_string(),

@@ -1,6 +1,6 @@
 //! A running batch: progress, a line for each image, the summary, the report.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use anyhow::anyhow;
@@ -44,6 +44,9 @@ pub(crate) fn run(
     common: &Common,
 ) -> Result<(), Failure> {
     let options = RunOptions { max_failures: arguments.failures.max(), ..common.run_options() };
+    if !plan.unread().is_empty() {
+        output::complain(&unread(plan.unread()));
+    }
     let progress = Progress::new(common.quiet || plan.items().len() == 1);
     let (reports, records) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
     let ended = plan.run(recipe, &options, &|event| {
@@ -75,6 +78,18 @@ pub(crate) fn run(
         write_report(path, words.settings, images, arguments.overwrite)?;
     }
     outcome(&ended, plan.items().len(), &arguments.output)
+}
+
+/// Which pictures of a folder are left out.
+fn unread(pictures: &[PathBuf]) -> String {
+    const NAMED: usize = 3;
+    let names =
+        pictures.iter().take(NAMED).map(|path| display(path).to_string()).collect::<Vec<_>>().join(", ");
+    let more = if pictures.len() > NAMED { ", …" } else { "" };
+    format!(
+        "left out, because their formats are not read: {} ({names}{more}); convert them, and develop raw files",
+        pictures.len()
+    )
 }
 
 fn write_report(

@@ -30,7 +30,7 @@ impl ReportArguments {
         let complaints = AtomicUsize::new(0);
         let found = evaluation(&|event| match event {
             Event::Started { total } => progress.start(total),
-            Event::Done { item, .. } => progress.done(item.to_owned()),
+            Event::Done { item, .. } => progress.done(item),
             Event::Failed { error, .. } => match complaints.fetch_add(1, Ordering::Relaxed) {
                 earlier if earlier < COMPLAINTS => progress.complain(&error.error),
                 COMPLAINTS => progress.complain(&"more images failed; the report lists all of them"),

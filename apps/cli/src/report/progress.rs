@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use aquafuse_data::files::one_line;
 use aquafuse_data::run::Event;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
@@ -34,7 +35,7 @@ impl Progress {
     ) {
         match event {
             Event::Started { total } => self.start(*total),
-            Event::Done { item, .. } | Event::Skipped { item } => self.done(name(item)),
+            Event::Done { item, .. } | Event::Skipped { item } => self.done(&name(item)),
             Event::Failed { error, .. } => self.failed(error),
             _ => {}
         }
@@ -44,8 +45,8 @@ impl Progress {
         self.bar.set_length(total as u64);
     }
 
-    pub(crate) fn done(&self, what: String) {
-        self.bar.set_message(what);
+    pub(crate) fn done(&self, what: &str) {
+        self.bar.set_message(one_line(what));
         self.bar.inc(1);
     }
 

@@ -6,7 +6,8 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use std::rc::Rc;
 
-use crate::dataset::{Index, Sample, inside, join, split, stem};
+use crate::dataset::{Index, Sample, join, named, split, stem};
+use crate::files::text_of;
 
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use coco::try_parse as try_coco;
@@ -26,6 +27,11 @@ pub(super) struct Made<'a> {
 }
 
 impl Made<'_> {
+    /// Whether the dataset has an image of this key.
+    fn holds(&self, key: &str) -> bool {
+        self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).is_ok()
+    }
+
     /// An image and its variants; none where nothing was made of it.
     fn of(&self, key: &str) -> Option<(&Sample, Vec<(u32, String)>)> {
         let place = self.samples.binary_search_by(|sample| sample.key.as_str().cmp(key)).ok()?;
@@ -54,16 +60,18 @@ impl Made<'_> {
 ///
 /// Those of `out`; and one when the file is no longer what it was when the dataset was opened.
 pub(super) fn write(index: &Index, bytes: &[u8], made: &Made<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = text_of(bytes).unwrap_or_else(|| String::from_utf8_lossy(bytes));
     match index {
         Index::Carried { .. } => out.write_all(bytes),
         Index::Config { .. } => out.write_all(without_path(&text).as_bytes()),
         Index::Paths { .. } => {
-            let mut paths = remembered(|line| made.of_key(&inside(line).unwrap_or_default()));
+            let mut paths =
+                remembered(|line| made.of_key(&named(line, |key| made.holds(key)).unwrap_or_default()));
             lines(&text, made.originals, out, |line, add| {
-                let key = inside(line).unwrap_or_default();
-                let folder = line.strip_suffix(&key).unwrap_or_default();
-                paths(line).iter().try_for_each(|path| add(&[folder, path]))
+                // A variant stands in the folder of its image.
+                let line = line.trim_end();
+                let folder = line.get(..line.rfind(['/', '\\']).map_or(0, |at| at.saturating_add(1)));
+                paths(line).iter().try_for_each(|path| add(&[folder.unwrap_or_default(), split(path).1]))
             })
         }
         Index::Stems { folder, .. } => {

@@ -124,7 +124,9 @@ pub(super) fn image_of(
     ImageFile::open_bytes(&container.join(name), bytes, options)
 }
 
-/// The extension of a variant: its image's own, if we write that format.
-fn written(extension: &str) -> &str {
-    if Format::written(format!("x.{extension}").as_ref()).is_some() { extension } else { "png" }
+/// The extension of a variant: its image's own, if we write that format. Words before the last dot stay.
+fn written(extension: &str) -> String {
+    let (words, last) = extension.rsplit_once('.').map_or(("", extension), |(words, last)| (words, last));
+    let last = if Format::written(format!("x.{last}").as_ref()).is_some() { last } else { "png" };
+    if words.is_empty() { last.to_owned() } else { format!("{words}.{last}") }
 }

@@ -9,7 +9,7 @@ use super::line::Written;
 use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Water};
 use crate::dataset::{join, split};
 use crate::files::Hashed;
-use crate::files::{FileError, write_atomically};
+use crate::files::{FileError, make_folder_within, write_atomically};
 
 impl Augmentation {
     /// The first line of the manifest.
@@ -73,12 +73,8 @@ impl Augmentation {
                 _ => name.to_owned(),
             };
             let output = join(folder, &name);
+            make_folder_within(&self.output, folder)?;
             let path = self.output.join(&output);
-            if let Some(above) = path.parent() {
-                let failed =
-                    |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
-                std::fs::create_dir_all(above).map_err(failed)?;
-            }
             let (mut digest, mut changed) = ((0, String::new()), None);
             let result = write_atomically(&path, true, |out| -> io::Result<()> {
                 let mut hashed = Hashed::new(out);

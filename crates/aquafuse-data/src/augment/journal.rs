@@ -11,13 +11,16 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::header::Header;
 use super::line::{Line, Written};
-use super::manifest::{Entry, MOST_LINE, Manifest, Place, ScanError, Scanned, Sealing, scan};
+use super::manifest::{Entry, Manifest, Place, ScanError, Scanned, Sealing, most_line, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
 use crate::files::lock;
 use crate::files::{FileError, write_atomically};
+use crate::image_file::ReadOptions;
 use crate::run::differences;
 
+/// What every manifest begins with.
+const BEGINS: &[u8] = b"{\"line\":\"job\",";
 /// What the names of manifests begin and end with.
 const NAMES: (&str, &str) = ("manifest", ".jsonl");
 
@@ -94,13 +97,15 @@ impl Journal {
         shard: Shard,
         header: &Header,
         overwrite: bool,
+        reading: &ReadOptions,
         place: &dyn Fn(&str) -> Option<usize>,
     ) -> Result<Self, AugmentError> {
+        let most_line = most_line(reading);
         let path = folder.join(shard.manifest());
         let cannot_write = |error: io::Error| cannot_write(&path, &error);
-        // Before opening: that would wait for ever for somebody to write into a pipe.
-        if path.metadata().is_ok_and(|about| !about.is_file()) {
-            return Err(FileError::NoFile { path }.into());
+        // Before opening: a link would lead to a file of somebody else, and a pipe would be waited for.
+        if path.symlink_metadata().is_ok_and(|about| !about.is_file()) {
+            return Err(FileError::ForeignRecord { path }.into());
         }
         let options = OpenOptions::new().read(true).append(true).create(true).open(&path);
         let mut file = options.map_err(cannot_write)?;
@@ -108,7 +113,7 @@ impl Journal {
             return Err(FileError::Busy { folder: folder.to_owned() }.into());
         }
         let mut lines: BTreeMap<usize, Vec<(Slot, Place)>> = BTreeMap::new();
-        let known = scan(BufReader::new(&file), |line, at| {
+        let known = scan(BufReader::new(&file), most_line, |line, at| {
             let slot = Slot::of(&line).filter(|slot| slot.is_made());
             if let (Some(slot), Some(sample)) = (slot, line.key().and_then(place)) {
                 put(lines.entry(sample).or_default(), slot, at);
@@ -118,14 +123,15 @@ impl Journal {
             Ok(Scanned { header: was, body, .. }) if was.makes_as(header) => body,
             Ok(_) if overwrite => {
                 file.rewind().map_err(cannot_write)?;
-                let was = Manifest::from(BufReader::new(&file)).map_err(|error| error.of(&path))?;
+                let was =
+                    Manifest::from(BufReader::new(&file), most_line).map_err(|error| error.of(&path))?;
                 remove(folder, &was);
                 lines.clear();
                 0
             }
             Ok(Scanned { header: was, .. }) => return Err(other_settings(folder, &was, header)),
             // A process that was killed at once has left no whole line.
-            Err(ScanError::Line(1)) if !has_a_line(&mut file).map_err(cannot_write)? => 0,
+            Err(ScanError::Line(1)) if is_begun(&mut file, most_line).map_err(cannot_write)? => 0,
             Err(error) => return Err(error.of(&path)),
         };
         file.set_len(end).map_err(cannot_write)?;
@@ -135,7 +141,7 @@ impl Journal {
             journal.state().write(&[Line::Job(Box::new(header.clone()))]).map_err(cannot_write)?;
         }
         for other in manifests(folder)?.into_iter().filter(|other| *other != path) {
-            journal.adopt(folder, &other, header, place)?;
+            journal.adopt(folder, &other, header, most_line, place)?;
         }
         Ok(journal)
     }
@@ -146,16 +152,17 @@ impl Journal {
         folder: &Path,
         other: &Path,
         header: &Header,
+        most_line: u64,
         place: &dyn Fn(&str) -> Option<usize>,
     ) -> Result<(), AugmentError> {
         let open = || File::open(other).map_err(|error| FileError::Read { path: other.to_owned(), error });
         let Scanned { header: theirs, .. } =
-            scan(BufReader::new(open()?), |_, _| {}).map_err(|error| error.of(other))?;
+            scan(BufReader::new(open()?), most_line, |_, _| {}).map_err(|error| error.of(other))?;
         if !theirs.makes_as(header) {
             return Err(other_settings(folder, &theirs, header));
         }
         let mut failure = None;
-        let scanned = scan(BufReader::new(open()?), |line, _| {
+        let scanned = scan(BufReader::new(open()?), most_line, |line, _| {
             let slot = Slot::of(&line).filter(|slot| slot.is_made());
             if let (Some(slot), Some(sample), None) = (slot, line.key().and_then(place), &failure)
                 && !self.slots(sample).contains(&slot)
@@ -269,11 +276,12 @@ fn put(lines: &mut Vec<(Slot, Place)>, slot: Slot, place: Place) {
     }
 }
 
-fn has_a_line(file: &mut File) -> io::Result<bool> {
+/// Whether a file holds nothing but a part of a manifest's first line.
+fn is_begun(file: &mut File, most_line: u64) -> io::Result<bool> {
     file.rewind()?;
     let mut text = Vec::new();
-    BufReader::new(file).take(MOST_LINE).read_until(b'\n', &mut text)?;
-    Ok(text.ends_with(b"\n"))
+    BufReader::new(file).take(most_line).read_until(b'\n', &mut text)?;
+    Ok(!text.ends_with(b"\n") && text.iter().zip(BEGINS).all(|(found, expected)| found == expected))
 }
 
 fn cannot_write(path: &Path, error: &io::Error) -> FileError {

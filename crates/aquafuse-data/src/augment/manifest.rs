@@ -16,10 +16,15 @@ use super::header::{Header, SCHEMA};
 use super::line::{Container, Line, Listed, Original, Variant, Written};
 use crate::files::FileError;
 use crate::files::{Hashed, hexadecimal};
-use crate::image_file::open_file;
+use crate::image_file::{ReadOptions, open_file};
 
 /// More than the line of a shard with a million variants takes, or of a job with as many waters.
-pub(super) const MOST_LINE: u64 = 1 << 30;
+const LONGEST: u64 = 1 << 30;
+
+/// The most bytes of a line of a manifest: a quarter of the memory, as for annotations.
+pub(super) fn most_line(reading: &ReadOptions) -> u64 {
+    reading.most_beside().min(LONGEST)
+}
 
 /// What a manifest says of one image.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,15 +111,15 @@ impl<W: Write> Sealing<W> {
 
 impl Manifest {
     /// Reads a manifest; a last line without its end is left out.
-    pub(super) fn read(path: &Path) -> Result<Self, AugmentError> {
+    pub(super) fn read(path: &Path, reading: &ReadOptions) -> Result<Self, AugmentError> {
         let (file, _) = open_file(path)?;
-        Self::from(BufReader::new(file)).map_err(|error| error.of(path))
+        Self::from(BufReader::new(file), most_line(reading)).map_err(|error| error.of(path))
     }
 
     /// Reads one from anywhere.
-    pub(super) fn from(source: impl BufRead) -> Result<Self, ScanError> {
+    pub(super) fn from(source: impl BufRead, most_line: u64) -> Result<Self, ScanError> {
         let (mut entries, mut indices) = (BTreeMap::new(), Vec::new());
-        let scanned = scan(source, |line, _| {
+        let scanned = scan(source, most_line, |line, _| {
             if let Line::Index(written) = line {
                 indices.push(written);
             } else if let Some(key) = line.key() {
@@ -174,6 +179,7 @@ impl ScanError {
 /// Shows every line but the first and the last to `each`, with its place; a last line without its end is left out.
 pub(super) fn scan(
     mut source: impl BufRead,
+    most_line: u64,
     mut each: impl FnMut(Line, Place),
 ) -> Result<Scanned, ScanError> {
     let (mut header, mut sealed, mut is_body) = (None, None, true);
@@ -181,12 +187,12 @@ pub(super) fn scan(
     let (mut text, mut digest) = (Vec::new(), Sha256::new());
     for number in 1.. {
         text.clear();
-        let bytes = source.by_ref().take(MOST_LINE).read_until(b'\n', &mut text).map_err(ScanError::Read)?;
+        let bytes = source.by_ref().take(most_line).read_until(b'\n', &mut text).map_err(ScanError::Read)?;
         if !text.ends_with(b"\n") {
-            match bytes as u64 {
-                MOST_LINE => return Err(ScanError::Line(number)),
-                _ => break,
+            if bytes as u64 >= most_line {
+                return Err(ScanError::Line(number));
             }
+            break;
         }
         let line = Line::read(&text).map_err(|_| ScanError::Line(number))?;
         // Nothing stands before the first line or behind the last.

@@ -113,8 +113,14 @@ impl Rule {
         let output = join(folder, &format!("{new_stem}.{}", extension(name)));
         let companion = |companion: &Companion| {
             let (folder, name_of) = split(&companion.path);
+            // `NAME.jpg.txt` is of `NAME.jpg`, whatever that becomes.
+            let whole = name_of.strip_prefix(name).filter(|rest| rest.starts_with('.'));
+            if let Some(rest) = whole {
+                return join(folder, &format!("{}{rest}", split(&output).1));
+            }
             let rest = name_of.strip_prefix(stem(name)).filter(|rest| rest.starts_with(['.', '_', '-']));
-            let rest = rest.map_or_else(|| format!(".{}", extension(name_of)), str::to_owned);
+            let rest =
+                rest.or_else(|| name_of.rfind('.').and_then(|at| name_of.get(at..))).unwrap_or_default();
             join(folder, &format!("{new_stem}{rest}"))
         };
         let companions = sample.companions.iter().map(companion).collect();

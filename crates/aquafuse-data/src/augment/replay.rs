@@ -9,9 +9,9 @@ use super::header::{Header, StoredDepth};
 use super::line::Variant;
 use super::manifest::Manifest;
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
-use crate::dataset::{Layout, inside};
+use crate::dataset::{Layout, inside, split};
 use crate::files::sha256;
-use crate::files::{FileError, write_bytes};
+use crate::files::{FileError, make_folder_within, stays_within, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
 use crate::pipeline::PixelEncoding;
 use crate::run::Budget;
@@ -53,7 +53,7 @@ pub struct Again<'a> {
 /// that name.
 pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentError> {
     let Again { only, dataset, output, overwrite, reading, encoding } = *again;
-    let found = Manifest::read(manifest)?;
+    let found = Manifest::read(manifest, &reading)?;
     let recipe: Recipe = found.header.recipe(manifest, encoding)?;
     let reading = ReadOptions { lenient: found.header.settings.lenient, ..reading };
     let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
@@ -70,28 +70,29 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
     let mut replayed = Replayed::default();
     for (variant, container) in variants {
         let make = || {
-            let named =
-                |cause: &str| FileError::Damaged { path: manifest.to_owned(), cause: cause.to_owned() };
+            let named = |cause: &str| FileError::Damaged {
+                path: manifest.to_owned(),
+                cause: format!("{}: {cause}", variant.output),
+            };
             let key = inside(&variant.key).map_err(named)?;
-            let path = output.join(inside(&variant.output).map_err(named)?);
+            let within = inside(&variant.output).map_err(named)?;
+            let path = output.join(&within);
             let water = recipe
                 .waters
                 .get(variant.water)
                 .ok_or_else(|| named("it refers to a water that it does not contain"))?;
+            let source = root.join(container.map_or(Ok(key.clone()), inside).map_err(named)?);
+            if source.exists() && !stays_within(&root, &source) {
+                return Err(FileError::LeadsOut { path: source });
+            }
             let opened = match container {
-                None => ImageFile::open(&root.join(&key), &reading)?,
-                Some(container) => {
-                    let container = root.join(inside(container).map_err(named)?);
-                    super::containers::image_of(layout, &container, &key, &reading)?
-                }
+                None => ImageFile::open(&source, &reading)?,
+                Some(_) => super::containers::image_of(layout, &source, &key, &reading)?,
             };
             let read = recipe.read(opened, &maps.source(&key)?, &budget)?;
             let Variant { water: number, theta, alpha, .. } = *variant;
             let (bytes, _) = recipe.variant(&read, water, Draw { water: number, theta, alpha }, &path)?;
-            if let Some(above) = path.parent() {
-                std::fs::create_dir_all(above)
-                    .map_err(|error| FileError::Write { path: path.clone(), cause: error.to_string() })?;
-            }
+            make_folder_within(output, split(&within).0)?;
             write_bytes(&path, &bytes, overwrite)?;
             Ok((path, sha256(&bytes) == variant.sha256))
         };
@@ -109,6 +110,10 @@ impl Header {
     fn recipe(&self, manifest: &Path, wanted: PixelEncoding) -> Result<Recipe, AugmentError> {
         let settings = &self.settings;
         let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
+        let is_gain = settings.most_gain.is_finite() && settings.most_gain >= 1.0;
+        if !(is_gain && (1..=100).contains(&settings.quality)) {
+            return Err(unknown());
+        }
         let encoding: PixelEncoding = self.encoding.parse().map_err(|_| unknown())?;
         if encoding != wanted {
             return Err(

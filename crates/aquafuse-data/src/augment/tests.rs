@@ -1,3 +1,4 @@
+mod safety;
 #[cfg(feature = "parquet")]
 mod tables;
 
@@ -107,7 +108,7 @@ fn every_image_has_its_variants_with_its_own_labels() {
         let image_files = name.replace("labels/", "images/").replace(".txt", ".");
         assert!(after.keys().any(|other| other.starts_with(&image_files)), "{name}");
     }
-    let checked = verify(&out, Some(&root)).unwrap();
+    let checked = verify(&out, Some(&root), &ReadOptions::default()).unwrap();
     assert_eq!((checked.files, checked.wrong), (after.len() + 4, Vec::new()));
 }
 
@@ -161,7 +162,7 @@ fn what_changed_is_made_again_and_other_settings_are_refused() {
     run(&job);
     let before = files(&out);
     fs::write(root.join("labels/train/a.txt"), "0 0.5 0.5 0.9 0.9\n").unwrap();
-    assert_eq!((run(&job).done, verify(&out, None).unwrap().wrong), (1, Vec::new()));
+    assert_eq!((run(&job).done, verify(&out, None, &ReadOptions::default()).unwrap().wrong), (1, Vec::new()));
     assert_eq!(files(&out)["labels/train/a.txt"], b"0 0.5 0.5 0.9 0.9\n");
 
     job.recipe.draws.seed = 2;
@@ -171,7 +172,7 @@ fn what_changed_is_made_again_and_other_settings_are_refused() {
     run(&job);
     let after = files(&out);
     assert_eq!(after.len(), before.len());
-    assert!(verify(&out, None).unwrap().wrong.is_empty());
+    assert!(verify(&out, None, &ReadOptions::default()).unwrap().wrong.is_empty());
 }
 
 #[test]
@@ -229,11 +230,11 @@ fn every_flipped_bit_is_found() {
         let at = (number * 7919) % bytes.len();
         flipped[at] ^= 1 << (number % 8);
         fs::write(out.join(name), &flipped).unwrap();
-        let found = verify(&out, None);
+        let found = verify(&out, None, &ReadOptions::default());
         assert!(found.is_err() || !found.unwrap().wrong.is_empty(), "bit {number} of byte {at} of {name}");
         fs::write(out.join(name), bytes).unwrap();
     }
-    assert!(verify(&out, None).unwrap().wrong.is_empty());
+    assert!(verify(&out, None, &ReadOptions::default()).unwrap().wrong.is_empty());
 }
 
 fn making<'a>(only: Option<&'a str>, dataset: Option<&'a Path>, output: &'a Path) -> Again<'a> {
@@ -371,7 +372,7 @@ fn shards_are_multiplied_as_a_whole() {
     fs::remove_file(out.join("train-000.tar")).unwrap();
     run(&job);
     assert!(files(&out) == clean);
-    assert!(verify(&out, Some(&root)).unwrap().wrong.is_empty());
+    assert!(verify(&out, Some(&root), &ReadOptions::default()).unwrap().wrong.is_empty());
 
     let again = place.path().join("again");
     let manifest = out.join("manifest.jsonl");
@@ -438,7 +439,7 @@ fn a_manifest_with_a_number_too_large_for_its_settings_is_none() {
         let at = text.find(from).unwrap();
         let end = at + from.len();
         fs::write(&path, format!("{}{large}{}", &text[..at], &text[end..])).unwrap();
-        let refused = verify(&out, None).unwrap_err();
+        let refused = verify(&out, None, &ReadOptions::default()).unwrap_err();
         assert!(matches!(refused, AugmentError::Manifest { line: told, .. } if told == line), "{refused}");
     }
 }

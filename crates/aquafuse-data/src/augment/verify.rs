@@ -10,8 +10,7 @@ use super::journal::manifests;
 use super::line::Listed;
 use super::manifest::Manifest;
 use crate::dataset::{Tree, inside};
-use crate::files::FileError;
-use crate::files::sha256_of;
+use crate::files::{FileError, sha256_of, stays_within};
 use crate::image_file::ReadOptions;
 
 /// The result of a check.
@@ -26,12 +25,12 @@ pub struct Check {
 }
 
 /// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the source
-/// images in this dataset too.
+/// images in this dataset too. No line of a manifest may be longer than a quarter of the memory that `reading` allows.
 ///
 /// # Errors
 ///
 /// [`AugmentError`] when there is no manifest, or one cannot be read.
-pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentError> {
+pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> Result<Check, AugmentError> {
     let mut check = Check::default();
     let paths = manifests(folder)?;
     let mut listed: BTreeSet<PathBuf> = paths.iter().cloned().collect();
@@ -39,7 +38,7 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
         return Err(AugmentError::NoManifest { folder: folder.to_owned() });
     }
     for path in paths {
-        let found = Manifest::read(&path)?;
+        let found = Manifest::read(&path, reading)?;
         check.files = check.files.saturating_add(1);
         match found.sealed {
             Some(true) => {}
@@ -52,30 +51,34 @@ pub fn verify(folder: &Path, dataset: Option<&Path>) -> Result<Check, AugmentErr
                     .push((path.clone(), "its run has not ended; repeat the command to continue".into()));
             }
         }
-        let mut files: Vec<(PathBuf, Result<Listed<'_>, String>)> = found
+        let mut files: Vec<(PathBuf, Result<Expected<'_>, String>)> = found
             .listed()
             .map(|written| match inside(written.output) {
-                Ok(within) => (folder.join(within), Ok(written)),
+                Ok(within) => (folder.join(within), Ok((folder, written))),
                 Err(cause) => (path.clone(), Err(format!("{:?} is {cause}", written.output))),
             })
             .collect();
-        let sources: Vec<(PathBuf, Listed<'_>)> =
-            dataset.map(|root| sources(&found, root)).unwrap_or_default();
-        files.extend(sources.iter().map(|(path, written)| (path.clone(), Ok(*written))));
+        if let Some(root) = dataset {
+            let sources = sources(&found, root).into_iter();
+            files.extend(sources.map(|(path, written)| (path, Ok((root, written)))));
+        }
         check.files = check.files.saturating_add(files.len());
         listed.extend(files.iter().map(|(path, _)| path.clone()));
         let wrong = files.into_par_iter().filter_map(|(path, written)| {
-            let cause = written.and_then(|written| hold(&path, written)).err()?;
+            let cause = written.and_then(|(root, written)| hold(root, &path, written)).err()?;
             Some((path, cause))
         });
         check.wrong.par_extend(wrong);
     }
     check.wrong.sort();
     check.wrong.dedup();
-    let there = Tree::of(folder, &ReadOptions::default())?.files.into_iter().map(|path| folder.join(path));
+    let there = Tree::of(folder, reading)?.files.into_iter().map(|path| folder.join(path));
     check.unlisted = there.filter(|path| !listed.contains(path)).collect();
     Ok(check)
 }
+
+/// The folder that a file stands in, and what is recorded of it.
+type Expected<'a> = (&'a Path, Listed<'a>);
 
 /// The sources of the variants.
 fn sources<'a>(found: &'a Manifest, root: &Path) -> Vec<(PathBuf, Listed<'a>)> {
@@ -89,12 +92,18 @@ fn sources<'a>(found: &'a Manifest, root: &Path) -> Vec<(PathBuf, Listed<'a>)> {
     found.entries.iter().filter_map(of).collect()
 }
 
-/// Compares a file with its record.
-fn hold(path: &Path, written: Listed<'_>) -> Result<(), String> {
+/// Compares a file of a folder with its record.
+fn hold(root: &Path, path: &Path, written: Listed<'_>) -> Result<(), String> {
     let about = path.metadata().map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => "it is missing".to_owned(),
         _ => format!("it cannot be read: {error}"),
     })?;
+    if !about.is_file() {
+        return Err("it is no regular file any more".to_owned());
+    }
+    if !stays_within(root, path) {
+        return Err("it is reached through a link that leads out of its folder".to_owned());
+    }
     if about.len() != written.bytes {
         return Err(format!("it has {} bytes instead of {}", about.len(), written.bytes));
     }

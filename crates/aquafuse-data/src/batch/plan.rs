@@ -40,6 +40,7 @@ impl<'a> Request<'a> {
 pub struct Plan {
     items: Vec<Item>,
     is_folder: bool,
+    unread: Vec<PathBuf>,
     maps: Option<PathBuf>,
     scores: bool,
     overwrite: bool,
@@ -124,7 +125,10 @@ impl Plan {
         let about =
             content.metadata().map_err(|error| FileError::Read { path: content.to_owned(), error })?;
         let is_folder = about.is_dir();
-        let files = if is_folder { of_folder(content, output)? } else { vec![of_file(content, output)?] };
+        let (files, unread) = match is_folder {
+            true => of_folder(content, output)?,
+            false => (vec![of_file(content, output)?], Vec::new()),
+        };
         // Resolved once: there may be a hundred thousand outputs.
         let inputs: Vec<PathBuf> = inputs.iter().filter_map(|other| other.canonicalize().ok()).collect();
         let item = |(input, output): (PathBuf, PathBuf)| {
@@ -140,7 +144,7 @@ impl Plan {
             Ok(Item { input, output, depth })
         };
         let items = files.into_iter().map(item).collect::<Result<_, _>>()?;
-        let plan = Self { items, is_folder, maps: maps.map(Path::to_owned), scores, overwrite };
+        let plan = Self { items, is_folder, unread, maps: maps.map(Path::to_owned), scores, overwrite };
         plan.refuse_unrecorded()?;
         Ok(plan)
     }
@@ -153,6 +157,11 @@ impl Plan {
     /// Whether the content is a folder, whose run keeps a record.
     pub fn is_folder(&self) -> bool {
         self.is_folder
+    }
+
+    /// The pictures of the folder that are in formats that are not read.
+    pub fn unread(&self) -> &[PathBuf] {
+        &self.unread
     }
 
     pub(super) fn maps(&self) -> Option<&Path> {
@@ -229,8 +238,11 @@ fn of_file(content: &Path, output: &Path) -> Result<(PathBuf, PathBuf), PlanErro
     Ok((content.to_owned(), output))
 }
 
-/// Input and output of each image of a folder, by name.
-fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>, PlanError> {
+/// Inputs, each with its output.
+type Pairs = Vec<(PathBuf, PathBuf)>;
+
+/// Input and output of each image of a folder, by name; and the pictures that are not read.
+fn of_folder(content: &Path, output: &Path) -> Result<(Pairs, Vec<PathBuf>), PlanError> {
     if same(content, output) {
         return Err(PlanError::SameFolder { folder: content.to_owned() });
     }
@@ -240,7 +252,8 @@ fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>, P
     }
     let listing = image_file::list(content)?;
     if listing.images.is_empty() {
-        return Err(PlanError::NoImages { folder: content.to_owned(), others: listing.others });
+        let others = listing.others.saturating_add(listing.unread.len());
+        return Err(PlanError::NoImages { folder: content.to_owned(), others });
     }
     let mut taken: HashMap<PathBuf, PathBuf> = HashMap::new();
     for input in listing.images {
@@ -251,7 +264,7 @@ fn of_folder(content: &Path, output: &Path) -> Result<Vec<(PathBuf, PathBuf)>, P
     }
     let mut files: Vec<_> = taken.into_iter().map(|(output, input)| (input, output)).collect();
     files.sort();
-    Ok(files)
+    Ok((files, listing.unread))
 }
 
 /// The name of an output: the input's, with .png appended where we do not write its format.

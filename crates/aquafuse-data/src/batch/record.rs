@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
 use std::fs::{File, OpenOptions};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::UNIX_EPOCH;
@@ -24,8 +24,6 @@ use crate::run::differences;
 
 /// The name of the record in the folder of a job's outputs.
 pub const RECORD: &str = "aquafuse-job.jsonl";
-/// More than the lines of a million images.
-const MOST_BYTES: u64 = 1 << 30;
 /// More than any settings or names take; a line's values take up to fifty times its length while it is read.
 const MOST_LINE: usize = 1 << 20;
 
@@ -150,34 +148,62 @@ impl Name {
     }
 }
 
-/// The settings, and the state of each output by its name.
-type Recorded = (Option<Value>, HashMap<OsString, Known>);
+/// What a record says.
+#[derive(Debug, Default, PartialEq)]
+struct Recorded {
+    settings: Option<Value>,
+    /// The state of each output by its name.
+    items: HashMap<OsString, Known>,
+    /// The bytes of its whole lines.
+    whole: u64,
+}
 
-/// What a record of whole lines says; the number of the line that is none otherwise.
-fn parse(text: &[u8]) -> Result<Recorded, usize> {
-    let (mut settings, mut items) = (None, HashMap::new());
-    let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
-    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
-        if line.len() > MOST_LINE {
-            return Err(number);
+/// What every record begins with.
+const BEGINS: &[u8] = b"{\"job\":{\"schema\":";
+
+/// Why a record cannot be read.
+#[derive(Debug)]
+enum NoRecord {
+    Read(io::Error),
+    /// The number of the line that is none.
+    Line(usize),
+}
+
+/// Reads a record line by line; a last line without its end is left out.
+fn parse(mut text: impl BufRead) -> Result<Recorded, NoRecord> {
+    let (mut recorded, mut line) = (Recorded::default(), Vec::new());
+    for number in 1.. {
+        line.clear();
+        let most = (MOST_LINE as u64).saturating_add(1);
+        let length = text.by_ref().take(most).read_until(b'\n', &mut line).map_err(NoRecord::Read)?;
+        let wrong = || NoRecord::Line(number);
+        if !line.ends_with(b"\n") {
+            // Of a process that was killed at once there is a part of the first line; of ours alone.
+            let is_ours = recorded.settings.is_some()
+                || line.iter().zip(BEGINS).all(|(found, expected)| found == expected);
+            return if length <= MOST_LINE && is_ours { Ok(recorded) } else { Err(wrong()) };
         }
-        let (name, state) = match serde_json::from_slice(line).map_err(|_| number)? {
-            Line::Job { schema: SCHEMA, settings: made_with } if settings.is_none() => {
-                settings = Some(made_with);
+        recorded.whole = recorded.whole.saturating_add(length as u64);
+        if line == b"\n" {
+            continue;
+        }
+        let (name, state) = match serde_json::from_slice(&line).map_err(|_| wrong())? {
+            Line::Job { schema: SCHEMA, settings } if recorded.settings.is_none() => {
+                recorded.settings = Some(settings);
                 continue;
             }
-            Line::Begun { output, source, before } if settings.is_some() => {
+            Line::Begun { output, source, before } if recorded.settings.is_some() => {
                 (output, Known::Begun { source, before })
             }
-            Line::Done { output, source, stamp } if settings.is_some() => {
+            Line::Done { output, source, stamp } if recorded.settings.is_some() => {
                 (output, Known::Done { source, output: stamp })
             }
-            Line::Failed { .. } if settings.is_some() => continue,
-            _ => return Err(number),
+            Line::Failed { .. } if recorded.settings.is_some() => continue,
+            _ => return Err(wrong()),
         };
-        items.insert(name.into_os(), state);
+        recorded.items.insert(name.into_os(), state);
     }
-    Ok((settings, items))
+    Ok(recorded)
 }
 
 /// Reads a record for nothing but that: a target of fuzzing.
@@ -194,61 +220,44 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// [`FileError`] when another process works in the folder, the folder was made with other settings, or the
-    /// record cannot be read or written.
+    /// [`FileError`] when another process works in the folder, the folder was made with other settings, a link or something
+    /// else than a record has its name, or the record cannot be read or written. The file is then as it was.
     pub fn open(folder: &Path, settings: &Value, overwrite: bool) -> Result<Self, FileError> {
         let path = folder.join(RECORD);
         let cannot_write =
             |error: io::Error| FileError::Write { path: path.clone(), cause: error.to_string() };
+        // Before opening: a link would lead to a file of somebody else, and a pipe would be waited for.
+        if path.symlink_metadata().is_ok_and(|about| !about.is_file()) {
+            return Err(FileError::ForeignRecord { path });
+        }
         let file =
             OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(cannot_write)?;
         if !lock(&file) {
             return Err(FileError::Busy { folder: folder.to_owned() });
         }
-        let mut record = Self { path: path.clone(), file: Mutex::new(file), items: HashMap::new() };
-        let made_with = record.read_lines()?;
-        match made_with {
-            Some(made_with) if made_with == *settings => return Ok(record),
-            Some(made_with) if !overwrite => {
-                let differences = differences(&made_with, settings);
-                return Err(FileError::OtherSettings { folder: folder.to_owned(), differences });
-            }
-            _ => {}
+        let recorded = match parse(BufReader::new(&file)) {
+            Ok(recorded) => recorded,
+            Err(NoRecord::Read(error)) => return Err(FileError::Read { path, error }),
+            Err(NoRecord::Line(line)) => return Err(FileError::DamagedRecord { path, line }),
+        };
+        let Recorded { settings: made_with, items, whole } = recorded;
+        let is_same = made_with.as_ref() == Some(settings);
+        if let Some(made_with) = made_with.filter(|_| !is_same && !overwrite) {
+            let differences = differences(&made_with, settings);
+            return Err(FileError::OtherSettings { folder: folder.to_owned(), differences });
         }
-        record.items.clear();
-        record.file().set_len(0).map_err(cannot_write)?;
-        record.append(&Line::Job { schema: SCHEMA, settings: settings.clone() })?;
+        // From here on the file is known to be ours.
+        let items = if is_same { items } else { HashMap::new() };
+        file.set_len(if is_same { whole } else { 0 }).map_err(cannot_write)?;
+        let record = Self { path: path.clone(), file: Mutex::new(file), items };
+        if !is_same {
+            record.append(&Line::Job { schema: SCHEMA, settings: settings.clone() })?;
+        }
         Ok(record)
     }
 
     fn file(&self) -> std::sync::MutexGuard<'_, File> {
         self.file.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Reads what is recorded, and gives the settings.
-    fn read_lines(&mut self) -> Result<Option<Value>, FileError> {
-        let cannot_read = |error| FileError::Read { path: self.path.clone(), error };
-        let mut text = Vec::new();
-        {
-            let mut file = self.file();
-            file.seek(SeekFrom::Start(0)).map_err(cannot_read)?;
-            let length = file.metadata().map_err(cannot_read)?.len();
-            if length > MOST_BYTES {
-                let cause =
-                    format!("it has {length} bytes, but the record of a run has at most {MOST_BYTES}");
-                return Err(FileError::TooLarge { path: self.path.clone(), cause });
-            }
-            file.read_to_end(&mut text).map_err(cannot_read)?;
-            let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at.saturating_add(1));
-            if whole < text.len() {
-                file.set_len(whole as u64).map_err(cannot_read)?;
-                text.truncate(whole);
-            }
-        }
-        let lines =
-            parse(&text).map_err(|line| FileError::DamagedRecord { path: self.path.clone(), line })?;
-        self.items = lines.1;
-        Ok(lines.0)
     }
 
     fn append(&self, line: &Line) -> Result<(), FileError> {
@@ -320,10 +329,16 @@ impl Record {
         Ok(Sources { source, before })
     }
 
-    /// An output is about to get its name.
+    /// An output is about to get its name. The record is on the disk before it has it: after a power cut no output of
+    /// ours is unknown.
     pub(super) fn begin(&self, item: &Item, sources: &Sources) -> Result<(), FileError> {
         let Sources { source, before } = sources.clone();
-        self.append(&Line::Begun { output: output_name(item), source, before })
+        self.append(&Line::Begun { output: output_name(item), source, before })?;
+        let failed =
+            |error: io::Error| FileError::Write { path: self.path.clone(), cause: error.to_string() };
+        // Not under the lock: others may add their lines meanwhile.
+        let file = self.file().try_clone().map_err(failed)?;
+        file.sync_data().map_err(failed)
     }
 
     /// An output has its name.

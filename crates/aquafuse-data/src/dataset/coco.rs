@@ -4,6 +4,8 @@
 //! fields their position. Only ids and file names are replaced.
 
 pub(crate) mod entries;
+mod id;
+mod locate;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
@@ -13,9 +15,11 @@ use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 
 use entries::Sides;
+pub(crate) use id::Id;
+use locate::{Located, Pictures};
 
 use super::tree::Tree;
-use super::{Dataset, Fault, Faults, Index, Sample, inside, join, split, stem};
+use super::{Dataset, Fault, Faults, Index, Sample};
 use crate::files::{FileError, one_line};
 #[cfg(feature = "fuzz-targets")]
 use crate::image_file::ReadOptions;
@@ -55,37 +59,38 @@ pub(crate) struct Image<'a> {
     height: Option<f64>,
 }
 
+impl<'a> Annotation<'a> {
+    /// Its id, if it has a good one.
+    pub(crate) fn id(&self) -> Option<Id<'a>> {
+        self.id.and_then(|raw| Id::of(raw).ok())
+    }
+}
+
 #[derive(Deserialize)]
 pub(crate) struct Annotation<'a> {
     #[serde(borrow)]
     id: Option<&'a RawValue>,
     #[serde(borrow)]
     pub(crate) image_id: &'a RawValue,
-    bbox: Option<Sides>,
-}
-
-/// Where such files stand: at the top, in a folder of the top, or in `annotations`.
-fn candidates(tree: &Tree) -> impl Iterator<Item = &String> {
-    let fits = |path: &&String| {
-        let folder = split(path).0;
-        !folder.contains('/') || split(folder).1 == "annotations"
-    };
-    tree.ending(".json").filter(fits)
+    #[serde(borrow)]
+    bbox: Option<&'a RawValue>,
+    segments_info: Option<IgnoredAny>,
 }
 
 /// The text of a file, if it is such a one.
 fn coco(tree: &Tree, path: &str) -> Result<Option<String>, FileError> {
-    let is_coco = |text: &String| {
-        object::<Probe>(text).is_ok_and(|found| {
-            let Probe { images, annotations, categories } = found;
+    let is_coco = |text: &String| match object::<Probe>(text) {
+        Ok(Probe { images, annotations, categories }) => {
             !images.is_empty() && (annotations.is_some() || categories.is_some())
-        })
+        }
+        // One that has a list twice is one, with a fault.
+        Err(cause) => cause.contains("duplicate field"),
     };
     Ok(tree.read(path)?.filter(is_coco))
 }
 
 pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
-    for path in candidates(tree) {
+    for path in tree.ending(".json") {
         if coco(tree, path)?.is_some() {
             return Ok(Some(format!("{path} holds images and annotations")));
         }
@@ -95,7 +100,8 @@ pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
 
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
     let (mut keys, mut files, mut last) = (BTreeSet::new(), Vec::new(), 0);
-    for path in candidates(tree) {
+    let pictures = Pictures::of(tree);
+    for path in tree.ending(".json") {
         let text = match coco(tree, path) {
             Ok(Some(text)) => text,
             Ok(None) => continue,
@@ -105,7 +111,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
                 continue;
             }
         };
-        match examine(tree, path, &text, &mut dataset.faults) {
+        match examine(&pictures, path, &text, &mut dataset.faults) {
             Ok((file, last_image)) => {
                 keys.extend(file.keys.iter().cloned());
                 last = last.max(last_image);
@@ -127,9 +133,14 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
 type Known = (Option<u32>, [f64; 2]);
 
 /// Finds the images of a file, and what is wrong with it; gives the largest id of an image with it.
-fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> Result<(File, i64), String> {
+fn examine<'a>(
+    pictures: &Pictures<'_>,
+    path: &str,
+    text: &'a str,
+    faults: &mut Faults,
+) -> Result<(File, i64), String> {
     let (mut keys, mut places) = (Vec::<String>::new(), HashMap::<String, u32>::new());
-    let (mut entries, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<&'a str, Known>::new(), 0);
+    let (mut entries, mut by_id, mut last_image) = (Vec::new(), BTreeMap::<Id<'a>, Known>::new(), 0);
     let [images, annotations] = lists(text).map_err(|error| error.to_string())?;
     let mut see_image = |number: usize, raw: &'a RawValue| {
         let fault = |cause: String| Fault::new(format!("{path}, images[{number}]"), cause);
@@ -137,16 +148,27 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
             Ok(image) => image,
             Err(cause) => return faults.add(fault(cause)),
         };
-        let key = match inside(&image.file_name) {
-            Ok(name) => locate(tree, path, &name),
+        let id = match Id::of(image.id) {
+            Ok(id) => id,
+            Err(cause) => return faults.add(fault(cause)),
+        };
+        last_image = last_image.max(id.number());
+        let key = match pictures.locate(path, &image.file_name) {
+            Ok(Located::One(key)) => key.clone(),
+            Ok(Located::None) => {
+                faults.add(fault(format!("the dataset has no image {:?}", image.file_name)));
+                by_id.entry(id).or_insert((None, [f64::NAN; 2]));
+                return;
+            }
+            Ok(Located::Several(one, other)) => {
+                let name = image.file_name;
+                faults.add(fault(format!("{name:?} may be {one} or {other}; give its folder in file_name")));
+                by_id.entry(id).or_insert((None, [f64::NAN; 2]));
+                return;
+            }
             Err(cause) => {
                 return faults.add(fault(format!("file_name {:?} is {cause}", image.file_name)));
             }
-        };
-        let Some(key) = key else {
-            faults.add(fault(format!("the dataset has no image {:?}", image.file_name)));
-            by_id.entry(image.id.get()).or_insert((None, [f64::NAN; 2]));
-            return;
         };
         let place = match places.get(&key) {
             Some(place) => {
@@ -160,13 +182,9 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
                 place
             }
         };
-        match id(image.id) {
-            Ok(id) => last_image = last_image.max(id),
-            Err(cause) => faults.add(fault(cause).of(&key)),
-        }
         let sides = [image.width, image.height].map(|side| side.unwrap_or(f64::NAN));
-        if by_id.insert(image.id.get(), (Some(place), sides)).is_some() {
-            faults.add(fault(format!("another image has its id {}", image.id.get())).of(&key));
+        if by_id.insert(id, (Some(place), sides)).is_some() {
+            faults.add(fault(format!("another image has its id {id}")).of(&key));
         }
         entries.push((number, place));
     };
@@ -182,8 +200,13 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
             Ok(annotation) => annotation,
             Err(cause) => return faults.add(fault(cause)),
         };
-        let Some((key, size)) = by_id.get(annotation.image_id.get()) else {
-            return faults.add(fault(format!("no image has the id {}", annotation.image_id.get())));
+        let known = match Id::of(annotation.image_id) {
+            Ok(id) => by_id.get(&id).ok_or_else(|| format!("no image has the id {id}")),
+            Err(cause) => Err(format!("of its image {cause}")),
+        };
+        let (key, size) = match known {
+            Ok(known) => known,
+            Err(cause) => return faults.add(fault(cause)),
         };
         let mut wrong = |cause: String| {
             let fault = fault(cause);
@@ -192,17 +215,20 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
                 None => fault,
             });
         };
-        match annotation.id.map(|raw| (id(raw), raw.get())) {
-            Some((Ok(id), text)) => {
-                last_annotation = last_annotation.max(id);
-                if !ids.insert(text) {
-                    wrong(format!("another annotation has its id {text}"));
+        match annotation.id.map(Id::of) {
+            Some(Ok(id)) => {
+                last_annotation = last_annotation.max(id.number());
+                if !ids.insert(id) {
+                    wrong(format!("another annotation has its id {id}"));
                 }
             }
-            Some((Err(cause), _)) => wrong(cause),
+            Some(Err(cause)) => wrong(cause),
             None => {}
         }
-        if let Some(cause) = annotation.bbox.and_then(|sides| outside(&sides, *size)) {
+        if annotation.segments_info.is_some() {
+            wrong("it is a panoptic map, which cannot be carried; export outlines or boxes".to_owned());
+        }
+        if let Some(cause) = annotation.bbox.and_then(|sides| outside(sides, *size)) {
             wrong(cause);
         }
     };
@@ -215,17 +241,6 @@ fn examine<'a>(tree: &Tree, path: &str, text: &'a str, faults: &mut Faults) -> R
     Ok((File { path: path.to_owned(), keys, entries, first_image: 0, first_annotation }, last_image))
 }
 
-/// Where the image of a name stands, by the habits of those who write such files.
-fn locate(tree: &Tree, file: &str, name: &str) -> Option<String> {
-    let (folder, file_name) = split(file);
-    let above = split(folder).0;
-    let part = stem(file_name).rsplit('_').next().unwrap_or_default();
-    let beside = [folder.to_owned(), join(folder, "images")];
-    let around = ["".to_owned(), "images".into(), part.to_owned(), join("images", part)];
-    let around = around.map(|folder| if above.is_empty() { folder } else { join(above, &folder) });
-    beside.into_iter().chain(around).map(|folder| join(&folder, name)).find(|path| tree.holds(path))
-}
-
 /// An object with the fields of `T`: a list of their values, which would do as well for the reader of JSON, is none.
 pub(crate) fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
     if !text.trim_start().starts_with('{') {
@@ -234,16 +249,32 @@ pub(crate) fn object<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String>
     serde_json::from_str(text).map_err(|error| one_line(&error.to_string()))
 }
 
-/// An id as a number.
-fn id(raw: &RawValue) -> Result<i64, String> {
-    let said: String = raw.get().chars().take(20).collect();
-    raw.get().parse().map_err(|_| format!("the id is {said}, but must be a whole number"))
+/// Why a text is no JSON, with the place, and what to do.
+pub(super) fn no_json(text: &str, error: &serde_json::Error) -> String {
+    let (line, column) = (error.line(), error.column());
+    if error.is_eof() {
+        return format!(
+            "it is not JSON: it ends too early, at line {line} column {column}; get a complete copy"
+        );
+    }
+    let words = text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
+    let begins = |back: usize, name: &str| {
+        words.get(column.saturating_sub(back)..).is_some_and(|rest| rest.starts_with(name))
+    };
+    let is_python = ["NaN", "Infinity", "-Infinity"].iter().any(|name| (1..3).any(|back| begins(back, name)));
+    let remedy = if is_python { "NaN and Infinity are no JSON: write null" } else { "correct it there" };
+    format!("it is not JSON: {}; {remedy}", one_line(&error.to_string()))
 }
 
-/// What is wrong with a box, where it is not inside its image.
-fn outside(sides: &Sides, [width, height]: [f64; 2]) -> Option<String> {
-    let Sides { first: [x, y, w, h], count: 4 } = *sides else {
-        return Some(format!("its box has {} numbers instead of 4", sides.count));
+/// What is wrong with a box, where it is not inside its image. A box without numbers is none.
+fn outside(sides: &RawValue, [width, height]: [f64; 2]) -> Option<String> {
+    let Ok(sides) = serde_json::from_str::<Sides>(sides.get()) else {
+        return Some("its box is not a list of numbers".to_owned());
+    };
+    let [x, y, w, h] = match sides {
+        Sides { count: 0, .. } => return None,
+        Sides { first, count: 4 } => first,
+        Sides { count, .. } => return Some(format!("its box has {count} numbers instead of 4")),
     };
     let within = |low: f64, length: f64, size: f64| {
         low >= -SLACK && length >= 0.0 && (size.is_nan() || low + length <= size + SLACK)
@@ -263,11 +294,12 @@ fn invalid(cause: String) -> io::Error {
 
 /// The lists of a file that are taken apart, `images` and `annotations`, as they stand.
 pub(crate) fn lists(text: &str) -> io::Result<[Option<&RawValue>; 2]> {
-    let [mut images, mut annotations] = [None; 2];
+    let [mut images, mut annotations, mut categories] = [None; 3];
     entries::fields(text, &mut |name, value| {
         let list = match name {
             "images" => &mut images,
             "annotations" => &mut annotations,
+            "categories" => &mut categories,
             _ => return Ok(()),
         };
         match list.replace(value) {
@@ -290,9 +322,8 @@ pub(crate) fn each<'a>(
 #[cfg(feature = "fuzz-targets")]
 pub(crate) fn try_examine(text: &str) -> Option<(File, Vec<Sample>)> {
     let files = ["a.jpg", "images/b.jpg"].map(str::to_owned).into_iter().collect();
-    let (root, reading) = (std::path::PathBuf::new(), ReadOptions::default());
-    let tree = Tree { root, files, faults: Faults::default(), reading };
-    let (file, _) = examine(&tree, "instances.json", text, &mut Faults::default()).ok()?;
+    let tree = Tree::holding(std::path::PathBuf::new(), files, &ReadOptions::default());
+    let (file, _) = examine(&Pictures::of(&tree), "instances.json", text, &mut Faults::default()).ok()?;
     let keys: BTreeSet<&String> = file.keys.iter().collect();
     let samples = keys.into_iter().map(|key| Sample::new(key, Vec::new())).collect();
     Some((file, samples))

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use crate::files::one_line;
+
 /// Most letters of a cause, which may quote foreign strings of any length.
 const MOST_LETTERS: usize = 300;
 
@@ -19,7 +21,7 @@ pub struct Fault {
 
 impl Fault {
     pub(super) fn new(place: impl Into<String>, cause: impl Into<String>) -> Self {
-        Self { place: place.into(), cause: short(cause.into()), sample: None }
+        Self { place: one_line(&place.into()), cause: one_line(&short(cause.into())), sample: None }
     }
 
     /// The fault as one of a sample.

@@ -1,12 +1,14 @@
 //! WebDataset: tar files in which the members of a sample are adjacent and share their name up to its first dot.
 
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Read};
 use std::path::Path;
 
 use tar::{Archive, Builder, EntryType, Header};
 
 use super::tree::Tree;
-use super::{Dataset, Sample, inside, join, split};
+use super::{Dataset, Fault, Sample, inside, join, split};
 use crate::files::{FileError, one_line};
 use crate::image_file::ReadOptions;
 
@@ -15,6 +17,9 @@ const PICTURES: [&str; 7] = ["jpg", "jpeg", "png", "webp", "tif", "tiff", "bmp"]
 /// Members of one sample; more are a mistake.
 const MOST_MEMBERS: usize = 1 << 12;
 
+/// What the names of compressed shards end in.
+const COMPRESSED: [&str; 5] = [".tar.gz", ".tgz", ".tar.zst", ".tar.bz2", ".tar.xz"];
+
 pub(super) fn evidence(tree: &Tree) -> Option<String> {
     let path = tree.ending(".tar").next()?;
     Some(format!("{path} is a shard"))
@@ -22,6 +27,11 @@ pub(super) fn evidence(tree: &Tree) -> Option<String> {
 
 /// Each shard is a sample of the dataset: it is made as a whole.
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) {
+    for path in COMPRESSED.iter().flat_map(|end| tree.ending(end)) {
+        dataset
+            .faults
+            .add(Fault::new(path, "it is a compressed shard; decompress it first, for example with gunzip"));
+    }
     dataset.samples = tree.ending(".tar").map(|path| Sample::new(path, Vec::new())).collect();
 }
 
@@ -62,17 +72,75 @@ impl Member {
 }
 
 impl Group {
-    /// Its image, if it has exactly one.
+    /// Its image, if it has exactly one: `NAME.jpg`, or where there is none, the one of `NAME.WORD.jpg` whose word is not
+    /// that of a mask.
     pub(crate) fn image(&self) -> Result<Option<&Member>, String> {
-        let is_image =
-            |member: &&Member| PICTURES.contains(&member.extension().to_ascii_lowercase().as_str());
-        let mut images = self.members.iter().filter(is_image);
-        match (images.next(), images.next()) {
+        let of_kind = |kind: Kind| {
+            let mut images = self.members.iter().filter(|member| Kind::of(member.extension()) == Some(kind));
+            (images.next(), images.next())
+        };
+        let one = |(one, other): (Option<&'_ Member>, Option<&'_ Member>)| match (one, other) {
             (Some(one), Some(other)) => Err(format!(
                 "{} and {} may both be the image; rename masks, for example to .mask.png",
                 one.path, other.path
             )),
-            (image, _) => Ok(image),
+            _ => Ok(()),
+        };
+        for kind in [Kind::Plain, Kind::Worded] {
+            let found = of_kind(kind);
+            one(found)?;
+            if found.0.is_some() {
+                return Ok(found.0);
+            }
+        }
+        Ok(None)
+    }
+
+    /// The first name that two members have.
+    fn twice(&self) -> Option<&str> {
+        let mut names = HashSet::new();
+        self.members.iter().map(|member| member.path.as_str()).find(|path| !names.insert(*path))
+    }
+}
+
+/// How a member is called that may be the image.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// `jpg`.
+    Plain,
+    /// `input.jpg`.
+    Worded,
+}
+
+/// Words that say that an image is about another one.
+const ABOUT_OTHERS: [&str; 13] = [
+    "mask",
+    "masks",
+    "seg",
+    "label",
+    "labels",
+    "depth",
+    "normal",
+    "gt",
+    "target",
+    "output",
+    "outputs",
+    "segmentation",
+    "instance",
+];
+
+impl Kind {
+    fn of(extension: &str) -> Option<Self> {
+        let small = extension.to_ascii_lowercase();
+        let (word, last) = match small.rsplit_once('.') {
+            Some((word, last)) => (Some(word), last),
+            None => (None, small.as_str()),
+        };
+        match word {
+            _ if !PICTURES.contains(&last) => None,
+            None => Some(Self::Plain),
+            Some(word) if word.split(['.', '_', '-']).any(|word| ABOUT_OTHERS.contains(&word)) => None,
+            Some(_) => Some(Self::Worded),
         }
     }
 }
@@ -95,6 +163,19 @@ pub(crate) fn groups(
         _ => damaged(one_line(&error.to_string())),
     };
     let mut archive = Archive::new(Seen { reader, see, zeros: 0 });
+    let mut ended = HashSet::new();
+    let mut each = |group: Group| {
+        if let Some(path) = group.twice() {
+            return Err(damaged(format!("it holds two members {path:?}")));
+        }
+        let again = |key: &str| {
+            format!("the members of {key} in it are not adjacent; write the shard sorted by name")
+        };
+        match ended.insert(hash(&group.key)) {
+            true => each(group),
+            false => Err(damaged(again(&group.key))),
+        }
+    };
     // Bytes of the group, which is held as a whole.
     let (mut group, mut held) = (Group::default(), 0_u64);
     for entry in archive.entries().map_err(failed)? {
@@ -144,6 +225,13 @@ pub(crate) fn groups(
     }
 }
 
+/// A digest of a name: a shard may have millions.
+fn hash(name: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    name.hash(&mut hasher);
+    hasher.finish()
+}
+
 /// Bytes of zero that a tar file ends with.
 const END: usize = 1024;
 
@@ -175,4 +263,53 @@ pub(crate) fn try_parse(name: &Path, bytes: &[u8]) -> Result<(), FileError> {
         assert!(group.members.iter().all(|member| inside(&member.path).is_ok()));
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shard(names: &[&str]) -> Result<Vec<Group>, String> {
+        let mut builder = Builder::new(Vec::new());
+        for name in names {
+            let mut header = Header::new_gnu();
+            header.set_size(1);
+            builder.append_data(&mut header, name, &b"x"[..]).unwrap();
+        }
+        let (bytes, mut found) = (builder.into_inner().unwrap(), Vec::new());
+        let read =
+            groups("s.tar".as_ref(), bytes.as_slice(), &ReadOptions::default(), &mut |_| {}, &mut |group| {
+                found.push(group);
+                Ok(())
+            });
+        read.map(|()| found).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_image_of_a_sample_may_have_a_word_in_its_name() {
+        for (names, image) in [
+            (&["a.jpg", "a.cls"][..], Ok(Some("a.jpg"))),
+            (&["a.input.jpg", "a.outputs.txt"], Ok(Some("a.input.jpg"))),
+            (&["a.image.png", "a.mask.png", "a.json"], Ok(Some("a.image.png"))),
+            (&["a.jpg", "a.seg.png", "a.left.png"], Ok(Some("a.jpg"))),
+            (&["a.mask.png", "a.cls"], Ok(None)),
+            (&["a.left.png", "a.right.png"], Err("may both be the image")),
+            (&["a.jpg", "a.png"], Err("may both be the image")),
+        ] {
+            let groups = shard(names).unwrap();
+            match (groups[0].image(), image) {
+                (Ok(found), Ok(image)) => assert_eq!(found.map(|found| found.path.as_str()), image),
+                (Err(said), Err(cause)) => assert!(said.contains(cause), "{said}"),
+                (found, _) => panic!("{names:?}: {found:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn members_are_adjacent_and_have_one_name_each() {
+        let late = shard(&["a.jpg", "b.jpg", "a.txt"]).unwrap_err();
+        assert!(late.contains("the members of a in it are not adjacent"), "{late}");
+        let twice = shard(&["a.jpg", "a.txt", "a.txt"]).unwrap_err();
+        assert!(twice.contains("two members \"a.txt\""), "{twice}");
+    }
 }

@@ -1,3 +1,6 @@
+mod forms;
+mod losses;
+
 use std::fs;
 
 use super::*;
@@ -185,7 +188,8 @@ fn links_that_lead_out_of_the_data_set_are_not_followed() {
 #[test]
 fn lists_are_no_objects_of_coco() {
     let lists = folder(&[("a.jpg", ""), ("a.json", "[[1], [2]]")]);
-    assert_eq!(opened(&lists).layout, Layout::Folder);
+    let plain = Dataset::open(lists.path(), Some(Layout::Folder), &ReadOptions::default()).unwrap();
+    assert_eq!(plain.left_out.to_string(), "1 .json (a.json)");
     let entries =
         opened(&coco(&COCO.replace(r#"{"id": 5, "image_id": 9, "caption": "two fish"}"#, "[5, 9]")));
     let [fault] = entries.faults.first() else { panic!("{:?}", entries.faults) };

@@ -1,10 +1,11 @@
 //! The files in the folder of a dataset, and names in foreign files, which must stay within the folder.
 
-use std::collections::BTreeSet;
+use std::borrow::Cow;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-use super::{Fault, Faults, split};
-use crate::files::{FileError, display};
+use super::{Fault, Faults};
+use crate::files::{FileError, display, text_of};
 use crate::image_file::{Format, ReadOptions, read_beside};
 
 /// The fault of a text file that is not UTF-8.
@@ -18,6 +19,8 @@ const DEEPEST: usize = 32;
 pub(crate) struct Tree {
     pub(super) root: PathBuf,
     pub(crate) files: BTreeSet<String>,
+    /// The paths with capitals, by what they are in small letters.
+    capitals: HashMap<String, String>,
     /// Files that are skipped, and why.
     pub(super) faults: Faults,
     pub(super) reading: ReadOptions,
@@ -28,10 +31,21 @@ impl Tree {
     /// in the folder too.
     pub(crate) fn of(root: &Path, reading: &ReadOptions) -> Result<Self, FileError> {
         let home = root.canonicalize().map_err(|error| FileError::Read { path: root.to_owned(), error })?;
-        let (files, faults) = (BTreeSet::new(), Faults::default());
-        let mut tree = Self { root: root.to_owned(), files, faults, reading: *reading };
+        let mut tree = Self::holding(root.to_owned(), BTreeSet::new(), reading);
         tree.enter(&home, "", 0)?;
-        Ok(tree)
+        Ok(Self::holding(tree.root, tree.files, reading).with(tree.faults))
+    }
+
+    /// A tree of these files.
+    pub(super) fn holding(root: PathBuf, files: BTreeSet<String>, reading: &ReadOptions) -> Self {
+        let small = files.iter().map(|path| (path.to_lowercase(), path));
+        let capitals = small.filter(|(small, path)| small != *path);
+        let capitals = capitals.map(|(small, path)| (small, path.clone())).collect();
+        Self { root, files, capitals, faults: Faults::default(), reading: *reading }
+    }
+
+    fn with(self, faults: Faults) -> Self {
+        Self { faults, ..self }
     }
 
     fn enter(&mut self, home: &Path, within: &str, depth: usize) -> Result<(), FileError> {
@@ -57,6 +71,9 @@ impl Tree {
                     Ok(target) if target.starts_with(home) && target.is_file() => {
                         self.files.insert(path);
                     }
+                    Ok(target) if target.starts_with(home) => {
+                        self.faults.add(Fault::new(path, "a link to a folder, which is not followed"));
+                    }
                     _ => {
                         self.faults
                             .add(Fault::new(path, "a link that is broken or leads out of the dataset"));
@@ -71,7 +88,12 @@ impl Tree {
 
     /// The images among the files.
     pub(super) fn images(&self) -> impl Iterator<Item = &String> {
-        self.files.iter().filter(|path| Format::listed(Path::new(path)))
+        self.files.iter().filter(|path| self.is_image(path))
+    }
+
+    /// The files that may be masks: images, and GIF, which images of datasets are not.
+    pub(super) fn pictures(&self) -> impl Iterator<Item = &String> {
+        self.files.iter().filter(|path| Format::of(Path::new(path)).is_some())
     }
 
     /// The files whose names end so, whatever the case.
@@ -79,26 +101,32 @@ impl Tree {
         self.files.iter().filter(move |path| path.to_ascii_lowercase().ends_with(end))
     }
 
-    /// The files in a folder and in those inside it.
-    pub(super) fn within(&self, folder: &str) -> impl Iterator<Item = &String> {
-        // Names with the folder before them stand together.
-        let from = super::join(folder, "");
-        self.files.range(from.clone()..).take_while(move |path| path.starts_with(&from))
-    }
-
-    /// The images in a folder.
-    pub(super) fn images_in<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a String> {
-        self.within(folder).filter(move |path| split(path).0 == folder && Format::listed(Path::new(path)))
+    /// Whether a file of the dataset is an image, by its name.
+    pub(super) fn is_image(&self, path: &str) -> bool {
+        Format::listed(Path::new(path))
     }
 
     pub(super) fn holds(&self, path: &str) -> bool {
         self.files.contains(path)
     }
 
-    /// Reads a text file of the dataset; `None` if it is not text.
+    /// The file of a path; if there is none, that of a path which differs only in capitals.
+    pub(super) fn any_case(&self, path: &str) -> Option<&String> {
+        let other = || {
+            let small = path.to_lowercase();
+            self.capitals.get(&small).or_else(|| self.files.get(&small))
+        };
+        self.files.get(path).or_else(other)
+    }
+
+    /// Reads a file of the dataset.
+    pub(super) fn bytes(&self, path: &str) -> Result<Vec<u8>, FileError> {
+        read_beside(&self.root.join(path), &self.reading)
+    }
+
+    /// Reads a text file of the dataset, without its byte order mark; `None` if it is not text.
     pub(super) fn read(&self, path: &str) -> Result<Option<String>, FileError> {
-        let bytes = read_beside(&self.root.join(path), &self.reading)?;
-        Ok(String::from_utf8(bytes).ok())
+        Ok(text_of(&self.bytes(path)?).map(Cow::into_owned))
     }
 }
 

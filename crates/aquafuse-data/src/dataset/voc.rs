@@ -1,319 +1,111 @@
-//! An XML file an image, `Annotations/NAME.xml`, which names the image in `JPEGImages/` and holds boxes in pixels.
-//!
-//! Only two things in the XML are ours: the text of `filename`, and that of `path` beside it. They are found by place,
-//! so that everything else stays byte for byte.
+//! An XML file an image, which names the image and holds boxes in pixels: `Annotations/NAME.xml` for `JPEGImages/NAME.jpg`,
+//! in folders of other names, or beside the image.
 
-use std::borrow::Cow;
-use std::collections::{BTreeSet, HashMap};
-use std::ops::Range;
+mod xml;
 
-use quick_xml::Reader;
-use quick_xml::events::Event;
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::tree::{NO_TEXT, Tree};
-use super::{Companion, Dataset, Fault, Index, Sample, inside, join, split, stem};
+pub(super) use xml::renamed;
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use xml::try_parse;
+use xml::{Annotation, parse};
+
+use super::places::{self, Stems, of_images};
+use super::tree::Tree;
+use super::{Companion, Dataset, Fault, Sample, inside, join, split, stem};
 use crate::files::FileError;
 
-const ANNOTATIONS: &str = "Annotations";
-const PICTURES: &str = "JPEGImages";
-/// Masks that may stand beside.
+/// What folders of annotations are called.
+const NAMES: [&str; 9] =
+    ["annotations", "annotation", "annos", "anno", "xml", "xmls", "box", "boxes", "labels"];
+/// Masks that may stand beside, called as the annotation.
 const MASKS: [&str; 2] = ["SegmentationClass", "SegmentationObject"];
-/// Lists of names, one folder deeper.
-const LISTS: &str = "ImageSets";
-/// Boxes count from 1 or from 0, in whole pixels or not: as far as this beyond the edge nothing is wrong.
-const SLACK: f64 = 1.0;
 
-/// The folder above the annotations of a file, if it is one.
-fn above(path: &str) -> Option<&str> {
-    let (folder, name) = split(path);
-    let (above, last) = split(folder);
-    (last == ANNOTATIONS && name.ends_with(".xml")).then_some(above)
+/// An XML file, and the image that it is about.
+struct Found {
+    path: String,
+    about: Result<Annotation, String>,
+    /// Whether the element of annotations begins in it.
+    begins: bool,
+    image: Option<String>,
 }
 
-pub(super) fn evidence(tree: &Tree) -> Option<String> {
-    let folder = tree.files.iter().find_map(|path| above(path))?;
-    let images = join(folder, PICTURES);
-    tree.images_in(&images).next()?;
-    Some(format!("{}/ beside {images}/", join(folder, ANNOTATIONS)))
+impl Found {
+    /// Whether it is, or should be, an annotation: it says so, or stands where one should.
+    fn is_annotation(&self) -> bool {
+        self.begins || (self.image.is_some() && places::is_in(&self.path, &NAMES))
+    }
+}
+
+/// Reads an XML file, and finds its image: by the name in it, or by its own.
+fn look(tree: &Tree, stems: &Stems<'_>, path: &str) -> Result<Found, FileError> {
+    let bytes = tree.bytes(path)?;
+    let text = xml::text(&bytes);
+    let begins = text
+        .as_ref()
+        .is_ok_and(|(text, _)| ["<annotation>", "<annotation "].iter().any(|begin| text.contains(begin)));
+    let about = text.and_then(|(text, _)| parse(&text));
+    let (folder, name) = split(path);
+    let folders = of_images(folder, &NAMES);
+    let named = about.as_ref().ok().and_then(|about| inside(about.filename.as_ref()?).ok());
+    let by_name = named.and_then(|named| {
+        folders
+            .iter()
+            .find_map(|folder| tree.any_case(&join(folder, &named)))
+            .filter(|key| tree.is_image(key))
+    });
+    let by_stem = || folders.iter().find_map(|folder| stems.get(folder, stem(name)).first().copied());
+    let image = by_name.or_else(by_stem).cloned();
+    Ok(Found { path: path.to_owned(), about, begins, image })
+}
+
+pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
+    let stems = Stems::of(tree.images());
+    for path in tree.ending(".xml") {
+        let found = look(tree, &stems, path)?;
+        if let Some(image) = found.image.as_ref().filter(|_| found.is_annotation()) {
+            return Ok(Some(format!("{path} is about {image}")));
+        }
+    }
+    Ok(None)
 }
 
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
-    let folders: BTreeSet<&str> = tree.files.iter().filter_map(|path| above(path)).collect();
-    for folder in folders {
-        let images = join(folder, PICTURES);
-        let mut left: BTreeSet<&String> = tree.images_in(&images).collect();
-        let mut stems: HashMap<&str, Vec<&String>> = HashMap::new();
-        for key in &left {
-            stems.entry(stem(split(key).1)).or_default().push(key);
+    let stems = Stems::of(tree.images());
+    let mut taken: BTreeMap<String, String> = BTreeMap::new();
+    for path in tree.ending(".xml") {
+        let found = look(tree, &stems, path)?;
+        if !found.is_annotation() {
+            continue;
         }
-        let annotations = join(folder, ANNOTATIONS);
-        for path in tree.within(&annotations).filter(|path| above(path) == Some(folder)) {
-            let about = tree.read(path)?.map_or_else(|| Err(NO_TEXT.to_owned()), |text| parse(&text));
-            let name = stem(split(path).1);
-            let named = about.as_ref().ok().and_then(|about| about.filename.clone());
-            let named = named.map(|named| (inside(&named), named));
-            let by_name = named.as_ref().and_then(|(named, _)| Some(join(&images, named.as_ref().ok()?)));
-            let by_stem = || stems.get(name)?.iter().copied().find(|key| left.contains(key)).cloned();
-            let Some(key) = by_name.filter(|key| tree.holds(key)).or_else(by_stem) else {
-                let cause = format!("its image is not in {images}/");
-                dataset.faults.add(Fault::new(path, cause));
-                continue;
-            };
-            left.remove(&key);
-            match (&about, &named) {
-                (Err(cause), _) => dataset.faults.add(Fault::new(path, cause.clone()).of(&key)),
-                (_, Some((Err(cause), said))) => {
+        let Some(key) = found.image else {
+            dataset.faults.add(Fault::new(path, "the dataset does not have its image"));
+            continue;
+        };
+        if let Some(other) = taken.get(&key) {
+            dataset.faults.add(Fault::new(path, format!("{other} is about {key} too")).of(&key));
+            continue;
+        }
+        match &found.about {
+            Err(cause) => dataset.faults.add(Fault::new(path, cause.clone()).of(&key)),
+            Ok(about) => {
+                let named = about.filename.as_ref().map(|said| (said, inside(said)));
+                if let Some((said, Err(cause))) = named {
                     dataset.faults.add(Fault::new(path, format!("{said:?} is {cause}")).of(&key));
                 }
-                _ => {}
+                about.faults().for_each(|cause| dataset.faults.add(Fault::new(path, cause).of(&key)));
             }
-            for cause in about.iter().flat_map(Annotation::faults) {
-                dataset.faults.add(Fault::new(path, cause).of(&key));
-            }
-            let mut companions = vec![Companion { path: path.clone(), names_image: true }];
-            let masks = MASKS.map(|masks| join(&join(folder, masks), &format!("{name}.png")));
-            companions.extend(masks.into_iter().filter(|mask| tree.holds(mask)).map(Companion::carried));
-            dataset.samples.push(Sample::new(key, companions));
         }
-        let unsaid = left.into_iter().map(|key| Sample::new(key, Vec::new()));
-        dataset.samples.extend(unsaid);
-        let lists = join(folder, LISTS);
-        let is_list =
-            |path: &&String| path.to_ascii_lowercase().ends_with(".txt") && split(split(path).0).0 == lists;
-        let listed = tree.within(&lists).filter(is_list);
-        dataset
-            .indices
-            .extend(listed.map(|path| Index::Stems { path: path.clone(), folder: images.clone() }));
+        let mut companions = vec![Companion { path: path.clone(), names_image: true }];
+        let (folder, name) = split(path);
+        let masks = MASKS.map(|masks| join(&join(split(folder).0, masks), &format!("{}.png", stem(name))));
+        companions.extend(masks.into_iter().filter(|mask| tree.holds(mask)).map(Companion::carried));
+        dataset.samples.push(Sample::new(&key, companions));
+        taken.insert(key, path.clone());
     }
+    // Images without an annotation, where others have one.
+    let folders: BTreeSet<&str> = taken.keys().map(|key| split(key).0).collect();
+    let unsaid = tree.images().filter(|key| folders.contains(split(key).0) && !taken.contains_key(*key));
+    dataset.samples.extend(unsaid.map(|key| Sample::new(key, Vec::new())));
     Ok(())
-}
-
-/// What an annotation says, as far as it can be wrong.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Annotation {
-    filename: Option<String>,
-    size: [Option<f64>; 2],
-    /// Left, top, right, bottom; NaN where one is missing or no number.
-    boxes: Vec<[f64; 4]>,
-}
-
-impl Annotation {
-    /// What is wrong with its boxes, in words.
-    fn faults(&self) -> impl Iterator<Item = String> {
-        let [width, height] = self.size;
-        let within = |low: f64, high: f64, size: Option<f64>| {
-            low >= -SLACK && low <= high && size.is_none_or(|size| size <= 0.0 || high <= size + SLACK)
-        };
-        self.boxes.iter().filter_map(move |&[left, top, right, bottom]| {
-            if [left, top, right, bottom].iter().any(|side| side.is_nan()) {
-                return Some("a side of a box is missing or not a number".to_owned());
-            }
-            (!(within(left, right, width) && within(top, bottom, height)))
-                .then(|| format!("the box {left}, {top}, {right}, {bottom} is not inside the image"))
-        })
-    }
-}
-
-/// An XML text, element by element.
-struct Pieces<'a> {
-    reader: Reader<&'a [u8]>,
-    /// Where the reader begins: it drops a byte order mark and does not count it.
-    begin: usize,
-    stack: Vec<String>,
-    /// Where the text of the last element begins, while no other one is in it.
-    text: Option<usize>,
-    /// The last piece was the text of the element on the stack, which has ended.
-    ended: bool,
-}
-
-impl<'a> Pieces<'a> {
-    fn of(text: &'a str) -> Self {
-        let marked = text.len();
-        let text = text.trim_start_matches('\u{feff}');
-        let mut reader = Reader::from_str(text);
-        reader.config_mut().expand_empty_elements = true;
-        Self { reader, begin: marked.saturating_sub(text.len()), stack: Vec::new(), text: None, ended: false }
-    }
-
-    /// The next begin of an element, or the text of one that holds nothing else; the stack names the elements it is in.
-    fn next(&mut self) -> Result<Option<(Piece, Range<usize>)>, String> {
-        if std::mem::take(&mut self.ended) {
-            self.stack.pop();
-        }
-        loop {
-            let from = self.place();
-            let event = self.reader.read_event().map_err(|error| format!("it is not XML: {error}"))?;
-            match event {
-                Event::Eof if self.stack.is_empty() => return Ok(None),
-                Event::Eof => return Err("it ends within an element".into()),
-                Event::Start(start) => {
-                    // Elements deeper than this are none of ours.
-                    if self.stack.len() >= 64 {
-                        return Err("its elements are nested too deep".into());
-                    }
-                    self.stack.push(start.local_name().as_ref().to_owned());
-                    self.text = Some(self.place());
-                    return Ok(Some((Piece::Start, from..from)));
-                }
-                Event::End(_) => match self.text.take() {
-                    Some(begin) => {
-                        self.ended = true;
-                        return Ok(Some((Piece::Text, begin..from)));
-                    }
-                    None => {
-                        self.stack.pop();
-                    }
-                },
-                _ => {}
-            }
-        }
-    }
-
-    fn place(&self) -> usize {
-        self.begin.saturating_add(usize::try_from(self.reader.buffer_position()).unwrap_or(usize::MAX))
-    }
-
-    fn is_in(&self, path: &[&str]) -> bool {
-        self.stack.iter().map(String::as_str).eq(path.iter().copied())
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Piece {
-    Start,
-    Text,
-}
-
-/// Reads an annotation; what is wrong with it otherwise.
-fn parse(text: &str) -> Result<Annotation, String> {
-    let (mut found, mut pieces) = (Annotation::default(), Pieces::of(text));
-    let mut is_first = true;
-    while let Some((piece, range)) = pieces.next()? {
-        let root = pieces.stack.first().map(String::as_str);
-        if is_first && piece == Piece::Start {
-            if root != Some("annotation") {
-                return Err("its first element is not `annotation`".into());
-            }
-            is_first = false;
-        }
-        if piece == Piece::Start {
-            if pieces.is_in(&["annotation", "object", "bndbox"]) {
-                found.boxes.push([f64::NAN; 4]);
-            }
-            continue;
-        }
-        let said = text.get(range).unwrap_or_default().trim();
-        let number = || said.parse::<f64>().ok();
-        if pieces.is_in(&["annotation", "filename"]) {
-            let plain = quick_xml::escape::unescape(said);
-            found.filename = Some(plain.map_or_else(|_| said.to_owned(), Cow::into_owned));
-        }
-        for (name, side) in ["width", "height"].into_iter().zip(&mut found.size) {
-            if pieces.is_in(&["annotation", "size", name]) {
-                *side = number();
-            }
-        }
-        if let Some(last) = found.boxes.last_mut() {
-            for (name, side) in ["xmin", "ymin", "xmax", "ymax"].into_iter().zip(last) {
-                if pieces.is_in(&["annotation", "object", "bndbox", name]) {
-                    *side = number().unwrap_or(f64::NAN);
-                }
-            }
-        }
-    }
-    if is_first { Err("it has no element".into()) } else { Ok(found) }
-}
-
-/// The annotation with another image's name in `filename`, and as the last part of `path`.
-pub(super) fn renamed(bytes: &[u8], image: &str) -> Vec<u8> {
-    let Ok(text) = std::str::from_utf8(bytes) else { return bytes.to_vec() };
-    let (mut out, mut done, mut pieces) = (String::with_capacity(text.len()), 0, Pieces::of(text));
-    let name = quick_xml::escape::escape(image);
-    while let Ok(Some((piece, range))) = pieces.next() {
-        let is_path = pieces.is_in(&["annotation", "path"]);
-        if piece != Piece::Text || !(is_path || pieces.is_in(&["annotation", "filename"])) {
-            continue;
-        }
-        let said = text.get(range.clone()).unwrap_or_default();
-        if said.trim().is_empty() {
-            continue;
-        }
-        // A comment among the text is no part of a path.
-        let folders = if is_path && !said.contains('<') { said.rfind(['/', '\\']) } else { None };
-        let kept = folders.map_or(0, |at| at.saturating_add(1));
-        out.push_str(text.get(done..range.start).unwrap_or_default());
-        out.push_str(said.get(..kept).unwrap_or_default());
-        out.push_str(&name);
-        done = range.end;
-    }
-    out.push_str(text.get(done..).unwrap_or_default());
-    out.into_bytes()
-}
-
-/// Reads an annotation for nothing but that: a target of fuzzing.
-#[cfg(feature = "fuzz-targets")]
-pub(crate) fn try_parse(text: &str) {
-    if let Ok(found) = parse(text) {
-        let _ = found.faults().count();
-        let renamed = renamed(text.as_bytes(), "a__b__0.jpg");
-        let again = std::str::from_utf8(&renamed).expect("text stays text");
-        let again = parse(again).expect("what is renamed is read");
-        assert!(
-            again.boxes.iter().flatten().map(|side| side.to_bits()).eq(found
-                .boxes
-                .iter()
-                .flatten()
-                .map(|side| side.to_bits()))
-        );
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const GOOD: &str = "<annotation verified=\"yes\">\n\t<filename>a &amp; b.jpg</filename><path>C:\\pics\\a.jpg</path>\n\
-        <size><width>64</width><height>48</height><depth>3</depth></size><object><name>fish</name>\
-        <part><name>filename</name></part>\
-        <bndbox><xmin>1</xmin><ymin>2.5</ymin><xmax>64</xmax><ymax>48</ymax></bndbox></object></annotation>\n";
-
-    #[test]
-    fn an_annotation_is_read_and_nothing_but_the_names_changes() {
-        let found = parse(GOOD).unwrap();
-        assert_eq!(found.filename.as_deref(), Some("a & b.jpg"));
-        assert_eq!(found.size, [Some(64.0), Some(48.0)]);
-        assert_eq!(found.boxes, [[1.0, 2.5, 64.0, 48.0]]);
-        assert_eq!(found.faults().count(), 0);
-        let renamed = String::from_utf8(renamed(GOOD.as_bytes(), "a__<w>__0.jpg")).unwrap();
-        let expected = GOOD
-            .replace("a &amp; b.jpg", "a__&lt;w&gt;__0.jpg")
-            .replace("pics\\a.jpg", "pics\\a__&lt;w&gt;__0.jpg");
-        assert_eq!(renamed, expected);
-    }
-
-    #[test]
-    fn a_byte_order_mark_moves_nothing() {
-        let marked = format!("\u{feff}{GOOD}");
-        assert_eq!(parse(&marked).unwrap(), parse(GOOD).unwrap());
-        let expected = [b"\xef\xbb\xbf".to_vec(), renamed(GOOD.as_bytes(), "w.jpg")].concat();
-        assert_eq!(renamed(marked.as_bytes(), "w.jpg"), expected);
-    }
-
-    #[test]
-    fn a_path_with_a_comment_in_it_is_replaced_as_a_whole() {
-        let odd = GOOD.replace("C:\\pics\\a.jpg", "C:\\pics<!-- a/b -->\\a.jpg");
-        let renamed = String::from_utf8(renamed(odd.as_bytes(), "w.jpg")).unwrap();
-        assert!(renamed.contains("<path>w.jpg</path>") && parse(&renamed).is_ok(), "{renamed}");
-    }
-
-    #[test]
-    fn boxes_outside_the_image_are_named() {
-        for (from, to) in [("<xmax>64", "<xmax>90"), ("<ymin>2.5", "<ymin>49.5"), ("<ymin>2.5", "<ymin>a")] {
-            let found = parse(&GOOD.replace(from, to)).unwrap();
-            assert_eq!(found.faults().count(), 1, "{to}");
-        }
-        for wrong in ["", "<a></a>", "<annotation><object>", "plain text", "<annotation></b>"] {
-            assert!(parse(wrong).is_err(), "{wrong}");
-        }
-    }
 }

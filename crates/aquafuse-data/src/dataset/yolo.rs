@@ -1,189 +1,148 @@
-//! A text file an image, one object a line: `class x y width height`, or `class x1 y1 x2 y2 ...` for outlines, with
+//! A text file an image, an object a line: `class x y width height`, or `class x1 y1 x2 y2 ...` for outlines, with
 //! key points behind the box for poses. All lengths are shares of the image's sides.
 
-use std::collections::BTreeMap;
+mod classes;
+mod label;
+
+use std::cell::OnceCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use label::try_parse;
 
 use super::tree::{NO_TEXT, Tree};
-use super::{Companion, Dataset, Fault, Index, Sample, join, split, stem};
+use super::{Companion, Dataset, Fault, Faults, Index, Sample, places, split, stem};
 use crate::files::FileError;
+use crate::image_file::ImageFile;
 
-/// As far as this beyond the image's edge, in shares of its side, a box is rounded rather than wrong.
-const ROUNDED: f64 = 2e-3;
-/// Files beside the images that are carried over as they are.
-const LISTS_OF_CLASSES: [&str; 4] = ["classes.txt", "obj.names", "notes.json", "_darknet.labels"];
+/// What folders of labels are called.
+const LABELS: [&str; 5] = ["labels", "label", "annotations", "yolo", "txt"];
+/// Files about all labels that are carried over as they are.
+const ABOUT_ALL: [&str; 5] = ["classes.txt", "obj.names", "obj.data", "notes.json", "_darknet.labels"];
 
-/// The label of an image: `labels` for the last `images` of its path, beside it where there is none.
-fn label(key: &str) -> String {
-    let (folder, name) = split(key);
-    let mut parts: Vec<&str> = folder.split('/').collect();
-    if let Some(last) = parts.iter_mut().rev().find(|part| **part == "images") {
-        *last = "labels";
-    }
-    join(&parts.join("/"), &format!("{}.txt", stem(name)))
+/// The label of an image: `NAME.txt`, or `NAME.jpg.txt`, as some tools call it.
+fn label<'t>(tree: &'t Tree, key: &str) -> Option<&'t String> {
+    let name = split(key).1;
+    let path = places::find(tree, key, &LABELS, &[stem(name), name].map(|name| format!("{name}.txt")))?;
+    (!is_about_all(path)).then_some(path)
+}
+
+fn is_about_all(path: &str) -> bool {
+    ABOUT_ALL.iter().any(|name| split(path).1.eq_ignore_ascii_case(name))
 }
 
 fn is_config(path: &str) -> bool {
     split(path).0.is_empty() && (path.ends_with(".yaml") || path.ends_with(".yml"))
 }
 
-/// Whether a text of YAML says what classes there are.
-fn names_classes(text: &str) -> bool {
-    text.lines().any(|line| line.starts_with("names:") || line.starts_with("nc:"))
-}
-
 pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
     for config in tree.files.iter().filter(|path| is_config(path)) {
-        if tree.read(config)?.is_some_and(|text| names_classes(&text)) {
+        if tree.read(config)?.is_some_and(|text| classes::are_named(&text)) {
             return Ok(Some(format!("{config} names classes")));
         }
     }
-    let labelled = |key: &&String| key.split('/').any(|part| part == "images") && tree.holds(&label(key));
-    if let Some(key) = tree.images().find(labelled) {
-        return Ok(Some(format!("{} is about {key}", label(key))));
+    let labelled = |key: &String| {
+        let path = label(tree, key)?;
+        // Elsewhere may stand any text.
+        let is_label = places::is_in(path, &["labels"]) || holds_boxes(tree, path);
+        is_label.then(|| format!("{path} is about {key}"))
+    };
+    if let Some(found) = tree.images().find_map(labelled) {
+        return Ok(Some(found));
     }
-    let beside = LISTS_OF_CLASSES.into_iter().find(|name| *name != "notes.json" && tree.holds(name));
+    let beside = ABOUT_ALL.into_iter().find(|name| !name.ends_with(".json") && tree.holds(name));
     Ok(beside.map(|name| format!("{name} names classes")))
+}
+
+/// Whether a text has boxes, and nothing else.
+fn holds_boxes(tree: &Tree, path: &str) -> bool {
+    let text = tree.read(path).ok().flatten().unwrap_or_default();
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty()).peekable();
+    lines.peek().is_some() && lines.all(|line| label::check(line, None, &|| None).is_ok())
 }
 
 pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> {
     let configs: Vec<&String> = tree.files.iter().filter(|path| is_config(path)).collect();
-    let in_images = |key: &&String| key.split('/').any(|part| part == "images");
-    let nested = tree.images().any(|key| in_images(&key));
+    let carried: Vec<&String> = tree.files.iter().filter(|path| is_about_all(path)).collect();
+    let classes = classes::count(tree, configs.iter().chain(&carried))?;
+    let labels: BTreeMap<&String, &String> =
+        tree.images().filter_map(|key| Some((key, label(tree, key)?))).collect();
+    // Images without a label are background, where others have one or labels would be looked for.
+    let folders: BTreeSet<&str> = labels.keys().map(|key| split(key).0).collect();
+    let in_images = |key: &&String| places::is_in(key, &places::IMAGES);
+    let are_some = !labels.is_empty() || tree.images().any(|key| in_images(&key));
+    let belongs = |key: &&String| !are_some || in_images(key) || folders.contains(split(key).0);
     // Two images of one label cannot have variants that differ in their labels' names.
-    let mut owners: BTreeMap<String, String> = BTreeMap::new();
-    for key in tree.images().filter(|key| !nested || in_images(key)) {
-        let path = label(key);
+    let mut owners: BTreeMap<&String, &String> = BTreeMap::new();
+    for key in tree.images().filter(belongs) {
         let mut companions = Vec::new();
-        if tree.holds(&path) {
-            if let Some(other) = owners.insert(path.clone(), key.clone()) {
+        if let Some(path) = labels.get(key) {
+            if let Some(other) = owners.insert(path, key) {
                 let cause = format!("it shares the label {path} with {other}");
                 dataset.faults.add(Fault::new(key, cause).of(key));
             }
-            let text = tree.read(&path)?;
-            if text.is_none() {
-                dataset.faults.add(Fault::new(&path, NO_TEXT).of(key));
-            }
-            for (line, number) in text.iter().flat_map(|text| text.lines()).zip(1_usize..) {
-                if let Err(cause) = check(line) {
-                    dataset.faults.add(Fault::new(format!("{path}:{number}"), cause).of(key));
-                }
-            }
-            companions.push(Companion::carried(path));
+            look(tree, path, key, classes, &mut dataset.faults)?;
+            companions.push(Companion::carried((*path).clone()));
         }
         dataset.samples.push(Sample::new(key, companions));
     }
-    let in_labels = |path: &&String| split(path).0.split('/').any(|part| part == "labels");
-    for path in tree.ending(".txt").filter(in_labels) {
-        if !owners.contains_key(path) && !LISTS_OF_CLASSES.contains(&split(path).1) {
+    for path in tree.ending(".txt").filter(|path| !owners.contains_key(path) && !is_about_all(path)) {
+        if places::is_in(path, &["labels"]) {
             dataset.faults.add(Fault::new(path, "no image belongs to this label"));
+        } else if split(path).0.is_empty() && tree.read(path)?.is_none() {
+            // It may be the list of images that the configuration names.
+            dataset.faults.add(Fault::new(path, NO_TEXT));
         }
     }
     dataset.indices.extend(configs.into_iter().map(|path| Index::Config { path: path.clone() }));
-    for path in tree.files.iter().filter(|path| split(path).0.is_empty()) {
-        if LISTS_OF_CLASSES.contains(&path.as_str()) {
-            dataset.indices.push(Index::Carried { path: path.clone() });
-        } else if path.ends_with(".txt") && !owners.contains_key(path) {
-            let names_images = |line: &str| super::inside(line).is_ok_and(|name| tree.holds(&name));
-            match tree.read(path)? {
-                Some(text) if text.lines().any(names_images) => {
-                    dataset.indices.push(Index::Paths { path: path.clone() });
-                }
-                Some(_) => {}
-                // It may be the list of images that the configuration names.
-                None => dataset.faults.add(Fault::new(path, NO_TEXT)),
-            }
+    dataset.indices.extend(carried.into_iter().map(|path| Index::Carried { path: path.clone() }));
+    Ok(())
+}
+
+/// Looks for faults in the label of an image.
+fn look(
+    tree: &Tree,
+    path: &str,
+    key: &str,
+    classes: Option<usize>,
+    faults: &mut Faults,
+) -> Result<(), FileError> {
+    let Some(text) = tree.read(path)? else {
+        faults.add(Fault::new(path, NO_TEXT).of(key));
+        return Ok(());
+    };
+    // The image is opened where a box reaches over its edge, and only there.
+    let opened = OnceCell::new();
+    let size = || {
+        let open = || ImageFile::open(&tree.root.join(key), &tree.reading).ok().map(|image| image.size());
+        *opened.get_or_init(open)
+    };
+    for (line, number) in text.lines().zip(1_usize..) {
+        if let Err(cause) = label::check(line, classes, &size) {
+            faults.add(Fault::new(format!("{path}:{number}"), cause).of(key));
         }
     }
     Ok(())
 }
 
-/// What is wrong with a line of a label.
-fn check(line: &str) -> Result<(), String> {
-    let mut numbers = line.split_ascii_whitespace();
-    let Some(class) = numbers.next() else { return Ok(()) };
-    if class.parse::<u32>().is_err() {
-        return Err(format!("the class is {:?}, but must be a whole number, 0 or more", short(class)));
-    }
-    let values: Vec<f64> = numbers
-        .map(|text| text.parse().map_err(|_| format!("{:?} is not a number", short(text))))
-        .collect::<Result<_, _>>()?;
-    match values.as_slice() {
-        // A box, with key points or a confidence behind it or not.
-        [x, y, w, h, rest @ ..] if rest.len() != 2 && (rest.len() < 4 || is_pose(rest)) => {
-            inside_image("across", *x, *w)?;
-            inside_image("down", *y, *h)
-        }
-        outline if outline.len() >= 6 && outline.len().is_multiple_of(2) => {
-            match outline.iter().find(|value| !(-ROUNDED..=1.0 + ROUNDED).contains(*value)) {
-                Some(value) => Err(format!("a corner is at {value}, outside the image")),
-                None => Ok(()),
-            }
-        }
-        other => Err(format!("it has {} numbers after the class instead of 4", other.len())),
-    }
-}
-
-/// Whether these are key points: in threes the last of which says whether the point is seen.
-fn is_pose(rest: &[f64]) -> bool {
-    let seen = |point: &[f64]| point.last().is_some_and(|seen| [0.0, 1.0, 2.0].contains(seen));
-    rest.len().is_multiple_of(3) && rest.chunks(3).all(seen)
-}
-
-/// Refuses a side that reaches beyond the image.
-fn inside_image(way: &str, middle: f64, length: f64) -> Result<(), String> {
-    let ends = (middle - length / 2.0, middle + length / 2.0);
-    // A number that is none compares with nothing.
-    if length >= 0.0 && ends.0 >= -ROUNDED && ends.1 <= 1.0 + ROUNDED {
-        return Ok(());
-    }
-    Err(format!("the box reaches from {:.4} to {:.4} {way}, outside the image", ends.0, ends.1))
-}
-
-/// A foreign string, shortened for a message.
-fn short(text: &str) -> String {
-    text.chars().take(20).collect()
-}
-
-/// Reads a label for nothing but that: a target of fuzzing.
-#[cfg(feature = "fuzz-targets")]
-pub(crate) fn try_parse(text: &str) {
-    for line in text.lines() {
-        let _ = check(line);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image_file::ReadOptions;
 
     #[test]
     fn labels_stand_where_the_images_stand_in_images() {
-        assert_eq!(label("images/train/a.b.jpg"), "labels/train/a.b.txt");
-        assert_eq!(label("train/images/a.jpg"), "train/labels/a.txt");
-        assert_eq!(label("a.jpg"), "a.txt");
-    }
-
-    #[test]
-    fn boxes_outlines_and_poses_are_lines() {
-        for line in [
-            "",
-            "0 0.5 0.5 1 1",
-            "3 0.1 0.1 0.2 0.2 0.87",
-            "0 0.1 0.1 0.9 0.1 0.5 0.9",
-            "0 0.5 0.5 0.2 0.2 0.5 0.5 2 0.1 0.1 0",
+        for (key, path) in [
+            ("images/train/a.b.jpg", "labels/train/a.b.txt"),
+            ("train/images/a.jpg", "train/labels/a.txt"),
+            ("Images/A.JPG", "Labels/a.TXT"),
+            ("train/a.jpg", "train/labels/a.txt"),
+            ("images/a.jpg", "labels/a.jpg.txt"),
+            ("a.jpg", "a.txt"),
         ] {
-            assert_eq!(check(line), Ok(()), "{line}");
-        }
-        for (line, said) in [
-            ("fish 0.5 0.5 1 1", "class"),
-            ("0 0.5 0.5 1", "3 numbers"),
-            ("0 0.5 x 1 1", "not a number"),
-            ("0 0.9 0.5 0.4 0.2", "outside the image"),
-            ("0 0.5 0.5 nan 0.2", "outside the image"),
-            ("0 0.5 0.5 -0.1 0.2", "outside the image"),
-            ("0 0.1 0.1 1.9 0.1 0.5 0.9", "corner"),
-        ] {
-            assert!(check(line).unwrap_err().contains(said), "{line}");
+            let files = [key, path].map(str::to_owned).into_iter().collect();
+            let tree = Tree::holding("".into(), files, &ReadOptions::default());
+            assert_eq!(label(&tree, key).map(String::as_str), Some(path));
         }
     }
 }

@@ -39,17 +39,35 @@ pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<
         "|u1" | "<u1" | ">u1" => (read_values(reader, size, |[byte]| f32::from(byte))?, Some(255.0)),
         "<u2" => (read_values(reader, size, |b| f32::from(u16::from_le_bytes(b)))?, Some(65535.0)),
         ">u2" => (read_values(reader, size, |b| f32::from(u16::from_be_bytes(b)))?, Some(65535.0)),
+        "<i2" => (read_values(reader, size, |b| f32::from(i16::from_le_bytes(b)))?, None),
+        ">i2" => (read_values(reader, size, |b| f32::from(i16::from_be_bytes(b)))?, None),
+        "<i4" => (read_values(reader, size, |b| narrowed(i32::from_le_bytes(b).into()))?, None),
+        ">i4" => (read_values(reader, size, |b| narrowed(i32::from_be_bytes(b).into()))?, None),
+        "<f2" => (read_values(reader, size, |b| half(u16::from_le_bytes(b)))?, None),
+        ">f2" => (read_values(reader, size, |b| half(u16::from_be_bytes(b)))?, None),
         "<f4" => (read_values(reader, size, f32::from_le_bytes)?, None),
         ">f4" => (read_values(reader, size, f32::from_be_bytes)?, None),
         "<f8" => (read_values(reader, size, |b| narrowed(f64::from_le_bytes(b)))?, None),
         ">f8" => (read_values(reader, size, |b| narrowed(f64::from_be_bytes(b)))?, None),
         other => {
-            let remedy = "Save z.astype('float32'), or unsigned whole numbers of 8 or 16 bits";
+            let remedy = "Save z.astype('float32')";
             return Err(Fault::Unsupported(format!("values of type {other}"), remedy));
         }
     };
     let values = if header.fortran_order { by_rows(&values, height) } else { values };
     Ok(Raster { width, height, values, full_range })
+}
+
+/// A float of 16 bits: a sign, 5 bits of exponent and 10 of fraction.
+fn half(bits: u16) -> f32 {
+    let (sign, fraction) = (if bits >> 15 == 0 { 1.0 } else { -1.0 }, f32::from(bits & 0x3ff));
+    let size = match i32::from((bits >> 10) & 0x1f) {
+        0 => fraction * 2_f32.powi(-24),
+        0x1f if fraction == 0.0 => f32::INFINITY,
+        0x1f => f32::NAN,
+        exponent => (1.0 + fraction / 1024.0) * 2_f32.powi(exponent.saturating_sub(15)),
+    };
+    sign * size
 }
 
 fn read_array<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], Fault> {
@@ -126,4 +144,23 @@ pub(super) fn encode(
     out.write_all(header.as_bytes())?;
     let bytes: Vec<u8> = values.into_iter().flat_map(f32::to_le_bytes).collect();
     out.write_all(&bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_of_16_bits_are_what_numpy_says() {
+        for (bits, value) in [
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x3555, 0.333_251_95),
+            (0x0001, 5.960_464_5e-8),
+            (0x7bff, 65504.0),
+        ] {
+            assert_eq!(half(bits).to_bits(), f32::to_bits(value), "{bits:x}");
+        }
+        assert!(half(0x7c00).is_infinite() && half(0x7e00).is_nan());
+    }
 }

@@ -47,6 +47,41 @@ fn relative_depth_spans_sixteen_bits_of_png_and_metres_are_millimetres() {
 }
 
 #[test]
+fn a_map_in_colours_that_are_all_grey_is_read() {
+    let file = |image: image::DynamicImage| {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    };
+    let rgb = image::RgbImage::from_raw(2, 1, vec![7, 7, 7, 9, 9, 9]).unwrap();
+    let opaque = image::RgbaImage::from_raw(2, 1, vec![7, 7, 7, 255, 9, 9, 9, 255]).unwrap();
+    for grey in [file(rgb.clone().into()), file(opaque.clone().into())] {
+        let raster = decoded(&grey).unwrap();
+        assert_eq!((raster.values, raster.full_range), (vec![7.0, 9.0], Some(255.0)));
+    }
+    let words = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![900_u16; 3]).unwrap();
+    assert_eq!(decoded(&file(words.into())).unwrap().values, [900.0]);
+    let (mut coloured, mut clear) = (rgb, opaque);
+    coloured.as_mut()[1] = 8;
+    clear.as_mut()[3] = 254;
+    for other in [file(coloured.into()), file(clear.into())] {
+        assert!(matches!(decoded(&other), Err(Fault::Unsupported(..))));
+    }
+}
+
+#[test]
+fn arrays_of_whole_numbers_and_of_small_floats_are_read() {
+    for (descr, bytes, value) in [
+        ("<i4", &(-5_i32).to_le_bytes()[..], -5.0),
+        (">i2", &1_200_i16.to_be_bytes(), 1_200.0),
+        ("<f2", &0x4248_u16.to_le_bytes(), 3.140_625),
+    ] {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': (1, 1), }}");
+        assert_eq!(decoded(&npy(&header, bytes)).unwrap().values, [value], "{descr}");
+    }
+}
+
+#[test]
 fn what_depth_writes_as_relative_is_read_as_relative() {
     let folder = tempfile::tempdir().unwrap();
     let image = Image::from_raw(7, 5, vec![90; 105]).unwrap();

@@ -87,7 +87,7 @@ impl Staged {
     }
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -96,7 +96,7 @@ fn folder_of(path: &Path) -> &Path {
 
 /// Asks for the folder entry to be on the disk too. The file has its name by now: a folder that cannot be
 /// opened for reading, or not be synced, makes it no less written.
-fn sync_folder(folder: &Path) {
+pub(super) fn sync_folder(folder: &Path) {
     #[cfg(unix)]
     if let Ok(folder) = std::fs::File::open(folder) {
         let _ = folder.sync_all();

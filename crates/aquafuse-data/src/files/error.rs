@@ -33,6 +33,15 @@ pub enum FileError {
         /// The device, pipe or socket.
         path: PathBuf,
     },
+    /// A link leads out of the folder that its file should be in.
+    #[error(
+        "cannot read {}: it is a link that leads out of its folder. Copy the file into the folder",
+        display(path)
+    )]
+    LeadsOut {
+        /// The link.
+        path: PathBuf,
+    },
     /// The content has none of the supported formats.
     #[error(
         "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is an image, convert it first",
@@ -178,6 +187,16 @@ pub enum FileError {
         path: PathBuf,
         /// The line.
         line: usize,
+    },
+    /// Something else has the name of a run's record.
+    #[error(
+        "{} must be a regular file, the record of a run, but is a link or something else. Move it away, or give another \
+         output",
+        display(path)
+    )]
+    ForeignRecord {
+        /// The file.
+        path: PathBuf,
     },
     /// The run was stopped before the file took its name.
     #[error("{} was not written: the run was stopped. Repeat the command to continue", display(path))]

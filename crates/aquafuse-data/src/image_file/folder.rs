@@ -10,7 +10,9 @@ use crate::image_file::Format;
 pub struct Listing {
     /// Files whose extension names an image format (not GIF), sorted by name.
     pub images: Vec<PathBuf>,
-    /// Files that were passed over because it does not; hidden ones not counted.
+    /// Pictures in formats that are not read, sorted by name.
+    pub unread: Vec<PathBuf>,
+    /// Files that were passed over because they are no pictures; hidden ones not counted.
     pub others: usize,
 }
 
@@ -37,11 +39,14 @@ pub fn list(folder: &Path) -> Result<Listing, FileError> {
         }
         if Format::listed(&path) {
             listing.images.push(path);
+        } else if Format::is_other(&path) {
+            listing.unread.push(path);
         } else {
             listing.others = listing.others.saturating_add(1);
         }
     }
     listing.images.sort();
+    listing.unread.sort();
     Ok(listing)
 }
 
@@ -52,12 +57,16 @@ mod tests {
     #[test]
     fn images_are_listed_by_name_and_the_rest_is_counted() {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["b.JPG", "a.png", "notes.txt", ".hidden.png", "c.jpeg"] {
+        for name in ["b.JPG", "a.png", "notes.txt", ".hidden.png", "c.jpeg", "d.jfif", "e.HEIC", "f.ARW"] {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         std::fs::create_dir(folder.path().join("inner.png")).unwrap();
         let found = list(folder.path()).unwrap();
         let names: Vec<_> = found.images.iter().map(|path| path.file_name().unwrap()).collect();
-        assert_eq!((names, found.others), (vec!["a.png".as_ref(), "b.JPG".as_ref(), "c.jpeg".as_ref()], 1));
+        assert_eq!(
+            (names, found.others),
+            (["a.png", "b.JPG", "c.jpeg", "d.jfif"].map(AsRef::as_ref).to_vec(), 1)
+        );
+        assert_eq!(found.unread.len(), 2);
     }
 }

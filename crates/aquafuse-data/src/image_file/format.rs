@@ -24,13 +24,19 @@ pub const WRITTEN: &str = ".png, .jpg, .jpeg, .tif, .tiff or .webp";
 /// What the names of the images of a folder end in.
 pub const LISTED: &str = ".png, .jpg, .jpeg, .tif, .tiff, .webp or .bmp";
 
+/// Extensions of pictures that are not read.
+const OTHERS: [&str; 20] = [
+    "heic", "heif", "avif", "jp2", "j2k", "jxl", "dng", "arw", "cr2", "cr3", "nef", "nrw", "gpr", "orf",
+    "pef", "raf", "rw2", "srw", "insp", "psd",
+];
+
 impl Format {
     /// The format a file name asks for, by its extension.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
             "png" => Some(Self::Png),
-            "jpg" | "jpeg" => Some(Self::Jpeg),
+            "jpg" | "jpeg" | "jpe" | "jfif" | "mpo" => Some(Self::Jpeg),
             "tif" | "tiff" => Some(Self::Tiff),
             "webp" => Some(Self::WebP),
             "bmp" => Some(Self::Bmp),
@@ -61,6 +67,12 @@ impl Format {
     /// animation: it is read where it is named itself.
     pub fn listed(path: &Path) -> bool {
         Self::of(path).is_some_and(|format| format != Self::Gif)
+    }
+
+    /// Whether a file of this name is a picture in a format that is not read: a camera's raw file, or of another coding.
+    pub fn is_other(path: &Path) -> bool {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        extension.is_some_and(|extension| OTHERS.iter().any(|other| extension.eq_ignore_ascii_case(other)))
     }
 
     /// The format of a file that begins so.

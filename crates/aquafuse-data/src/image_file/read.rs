@@ -13,6 +13,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 
+use ::image::error::UnsupportedErrorKind;
 use ::image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
 use super::limits::Size;
@@ -72,9 +73,16 @@ impl From<ImageError> for Fault {
         match error {
             ImageError::IoError(error) => error.into(),
             ImageError::Limits(limit) => Self::TooLarge(limit.to_string()),
-            ImageError::Unsupported(found) => {
-                Self::Unsupported(found.to_string(), "Save it as plain RGB first")
-            }
+            ImageError::Unsupported(found) => match found.kind() {
+                UnsupportedErrorKind::GenericFeature(form) => Self::Unsupported(
+                    format!("in a form that is not read ({form})"),
+                    "Save it as PNG, or as TIFF with LZW, deflate or no compression",
+                ),
+                UnsupportedErrorKind::Color(colour) => {
+                    Self::Unsupported(format!("of kind {colour:?}"), "Save it as plain RGB first")
+                }
+                _ => Self::Unsupported("in a form that is not read".into(), "Save it as PNG"),
+            },
             other => Self::Damaged(other.to_string()),
         }
     }
@@ -134,7 +142,7 @@ pub(crate) fn read_beside(path: &Path, options: &ReadOptions) -> Result<Vec<u8>,
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileError> {
     let (file, length) = open_file(path)?;
     let mut reader = BufReader::new(file);
-    let head = reader.fill_buf().map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+    let head = first_bytes(&mut reader).map_err(|error| FileError::Read { path: path.to_owned(), error })?;
     let Some(format) = Format::of_content(head) else {
         return Err(FileError::UnknownFormat { path: path.to_owned() });
     };
@@ -143,6 +151,16 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileErr
         .map_err(|fault| fault.named(path))?;
     let file = Held::Disk(reader.into_inner());
     Ok(Opened { path: path.to_owned(), file, length, format, size, options: *options })
+}
+
+/// What a reader has first. A read that a signal interrupts is tried again, as network file systems demand.
+fn first_bytes(reader: &mut impl BufRead) -> std::io::Result<&[u8]> {
+    while let Err(error) = reader.fill_buf() {
+        if error.kind() != ErrorKind::Interrupted {
+            return Err(error);
+        }
+    }
+    reader.fill_buf()
 }
 
 /// As [`open`], of a file that is in memory already.

@@ -52,8 +52,12 @@ impl RunOptions {
         // Threads of its own: one that waits for memory in a pool could be given work that waits for it. One more than
         // there are permits, for the item that waits for the disk.
         thread::scope(|scope| {
-            for _ in 0..threads.saturating_add(1).min(items.len()) {
-                scope.spawn(|| self.work_on(items, &permits, &progress, work));
+            let work = || self.work_on(items, &permits, &progress, work);
+            let wanted = 0..threads.saturating_add(1).min(items.len());
+            // Where the system gives no more threads, those that there are do the work, or this one.
+            let started = wanted.map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok());
+            if started.count() == 0 {
+                work();
             }
         });
         let Progress { done, skipped, failed, .. } = progress;

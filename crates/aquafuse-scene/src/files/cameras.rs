@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use aquafuse_data::files::{Step, count, display};
+use aquafuse_data::image_file::{ImageFile, ReadOptions};
 
 use super::{SceneFileError, bytes, colmap_binary, colmap_text, transforms};
 use crate::camera::Camera;
@@ -32,6 +33,9 @@ pub struct Cameras {
 /// Where a COLMAP model may be in a scene's folder.
 const PLACES: [&str; 4] = ["", "sparse/0", "sparse", "colmap_text"];
 
+/// What NeRF's files of cameras are called; Blender's have one for each split.
+const TRANSFORMS: [&str; 2] = ["transforms.json", "transforms_train.json"];
+
 /// Reads the cameras of a scene's folder: a COLMAP model, binary before text, or `transforms.json`.
 ///
 /// # Errors
@@ -52,11 +56,16 @@ pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
         cameras.images.sort_by(|a, b| a.name.cmp(&b.name));
         return checked(Cameras { model: PathBuf::from(place), ..cameras }, &model);
     }
-    let path = folder.join("transforms.json");
-    if !path.is_file() {
+    let paths = TRANSFORMS.map(|name| folder.join(name));
+    let Some(path) = paths.into_iter().find(|path| path.is_file()) else {
         return Err(SceneFileError::NoCameras { folder: folder.to_owned() });
-    }
-    let mut images = transforms::read(&path, &bytes::read(&path)?)?;
+    };
+    let size_of = |name: &Path| {
+        let paths = [folder.join(name), folder.join("images").join(name)];
+        let opened = paths.iter().find_map(|path| ImageFile::open(path, &ReadOptions::default()).ok());
+        opened.map(|image| image.size())
+    };
+    let mut images = transforms::read(&path, &bytes::read(&path)?, &size_of)?;
     images.sort_by(|a, b| a.name.cmp(&b.name));
     checked(Cameras { images, points: Vec::new(), model: PathBuf::new() }, &path)
 }
@@ -100,13 +109,12 @@ const MODELS: [(&str, u32, usize); 5] = [
 /// Name and count of parameters of a model by its name or its number.
 pub(super) fn model(is: impl Fn(&str, u32) -> bool) -> Result<(&'static str, usize), String> {
     let found = MODELS.iter().find(|(name, number, _)| is(name, *number));
-    let names = MODELS.map(|(name, ..)| name).join(", ");
-    found.map(|&(name, _, count)| (name, count)).ok_or_else(|| {
-        format!(
-            "a camera model that is none of {names}; run `colmap image_undistorter`, which writes PINHOLE"
-        )
-    })
+    found.map(|&(name, _, count)| (name, count)).ok_or_else(|| format!("{OTHER_MODEL}, which writes PINHOLE"))
 }
+
+/// What is said of another model: the names are those of [`MODELS`].
+pub(super) const OTHER_MODEL: &str = "a camera model that is none of SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, \
+                                      OPENCV; run `colmap image_undistorter`";
 
 impl Intrinsics {
     /// The camera of a model of COLMAP.

@@ -1,11 +1,11 @@
 //! `transforms.json`, as NeRF and its successors keep cameras.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::SceneFileError;
-use super::cameras::{Intrinsics, PosedImage, inside};
+use super::cameras::{Intrinsics, OTHER_MODEL, PosedImage, inside};
 
 /// A frame, or the whole file: a frame's own numbers come before the file's.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -22,6 +22,27 @@ struct Numbers {
     k2: Option<f64>,
     p1: Option<f64>,
     p2: Option<f64>,
+    /// Further terms, which our model does not have.
+    k3: Option<f64>,
+    k4: Option<f64>,
+    k5: Option<f64>,
+    k6: Option<f64>,
+    is_fisheye: Option<bool>,
+    camera_model: Option<Model>,
+}
+
+/// A camera model by its name.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+enum Model {
+    SimplePinhole,
+    Pinhole,
+    Perspective,
+    SimpleRadial,
+    Radial,
+    Opencv,
+    #[serde(other)]
+    Other,
 }
 
 /// The pose of a frame.
@@ -41,7 +62,14 @@ struct Frames<T> {
 /// How far a rotation's rows may be from unit length and right angles.
 const CROOKED: f64 = 1e-3;
 
-pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<PosedImage>, SceneFileError> {
+/// What the size of an image is, where neither frame nor file says it.
+type SizeOf<'a> = &'a dyn Fn(&Path) -> Option<(u64, u64)>;
+
+pub(crate) fn read(
+    path: &Path,
+    bytes: &[u8],
+    size_of: SizeOf<'_>,
+) -> Result<Vec<PosedImage>, SceneFileError> {
     let failed = |error: serde_json::Error| {
         SceneFileError::line(path, error.line(), format!("it is not as expected: {error}"))
     };
@@ -51,7 +79,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<PosedImage>, SceneFi
     let frames = poses.frames.iter().zip(&numbers.frames).zip(1_usize..);
     frames
         .map(|((pose, own), number)| {
-            pose.posed(own, &shared).map_err(|cause| {
+            pose.posed(own, &shared, size_of).map_err(|cause| {
                 SceneFileError::content(path, format!("frame {number}: {cause}. Export the cameras again"))
             })
         })
@@ -59,15 +87,34 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<PosedImage>, SceneFi
 }
 
 impl Pose {
-    fn posed(&self, own: &Numbers, shared: &Numbers) -> Result<PosedImage, String> {
+    /// The name of its image. Windows writes folders with backslashes, Blender leaves the extension out.
+    fn name(&self) -> Result<PathBuf, String> {
+        let mut name = inside(&self.file_path.replace('\\', "/"))?;
+        if name.extension().is_none() {
+            name.set_extension("png");
+        }
+        Ok(name)
+    }
+
+    fn posed(&self, own: &Numbers, shared: &Numbers, size_of: SizeOf<'_>) -> Result<PosedImage, String> {
+        let name = self.name()?;
         let get = |of: fn(&Numbers) -> Option<f64>| of(own).or_else(|| of(shared));
-        let side = |of: fn(&Numbers) -> Option<f64>, name: &str| {
-            let length =
-                get(of).ok_or_else(|| format!("neither it nor the file has {name:?}, the image's size"))?;
+        let side = |length: f64, name: &str| {
             whole(length).ok_or_else(|| format!("{name:?} is {length}, no count of pixels"))
         };
-        let (width, height) = (side(|n| n.w, "w")?, side(|n| n.h, "h")?);
-        let (columns, rows) = (f64::from(width), f64::from(height));
+        let (width, height) = match (get(|n| n.w), get(|n| n.h)) {
+            (Some(width), Some(height)) => (side(width, "w")?.into(), side(height, "h")?.into()),
+            _ => size_of(&name).ok_or(
+                "neither it nor the file has \"w\" and \"h\", the image's size, and the image cannot be read",
+            )?,
+        };
+        let (columns, rows) = (width as f64, height as f64);
+        let is_fisheye = own.is_fisheye.or(shared.is_fisheye).unwrap_or(false);
+        let further: [fn(&Numbers) -> Option<f64>; 4] = [|n| n.k3, |n| n.k4, |n| n.k5, |n| n.k6];
+        let is_other = matches!(own.camera_model.or(shared.camera_model), Some(Model::Other));
+        if is_other || is_fisheye || further.into_iter().any(|k| get(k).is_some_and(|k| k != 0.0)) {
+            return Err(format!("{OTHER_MODEL}, or undistort the images in the program that wrote the file"));
+        }
         let by_angle =
             |angle: Option<f64>, pixels: f64| angle.map(|angle| 0.5 * pixels / (0.5 * angle).tan());
         let fx = get(|n| n.fl_x).or_else(|| by_angle(get(|n| n.camera_angle_x), columns));
@@ -76,7 +123,7 @@ impl Pose {
         let centre = [get(|n| n.cx).unwrap_or(0.5 * columns), get(|n| n.cy).unwrap_or(0.5 * rows)];
         let distortion =
             [get(|n| n.k1), get(|n| n.k2), get(|n| n.p1), get(|n| n.p2)].map(|k| k.unwrap_or(0.0));
-        let camera = Intrinsics::new(width.into(), height.into(), [fx, fy], centre, distortion)?;
+        let camera = Intrinsics::new(width, height, [fx, fy], centre, distortion)?;
 
         // From the camera to the world, the camera's y up and its z towards the one who looks: turned over.
         let [x, y, z, _] = self.transform_matrix;
@@ -90,11 +137,6 @@ impl Pose {
         }
         let position = [x[3], y[3], z[3]];
         let translation = rotation.map(|row| -product(row, position));
-        let name = self.file_path.strip_prefix("./").unwrap_or(&self.file_path);
-        let mut name = inside(name)?;
-        if name.extension().is_none() {
-            name.set_extension("png");
-        }
         Ok(PosedImage { name, lens: camera.turned(rotation, translation)? })
     }
 }
@@ -118,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_frame_looks_along_minus_z_with_y_up() {
-        let posed = read(Path::new("t.json"), FILE.as_bytes()).unwrap();
+        let posed = read(Path::new("t.json"), FILE.as_bytes(), &|_| None).unwrap();
         let camera = &posed[0].lens.camera;
         assert_eq!(posed[0].name, Path::new("train/r_0.png"));
         assert!((camera.focal[0] - 20.0).abs() < 1e-12);
@@ -128,11 +170,27 @@ mod tests {
     }
 
     #[test]
+    fn what_a_file_does_not_say_is_read_from_the_image() {
+        let text = FILE
+            .replace("\"w\": 40, \"h\": 30.0", "\"k3\": 0, \"camera_model\": \"OPENCV\"")
+            .replace("./train/r_0", "train\\\\r_0.jpg");
+        let size_of = |name: &Path| (name == Path::new("train/r_0.jpg")).then_some((40, 30));
+        let posed = read(Path::new("t.json"), text.as_bytes(), &size_of).unwrap();
+        assert_eq!((posed[0].lens.camera.width, posed[0].lens.camera.height), (40, 30));
+    }
+
+    #[test]
     fn what_is_wrong_is_named() {
         let of = |from: &str, to: &str| {
-            read(Path::new("t.json"), FILE.replace(from, to).as_bytes()).unwrap_err().to_string()
+            read(Path::new("t.json"), FILE.replace(from, to).as_bytes(), &|_| None).unwrap_err().to_string()
         };
         assert!(of("\"w\": 40, ", "").contains("frame 1: neither it nor the file has \"w\""));
+        for model in
+            ["\"camera_model\": \"OPENCV_FISHEYE\"", "\"is_fisheye\": true", "\"k3\": 0.01", "\"k4\": -0.1"]
+        {
+            let said = of("\"w\": 40", &format!("{model}, \"w\": 40"));
+            assert!(said.contains("a camera model that is none of SIMPLE_PINHOLE, PINHOLE"), "{said}");
+        }
         assert!(of("40", "1e30").contains("no count of pixels"));
         assert!(of("[[1,0", "[[2,0").contains("no rotation"));
         assert!(of("./train", "../train").contains("leads out"));

@@ -27,7 +27,15 @@ fn recipe() -> Recipe {
 fn plan(folder: &TempDir, output: &str) -> Plan {
     let (scene, output) = (folder.path().join("reef"), folder.path().join(output));
     let depth_model = DepthModel::default();
-    Plan::new(&Request { scene: &scene, output: &output, depth_model, overwrite: false }).unwrap()
+    Plan::new(&Request {
+        scene: &scene,
+        output: &output,
+        depth_model,
+        inputs: &[],
+        skip_missing: false,
+        overwrite: false,
+    })
+    .unwrap()
 }
 
 fn bytes(folder: &TempDir, output: &str) -> Vec<Vec<u8>> {
@@ -91,8 +99,42 @@ fn a_folder_with_other_files_is_refused_before_anything_is_written() {
         scene: &folder.path().join("reef"),
         output: &output,
         depth_model: DepthModel::default(),
+        inputs: &[],
+        skip_missing: false,
         overwrite: false,
     };
     assert!(matches!(Plan::new(&request), Err(FuseError::Filled { .. })));
     assert!(Plan::new(&Request { overwrite: true, ..request }).is_ok());
+}
+
+#[test]
+fn no_input_is_written_whatever_its_folder_is_called() {
+    let folder = scene();
+    let (scene, water) = (folder.path().join("reef"), folder.path().join("new/images/water.png"));
+    std::fs::create_dir_all(water.parent().unwrap()).unwrap();
+    let ask = |output: &Path, inputs: &[&Path]| {
+        let depth_model = DepthModel::default();
+        Plan::new(&Request {
+            scene: &scene,
+            output,
+            depth_model,
+            inputs,
+            skip_missing: false,
+            overwrite: true,
+        })
+    };
+    let is_refused = |asked: Result<Plan, FuseError>| matches!(asked, Err(FuseError::Input { .. }));
+    assert!(is_refused(ask(&scene, &[])) && is_refused(ask(&folder.path().join("reef/../reef"), &[])));
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&scene, folder.path().join("link")).unwrap();
+        assert!(is_refused(ask(&folder.path().join("link"), &[])));
+        std::fs::create_dir(folder.path().join("half")).unwrap();
+        std::os::unix::fs::symlink(scene.join("images"), folder.path().join("half/images")).unwrap();
+        assert!(is_refused(ask(&folder.path().join("half"), &[])));
+    }
+    let output = folder.path().join("new");
+    let taken = ask(&output, &[]).unwrap().items()[0].output.clone();
+    std::fs::write(&taken, "water").unwrap();
+    assert!(is_refused(ask(&output, &[&taken])));
 }

@@ -3,6 +3,10 @@
 //! Little-endian: a mark, the length of the options and they as JSON, what the images come to, then the state field by
 //! field, each list with its length before it.
 
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
 use super::adam::Moments;
 use super::density::Density;
 use super::state::State;
@@ -33,6 +37,14 @@ pub enum CheckpointError {
     /// They belong to a run on other images, or of other cameras.
     #[error("it belongs to a run on other images; give those, or delete it to start again")]
     OtherImages,
+}
+
+/// Whether a file begins as a checkpoint of any version does, and is no link.
+pub(crate) fn is_checkpoint(path: &Path) -> bool {
+    let mut begin = [0; 15];
+    path.symlink_metadata().is_ok_and(|about| about.is_file())
+        && File::open(path).and_then(|mut file| file.read_exact(&mut begin)).is_ok()
+        && MARK.starts_with(&begin)
 }
 
 impl Trainer {

@@ -17,6 +17,7 @@ fn request(folder: &TempDir, output: &str) -> Request {
     Request {
         scene: folder.path().join("reef"),
         images: None,
+        skip_missing: false,
         output: folder.path().join(output),
         options: Options { iterations: 12, max_splats: 500, ..Options::default() },
         sh_degree: 0,
@@ -72,7 +73,10 @@ fn more_memory_than_is_allowed_is_refused_before_an_image_is_read() {
     options.reading.max_memory = plan.memory() - 1;
     assert!(matches!(plan.clone().load(&options), Err(TrainingError::Memory { .. })));
     options.reading.max_memory = plan.memory().max(64 << 20);
-    assert!(matches!(plan.load(&options), Err(TrainingError::Images(CaptureError::Image(_)))));
+    assert!(matches!(
+        plan.load(&options),
+        Err(TrainingError::Images(CaptureError::Missing { missing: 1, .. }))
+    ));
 }
 
 #[test]

@@ -123,7 +123,7 @@ fn files(layout: Layout) -> &'static str {
     }
 }
 
-/// The dataset and the waters; with `verbose`, the waters that are not good.
+/// The dataset, the files that are not part of it, and the waters; with `verbose`, the waters that are not good.
 fn heading(job: &Augmentation, verbose: bool) -> String {
     let waters = &job.recipe.waters;
     let quality = |water: &Water| water.file.estimate.quality();
@@ -131,6 +131,9 @@ fn heading(job: &Augmentation, verbose: bool) -> String {
     let counted = if bad.is_empty() { String::new() } else { format!(" ({} not good)", bad.len()) };
     let (root, layout) = (display(&job.dataset.root), job.dataset.layout.name());
     let mut text = format!("{root}: layout {layout}, {} waters{counted}\n", waters.len());
+    if !job.dataset.left_out.is_empty() {
+        let _ = writeln!(text, "  left out: {}", job.dataset.left_out);
+    }
     for water in bad.into_iter().filter(|_| verbose) {
         let quality = quality(water);
         let _ = writeln!(text, "  {}: {} ({})", quality.verdict.name(), water.name, reasons(quality));

@@ -84,7 +84,8 @@ impl Compare {
     }
 
     fn held_out(&self, scene: &Path, common: &Common) -> Result<Vec<View>, Failure> {
-        let (cameras, images) = (read_cameras(scene)?, images_of(scene));
+        let cameras = read_cameras(scene)?;
+        let images = images_of(scene, &cameras);
         let views = capture::read(&cameras, &images, self.longest as usize, &common.reading.options())?;
         Ok(Split::new(views, self.hold as usize).held_out)
     }

@@ -37,6 +37,9 @@ pub(crate) struct Fuse {
     settings: SettingsArgs,
     #[command(flatten)]
     waters: WaterArguments,
+    /// Fuse the scene without the images that are not there.
+    #[arg(long)]
+    skip_missing: bool,
     /// Write into a folder that is not empty, and replace images of the same names.
     #[arg(long)]
     overwrite: bool,
@@ -48,7 +51,9 @@ impl Fuse {
         self.waters.refuse_unread(options.model)?;
         let water = WaterSource::parse(&self.water)?;
         let (scene, output) = (&self.scene, &self.output);
-        let plan = Plan::new(&Request { scene, output, depth_model, overwrite: self.overwrite })?;
+        let inputs = [self.water.as_path()];
+        let (inputs, skip_missing, overwrite) = (&inputs[..], self.skip_missing, self.overwrite);
+        let plan = Plan::new(&Request { scene, output, depth_model, inputs, skip_missing, overwrite })?;
         let file = self.waters.read(&water, depth_model, PixelEncoding::Encoded, &common.reading)?;
         let reference = self.waters.per(DepthKind::Metres, &file)?;
         let recipe = Recipe { smoothing, ..Recipe::new(Operation::Fuse { reference, options }) };
@@ -63,10 +68,14 @@ impl Fuse {
             return Ok(());
         }
         output::print(&format!(
-            "{}: {} images in {}'s water\n  {}\n  {}\n",
+            "{}: {} images in {}'s water{}\n  {}\n  {}\n",
             display(output),
             plan.items().len(),
             water.name(),
+            match plan.missing() {
+                0 => String::new(),
+                missing => format!(" (left out, because missing: {missing})"),
+            },
             veiling_light(&shared.water.into()),
             match shared.unit {
                 Some(unit) => format!("relative depth 1 is {unit:.2} units of the scene"),
@@ -81,7 +90,8 @@ impl From<FuseError> for Failure {
         match error {
             FuseError::File(error) => error.into(),
             FuseError::Cameras(error) => error.into(),
-            FuseError::Filled { .. } | FuseError::Water(_) => Self::usage(error),
+            FuseError::Images(error) => error.into(),
+            FuseError::Filled { .. } | FuseError::Input { .. } | FuseError::Water(_) => Self::usage(error),
             error => Self::work(error),
         }
     }

@@ -5,17 +5,21 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthMap};
+use aquafuse_data::batch::{Item, Record};
 use aquafuse_data::depth_file;
-use aquafuse_data::files::{display, make_folder, remove_stale_parts};
+use aquafuse_data::files::{display, make_folder, remove_stale_parts, sha256};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
+use aquafuse_data::pipeline::DepthSource;
 use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::compare::{distances, image};
 use aquafuse_scene::files::read_cameras;
+use aquafuse_scene::medium::Medium;
 use aquafuse_scene::model::Model;
 use aquafuse_scene::render::{memory, render};
 use aquafuse_scene::splats::{MAX_SH_DEGREE, Splats};
 use clap::Args;
+use serde_json::json;
 
 use super::looked_through::LookedThrough;
 use crate::args::common::Common;
@@ -26,7 +30,8 @@ use crate::report::progress::Progress;
 /// Render a trained scene from its cameras, or from an orbit around it.
 #[derive(Args)]
 #[command(after_help = "\
-Renders through the learned water unless --water names another. A unit of the scene counts as a metre.
+Renders through the learned water unless --water names another. A unit of the scene counts as a metre. To continue a run that
+was stopped, repeat the command.
 
 Examples:
   aquafuse scene render reef.ply reef/ -o views/
@@ -65,38 +70,65 @@ impl Render {
         let views = self.views(&splats)?;
         make_folder(&self.output)?;
         remove_stale_parts(&self.output);
-        let writing = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+        // A run that was stopped goes on where all of this is the same.
+        let cameras = format!("{:?}", views.iter().map(|(_, camera)| camera).collect::<Vec<_>>());
+        let made_with = json!({
+            "medium": format!("{medium:?}"),
+            "cameras": sha256(cameras.as_bytes()),
+            "longest": self.longest,
+            "depth": self.depth,
+        });
+        let record = Record::open(&self.output, &made_with, self.overwrite)?;
         let progress = Progress::new(common.quiet);
         progress.start(views.len());
+        let mut skipped = 0;
         for (name, camera) in &views {
-            let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
-            let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
-            let camera = camera.scaled_to(side(camera.width), side(camera.height));
-            let (needed, most) =
-                (memory(&splats, MAX_SH_DEGREE, &camera, &medium), common.reading.options().max_memory);
-            if needed > most {
-                return Err(Failure::work(anyhow!(
-                    "{name} takes {needed} bytes to render, more than the {most} of --max-memory; raise that, or lower --longest"
-                )));
-            }
-            let rendered = render(&splats, MAX_SH_DEGREE, &camera, &medium).rendering;
-            let path = self.output.join(format!("{name}.png"));
-            ImageFile::new(image(&rendered).convert::<u8>()).write(&path, &writing)?;
-            if self.depth {
-                let known =
-                    distances(&rendered).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
-                let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
-                depth_file::write(
-                    &path.with_extension("depth.tiff"),
-                    &map.map_err(Failure::work)?,
-                    &writing,
-                )?;
-            }
-            progress.done(display(&path).to_string());
+            let output = self.output.join(format!("{name}.png"));
+            let item = Item { input: self.splats.clone(), output, depth: DepthSource::default() };
+            let write =
+                |overwrite| self.view(name, camera, (&splats, &medium), &item.output, overwrite, common);
+            skipped += usize::from(record.make(&item, self.overwrite, write)?);
+            progress.done(&display(&item.output).to_string());
         }
         progress.finish();
-        let text = format!("{}: {} views of {} splats\n", display(&self.output), views.len(), splats.len());
+        let skipped = match skipped {
+            0 => String::new(),
+            skipped => format!("; {skipped} were rendered by an earlier run"),
+        };
+        let text =
+            format!("{}: {} views of {} splats{skipped}\n", display(&self.output), views.len(), splats.len());
         if common.quiet { Ok(()) } else { output::print(&text) }
+    }
+
+    /// Renders a view, and writes it and its distances.
+    fn view(
+        &self,
+        name: &str,
+        camera: &Camera,
+        (splats, medium): (&Splats<f32>, &Medium<f32>),
+        path: &Path,
+        overwrite: bool,
+        common: &Common,
+    ) -> Result<(), Failure> {
+        let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
+        let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
+        let camera = camera.scaled_to(side(camera.width), side(camera.height));
+        let (needed, most) =
+            (memory(splats, MAX_SH_DEGREE, &camera, medium), common.reading.options().max_memory);
+        if needed > most {
+            return Err(Failure::work(anyhow!(
+                "{name} takes {needed} bytes to render, more than the {most} of --max-memory; raise that, or lower --longest"
+            )));
+        }
+        let rendered = render(splats, MAX_SH_DEGREE, &camera, medium).rendering;
+        let writing = WriteOptions { overwrite, ..WriteOptions::default() };
+        ImageFile::new(image(&rendered).convert::<u8>()).write(path, &writing)?;
+        if self.depth {
+            let known = distances(&rendered).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
+            let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
+            depth_file::write(&path.with_extension("depth.tiff"), &map.map_err(Failure::work)?, &writing)?;
+        }
+        Ok(())
     }
 
     /// The views to render: a name and a camera each.

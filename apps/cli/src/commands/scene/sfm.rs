@@ -6,7 +6,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse_data::files::{FileError, display, make_folder, remove_stale_parts, write_bytes, write_text};
+use aquafuse_data::files::{
+    FileError, display, make_folder, make_work_folder, remove_stale_parts, write_bytes, write_text,
+};
 use aquafuse_data::image_file;
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_scene::files::{Cameras, read_cameras};
@@ -63,9 +65,7 @@ impl Sfm {
             output::refuse_filled(&self.output, &[WORK])?;
         }
         let work = self.output.join(WORK);
-        if work.is_dir() {
-            std::fs::remove_dir_all(&work).map_err(|error| cannot_write(&work, &error))?;
-        }
+        make_work_folder(&work)?;
         make_folder(&work.join("models"))?;
         write_text(&work.join("images.txt"), &(names.join("\n") + "\n"), false)?;
         let job = Job {
@@ -80,7 +80,7 @@ impl Sfm {
         for step in STEPS {
             tool::run(&mut tool.command(step, &job), &work.join("log.txt"))
                 .map_err(|error| Failure::work(anyhow!("{error}").context(format!("finding {step}"))))?;
-            progress.done(step.to_owned());
+            progress.done(step);
         }
         progress.finish();
         let (model, found) = largest(&work.join("models"))?;
@@ -198,8 +198,4 @@ fn largest(models: &Path) -> Result<(PathBuf, Cameras), Failure> {
 fn copy(from: &Path, to: &Path) -> Result<(), Failure> {
     let bytes = std::fs::read(from).map_err(|error| FileError::Read { path: from.to_owned(), error })?;
     Ok(write_bytes(to, &bytes, true)?)
-}
-
-fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::work(FileError::Write { path: path.to_owned(), cause: error.to_string() })
 }

@@ -50,9 +50,12 @@ pub(crate) struct Train {
     /// Medium: `none` bakes the water into the colours, `learn` estimates it.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
     water: WaterInside,
+    /// Train without the images that are not there.
+    #[arg(long)]
+    skip_missing: bool,
     /// Maximum number of splats. Time and memory grow with it.
-    #[arg(long, value_name = "N", default_value_t = Options::default().max_splats)]
-    splats: usize,
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    splats: u32,
     /// Images are scaled down to this many pixels on their longer side.
     #[arg(long, value_name = "PIXELS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(16..=65535))]
     longest: u32,
@@ -101,9 +104,9 @@ impl Train {
                 let ended = training.run(&options, &|event| match event {
                     Event::Started { total } => progress.start(total),
                     Event::Done { result, .. } => {
-                        progress.done(format!("{} splats, loss {:.4}", result.splats, result.loss));
+                        progress.done(&format!("{} splats, loss {:.4}", result.splats, result.loss));
                     }
-                    Event::Skipped { .. } => progress.done(String::new()),
+                    Event::Skipped { .. } => progress.done(""),
                     _ => {}
                 });
                 progress.finish();
@@ -121,11 +124,12 @@ impl Train {
         Request {
             scene: self.scene.clone(),
             images: self.images.clone(),
+            skip_missing: self.skip_missing,
             output: self.output.clone(),
             options: Options {
                 iterations: self.iterations,
                 seed: self.seed,
-                max_splats: self.splats,
+                max_splats: self.splats as usize,
                 ..Options::default()
             },
             sh_degree: self.sh_degree,
@@ -149,7 +153,12 @@ impl Train {
 }
 
 fn summary(training: &Training, model: &Model) -> String {
-    let mut text = format!("{}: {} splats\n", display(&training.request().output), model.splats.len());
+    let missing = match training.missing() {
+        0 => String::new(),
+        missing => format!(" (images left out, because missing: {missing})"),
+    };
+    let mut text =
+        format!("{}: {} splats{missing}\n", display(&training.request().output), model.splats.len());
     if let Medium::Learned(water) = &model.medium {
         let three = |values: [f32; 3]| values.map(|value| format!("{value:.3}")).join(" ");
         text += &format!(

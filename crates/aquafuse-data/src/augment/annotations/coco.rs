@@ -6,8 +6,8 @@ use std::iter::Peekable;
 use std::slice::Iter;
 
 use super::Made;
-use crate::dataset::coco::{Annotation, File, each, entries, image_at, lists, object};
-use crate::dataset::{join, split};
+use crate::dataset::coco::{Annotation, File, Id, each, entries, image_at, lists, object};
+use crate::dataset::split;
 
 /// A file, and what was made of its images.
 struct Writer<'a> {
@@ -32,7 +32,7 @@ pub(super) fn write(file: &File, text: &str, made: &Made<'_>, out: &mut dyn Writ
 
 impl Writer<'_> {
     /// The images of which something was made, by their ids.
-    fn made_of<'t>(&self, text: &'t str) -> io::Result<BTreeMap<&'t str, Numbered>> {
+    fn made_of<'t>(&self, text: &'t str) -> io::Result<BTreeMap<Id<'t>, Numbered>> {
         let ([images, _], mut by_id) = (lists(text)?, BTreeMap::new());
         let mut entries = self.file.entries.iter().peekable();
         each(images, &mut |place, raw| {
@@ -40,7 +40,9 @@ impl Writer<'_> {
                 && let Some((sample, variants)) = self.made.of(key)
             {
                 let numbers = variants.iter().map(|(number, _)| *number).collect();
-                by_id.insert(image_at(place, raw)?.id.get(), Numbered { rank: sample.rank, numbers });
+                if let Ok(id) = Id::of(image_at(place, raw)?.id) {
+                    by_id.insert(id, Numbered { rank: sample.rank, numbers });
+                }
             }
             Ok(())
         })?;
@@ -56,9 +58,10 @@ impl Writer<'_> {
             if self.made.originals {
                 written.add()?.write_all(raw.get().as_bytes())?;
             }
+            let Ok(own) = Id::of(image.id) else { return Ok(()) };
             for (number, path) in &variants {
-                let name = join(split(&image.file_name).0, split(path).1);
-                let id = self.image_id(sample.rank, *number);
+                let name = renamed(&image.file_name, split(key).1, split(path).1);
+                let id = own.another(self.image_id(sample.rank, *number));
                 entries::write_with(raw.get(), written.add()?, &mut |field, _, out| {
                     match field {
                         "id" => write!(out, "{id}")?,
@@ -76,22 +79,22 @@ impl Writer<'_> {
     fn annotations(
         &self,
         list: &str,
-        by_id: &BTreeMap<&str, Numbered>,
+        by_id: &BTreeMap<Id<'_>, Numbered>,
         out: &mut dyn Write,
     ) -> io::Result<()> {
         let mut written = Lines::begin(out)?;
         entries::items(list, &mut |place, raw| {
             let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { return Ok(()) };
-            let Some(Numbered { rank, numbers }) = by_id.get(annotation.image_id.get()) else {
-                return Ok(());
-            };
+            let Ok(image) = Id::of(annotation.image_id) else { return Ok(()) };
+            let Some(Numbered { rank, numbers }) = by_id.get(&image) else { return Ok(()) };
             if self.made.originals {
                 written.add()?.write_all(raw.get().as_bytes())?;
             }
             for &number in numbers {
                 let place = i64::try_from(place).unwrap_or(i64::MAX);
                 let id = nth(self.file.first_annotation, place, self.made.per_image, number);
-                let image_id = self.image_id(*rank, number);
+                let id = annotation.id().map_or_else(|| id.to_string(), |own| own.another(id));
+                let image_id = image.another(self.image_id(*rank, number));
                 entries::write_with(raw.get(), written.add()?, &mut |field, _, out| {
                     match field {
                         "id" => write!(out, "{id}")?,
@@ -146,6 +149,14 @@ impl<'o> Lines<'o> {
     fn end(self) -> io::Result<()> {
         self.out.write_all(b"\n]")
     }
+}
+
+/// The name of an image in a file, with another image's instead of its own, in the same folder. Folders may stand between
+/// backslashes.
+fn renamed(said: &str, own: &str, new: &str) -> String {
+    let after = said.rfind(['/', '\\']).map_or(0, |at| at.saturating_add(1));
+    let folder = said.strip_suffix(own).or_else(|| said.get(..after)).unwrap_or_default();
+    format!("{folder}{new}")
 }
 
 /// `first` + `place` * `each` + `number`.

@@ -28,6 +28,7 @@ impl Maker<'_> {
         container.source.bytes = bytes;
         let mut seen = Sha256::new();
         let mut failures = Vec::new();
+        let mut has_image = false;
         // What the shard's own reading says is no fault of the writing.
         let mut unread = None;
         let result = write_atomically(&path, true, |out| {
@@ -45,6 +46,7 @@ impl Maker<'_> {
                             .try_for_each(|member| member.append(&mut builder))
                             .map_err(failed)?;
                     }
+                    has_image |= group.image().is_ok_and(|image| image.is_some());
                     match self.group(&group, input, container) {
                         Ok(members) => {
                             members.iter().try_for_each(|member| member.append(&mut builder)).map_err(failed)
@@ -70,6 +72,13 @@ impl Maker<'_> {
             None => result?,
         }
         container.source.sha256 = hexadecimal(&seen.finalize());
+        if !has_image && failures.is_empty() {
+            let found = "a shard in which no sample has an image".to_owned();
+            let remedy = "Call the images KEY.jpg, KEY.png, KEY.webp or KEY.tif";
+            let error = FileError::UnsupportedPixels { path: input.to_owned(), found, remedy };
+            container.failed.push((container.key.clone(), one_line(&error.to_string())));
+            failures.push(error);
+        }
         Ok(failures)
     }
 
@@ -92,10 +101,10 @@ impl Maker<'_> {
             bytes: image.bytes.clone(),
         };
         let own = written(image.extension());
-        let variants = self.vary(held, container, &|suffix| named(suffix, own))?;
+        let variants = self.vary(held, container, &|suffix| named(suffix, &own))?;
         let of_one = |variant: super::Varied| {
             let member = |member: &Member| match member.path == image.path {
-                true => member.with(named(&variant.suffix, own), variant.bytes.clone()),
+                true => member.with(named(&variant.suffix, &own), variant.bytes.clone()),
                 false => member.with(named(&variant.suffix, member.extension()), member.bytes.clone()),
             };
             group.members.iter().map(member).collect::<Vec<_>>()

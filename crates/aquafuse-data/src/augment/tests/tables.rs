@@ -115,7 +115,7 @@ fn tables_are_multiplied_row_by_row_and_keep_every_other_column() {
             }
             at += 1 + variants;
         }
-        assert!(verify(&out, Some(&root)).unwrap().wrong.is_empty());
+        assert!(verify(&out, Some(&root), &ReadOptions::default()).unwrap().wrong.is_empty());
 
         let again = place.path().join("again");
         let only = Some("train-0.parquet/2");
@@ -142,7 +142,7 @@ fn a_manifest_is_a_table_too_and_is_no_data_set() {
     assert_eq!(count, 9);
     let containers = rows[0].column_by_name("container").unwrap().as_string::<i32>();
     assert_eq!(containers.value(0), "train-0.parquet");
-    let about = verify(&out, None).unwrap();
+    let about = verify(&out, None, &ReadOptions::default()).unwrap();
     assert!(about.wrong.is_empty() && about.unlisted.is_empty(), "{about:?}");
 
     fs::remove_file(out.join("train-0.parquet")).unwrap();

@@ -187,7 +187,42 @@ fn what_is_no_record_is_left_alone() {
 #[test]
 fn a_line_is_counted_as_an_editor_counts_it() {
     let text = b"\n{\"job\":{\"schema\":1,\"settings\":\"blue\"}}\n\nnotes of my own\n";
-    assert_eq!(parse(text), Err(4));
+    assert!(matches!(parse(&text[..]), Err(NoRecord::Line(4))));
+}
+
+#[test]
+fn what_has_no_line_end_is_ours_only_if_it_begins_so() {
+    for (text, is_ours) in [
+        ("{\"job\":{\"sch", true),
+        ("", true),
+        ("no line end", false),
+        ("line\ntail", false),
+        (&"\0".repeat(MOST_LINE + 9), false),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(RECORD);
+        write(&path, text);
+        assert_eq!(Record::open(folder.path(), &json!("blue"), false).is_ok(), is_ours);
+        assert_eq!(std::fs::read_to_string(&path).unwrap() == text, !is_ours);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_in_the_place_of_a_record_is_not_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    for diary in ["diary.txt", "missing.txt"] {
+        let (diary, path) = (folder.path().join(diary), folder.path().join(RECORD));
+        if diary.ends_with("diary.txt") {
+            write(&diary, "");
+        }
+        let was = diary.exists();
+        std::os::unix::fs::symlink(&diary, &path).unwrap();
+        let refused = Record::open(folder.path(), &json!("blue"), true).unwrap_err();
+        assert!(matches!(refused, FileError::ForeignRecord { .. }), "{refused}");
+        assert_eq!((diary.exists(), diary.metadata().map_or(0, |about| about.len())), (was, 0));
+        std::fs::remove_file(&path).unwrap();
+    }
 }
 
 #[cfg(unix)]

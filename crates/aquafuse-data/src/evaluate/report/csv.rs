@@ -54,8 +54,12 @@ fn figures_of(cell: &Cell) -> Option<[String; 6]> {
     }
 }
 
-/// One line; what holds a comma, a quote or an end of line is quoted (RFC 4180).
+/// One line; what holds a comma, a quote or an end of line is quoted (RFC 4180). A name that a spreadsheet would compute has
+/// an apostrophe before it.
 fn line(fields: impl Iterator<Item = String>) -> String {
+    let is_formula =
+        |field: &str| field.starts_with(['=', '+', '-', '@', '\t', '\r']) && field.parse::<f64>().is_err();
+    let fields = fields.map(|field| if is_formula(&field) { format!("'{field}") } else { field });
     let quoted = |field: String| match field.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", field.replace('"', "\"\"")),
         false => field,

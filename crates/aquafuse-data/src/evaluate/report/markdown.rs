@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{Report, Table};
+use crate::files::one_line;
 
 /// The whole report.
 pub fn document(report: &Report) -> String {
@@ -23,7 +24,7 @@ pub fn document(report: &Report) -> String {
     if !report.failed.is_empty() {
         let _ = writeln!(text, "\n## What failed\n");
         for failed in &report.failed {
-            let _ = writeln!(text, "- {}: {}", failed.name, failed.error);
+            let _ = writeln!(text, "- {}: {}", plain(&failed.name), plain(&failed.error));
         }
     }
     text
@@ -40,15 +41,38 @@ pub fn table(table: &Table) -> String {
         .chain(table.scores.iter().map(|_| "---".into()))));
     for one in &table.rows {
         let cells = one.cells.iter().zip(&table.scores).map(|(cell, score)| cell.text(score));
-        text.push_str(&row(one.labels.iter().cloned().chain(cells)));
+        text.push_str(&row(one.labels.iter().map(|label| plain(label)).chain(cells)));
     }
     text
 }
 
 fn row(cells: impl Iterator<Item = String>) -> String {
-    // A name may hold what ends a cell.
-    let cells: Vec<String> = cells.map(|cell| cell.replace('|', "\\|")).collect();
-    format!("| {} |\n", cells.join(" | "))
+    format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
+}
+
+/// A name as Markdown shows it: on one line, and no markup but for code between backticks.
+fn plain(name: &str) -> String {
+    let name = one_line(name);
+    let parts: Vec<&str> = name.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        return escaped(&name);
+    }
+    let shown = |(place, part): (usize, &&str)| match place % 2 {
+        0 => escaped(part),
+        _ => format!("`{}`", part.replace('|', "\\|")),
+    };
+    parts.iter().enumerate().map(shown).collect()
+}
+
+fn escaped(text: &str) -> String {
+    let mut shown = String::new();
+    for character in text.chars() {
+        if matches!(character, '\\' | '|' | '<' | '>' | '[' | ']' | '`' | '*' | '_' | '#' | '!' | '&') {
+            shown.push('\\');
+        }
+        shown.push(character);
+    }
+    shown
 }
 
 /// The settings on one line.

@@ -41,10 +41,14 @@ fn report() -> Report {
 fn markdown_keeps_its_cells_apart() {
     let text = markdown(&report());
     assert!(
-        text.contains("| <script>, \"quoted\" \\| piped | 0.50 ± 0.25 (0.40 to 0.60); 1 left out |"),
+        text.contains("| \\<script\\>, \"quoted\" \\| piped | 0.50 ± 0.25 (0.40 to 0.60); 1 left out |"),
         "{text}"
     );
-    assert!(text.contains("methods a, b; seed 3") && text.contains("- x.png: it is <empty>"), "{text}");
+    assert!(text.contains("methods a, b; seed 3") && text.contains("- x.png: it is \\<empty\\>"), "{text}");
+    let mut odd = report();
+    odd.tables[0].rows[0].labels = vec!["a\\|b\n[x](y)`".into()];
+    let text = markdown(&odd);
+    assert!(text.contains("| a\\\\\\|b\\\\n\\[x\\](y)\\` |") && text.contains("| `plain` |"), "{text}");
 }
 
 #[test]
@@ -55,6 +59,9 @@ fn csv_quotes_what_holds_its_signs() {
         "{text}"
     );
     assert_eq!(csv_of_items(&report().items), "content,ssim\n\"a,b\"\"c\",inf\n");
+    let mut odd = report();
+    odd.items.rows[0] = ItemsRow { labels: vec!["=1+1".into()], values: vec![Some(-1.0)] };
+    assert_eq!(csv_of_items(&odd.items), "content,ssim\n'=1+1,-1\n");
 }
 
 #[test]

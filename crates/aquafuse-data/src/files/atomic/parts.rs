@@ -60,6 +60,10 @@ impl Part {
     pub(super) fn persist(mut self, path: &Path, overwrite: bool) -> io::Result<()> {
         let Some(part) = self.0.take() else { return Ok(()) };
         let before = part.path().to_owned();
+        // What was private stays so. Where the mode cannot be set, the file is none the less written.
+        if let Some(about) = path.symlink_metadata().ok().filter(|about| overwrite && about.is_file()) {
+            let _ = part.as_file().set_permissions(about.permissions());
+        }
         // Held over the renaming: a part that is abandoned between must not look like a failure.
         let mut in_work = in_work();
         let named = if overwrite { part.persist(path) } else { part.persist_noclobber(path) };

@@ -34,6 +34,9 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
         if marker != END_OF_IMAGE {
             reader.read_exact(&mut length)?;
         }
+        if let Some(coding) = other_coding(marker) {
+            return Err(Fault::Unsupported(coding.into(), "Save it as an ordinary JPEG, as PNG or as TIFF"));
+        }
         let read = match (marker, frame) {
             (START_OF_SCAN, Some((marker, [_, y1, y0, x1, x0, components]))) => {
                 let mut scanned = [0];
@@ -74,6 +77,17 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
 /// Frames of every coding; 0xc4, 0xc8 and 0xcc among them are tables.
 fn is_frame(code: u8) -> bool {
     matches!(code, 0xc0..=0xcf) && !matches!(code, 0xc4 | 0xc8 | 0xcc)
+}
+
+/// What a frame is whose coding is not read: cameras, scanners and medicine have them.
+fn other_coding(code: u8) -> Option<&'static str> {
+    match code {
+        0xc3 => Some("a lossless JPEG"),
+        0xc5..=0xc7 | 0xcd..=0xcf => Some("a hierarchical JPEG"),
+        0xc9..=0xcb => Some("a JPEG with arithmetic coding"),
+        0xf7 => Some("a JPEG-LS"),
+        _ => None,
+    }
 }
 
 /// The code of the next marker; fill bytes before it are passed over.

@@ -5,6 +5,7 @@ use std::io::{BufRead, Cursor, Read, Seek, SeekFrom};
 use ::image::ExtendedColorType;
 use ::image::ImageDecoder as _;
 use ::image::codecs::tiff::TiffDecoder;
+use ::tiff::TiffError;
 use ::tiff::decoder::ChunkType;
 use ::tiff::tags::Tag;
 
@@ -33,8 +34,19 @@ pub(crate) fn too_many_pieces(page: &mut ::tiff::decoder::Decoder<impl Read + Se
 }
 
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
-    let mut fields =
-        ::tiff::decoder::Decoder::new(&mut *reader).map_err(|error| Fault::Damaged(error.to_string()))?;
+    let mut fields = ::tiff::decoder::Decoder::new(&mut *reader).map_err(|error| match error {
+        TiffError::UnsupportedError(form) => Fault::Unsupported(
+            format!("a TIFF in a form that is not read ({form})"),
+            "Save it as PNG, or as TIFF in RGB; develop a camera's raw file first",
+        ),
+        other => Fault::Damaged(other.to_string()),
+    })?;
+    if is_preview(&mut fields) {
+        return Err(Fault::Unsupported(
+            "a camera's raw file, or another TIFF whose first image is a preview".into(),
+            "Develop it first, for example with darktable or RawTherapee, and save it as TIFF, PNG or JPEG",
+        ));
+    }
     let compression = fields.find_tag_unsigned::<u16>(Tag::Compression);
     if compression.is_ok_and(|way| way.is_some_and(|way| JPEG.contains(&way))) {
         return Err(Fault::Unsupported(
@@ -52,6 +64,13 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     // It decodes into a buffer of its own first.
     let own = if cmyk { 4 } else { size.channels };
     Ok(Size { beside: size.beside.saturating_add(size.sample.saturating_mul(own)), ..size })
+}
+
+/// Whether the first image of a file is not its image: it says so, or the file has the version of DNG.
+fn is_preview(page: &mut ::tiff::decoder::Decoder<impl Read + Seek>) -> bool {
+    const DNG_VERSION: Tag = Tag::Unknown(50706);
+    let says = page.find_tag_unsigned::<u32>(Tag::NewSubfileType).ok().flatten();
+    says.is_some_and(|kind| kind & 1 == 1) || matches!(page.find_tag(DNG_VERSION), Ok(Some(_)))
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {

@@ -94,3 +94,50 @@ fn a_pipe_is_refused_and_not_waited_for() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     assert!(matches!(ImageFile::read(&pipe), Err(FileError::NoFile { .. })));
 }
+
+/// A TIFF of one grey strip of 8x8 with these further fields, as tag and value.
+fn tiff_with(more: &[(u16, u32)]) -> Vec<u8> {
+    let mut fields = vec![(256, 8), (257, 8), (258, 8), (259, 1), (262, 1), (277, 1), (278, 8), (279, 64)];
+    fields.extend(more);
+    let begin = 8 + 2 + (fields.len() as u32 + 1) * 12 + 4;
+    fields.push((273, begin));
+    fields.sort_unstable();
+    let mut file = [&b"II*\0\x08\0\0\0"[..], &(fields.len() as u16).to_le_bytes()].concat();
+    for (tag, value) in fields {
+        file.extend([&tag.to_le_bytes()[..], &[4, 0, 1, 0, 0, 0], &value.to_le_bytes()].concat());
+    }
+    [&file[..], &[0; 4], &[90; 64]].concat()
+}
+
+#[test]
+fn a_preview_is_not_read_in_the_place_of_its_image() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    let read = |file: Vec<u8>| {
+        std::fs::write(&path, file).unwrap();
+        ImageFile::read(&path).map_err(|error| error.to_string())
+    };
+    assert!(read(tiff_with(&[])).is_ok() && read(tiff_with(&[(254, 2)])).is_ok());
+    for field in [(254, 1), (50706, 0x0401)] {
+        let said = read(tiff_with(&[field])).unwrap_err();
+        assert!(said.contains("a camera's raw file") && said.contains("Develop it first"), "{said}");
+    }
+    let mut of_sensor = tiff_with(&[]);
+    let at = of_sensor.windows(2).position(|tag| tag == 262_u16.to_le_bytes()).unwrap();
+    of_sensor[at + 8..at + 12].copy_from_slice(&32803_u32.to_le_bytes());
+    let said = read(of_sensor).unwrap_err();
+    assert!(said.contains("a TIFF in a form that is not read") && said.contains("raw file first"), "{said}");
+}
+
+#[test]
+fn a_coding_of_jpeg_that_is_not_read_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.jpg");
+    for (frame, name) in [(0xc3, "a lossless JPEG"), (0xc9, "arithmetic coding"), (0xf7, "a JPEG-LS")] {
+        let file =
+            [&[0xff, 0xd8, 0xff, frame, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0][..], &[0xff, 0xd9]].concat();
+        std::fs::write(&path, file).unwrap();
+        let said = ImageFile::read(&path).unwrap_err().to_string();
+        assert!(said.contains(name) && said.contains("Save it as an ordinary JPEG"), "{said}");
+    }
+}

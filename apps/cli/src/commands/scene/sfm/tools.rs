@@ -34,13 +34,17 @@ pub(super) enum Tool {
 }
 
 const SCRIPT: &str = include_str!("pycolmap.py");
+/// Before anything is imported: the current folder, which may hold files of strangers, is no place for modules.
+const APART: &str = "import sys; sys.path = [place for place in sys.path if place]\n";
+/// Nor is what the environment names.
+const NO_ENVIRONMENT: &str = "-E";
 /// Pythons as they are called.
 const PYTHONS: [&str; 2] = ["python3", "python"];
 
 impl Tool {
     /// A Python, if it has pycolmap.
     pub(super) fn pycolmap(python: &Path) -> Option<Self> {
-        let has = answer(python, &["-c", "import pycolmap"]).is_some();
+        let has = answer(python, &[NO_ENVIRONMENT, "-c", &format!("{APART}import pycolmap")]).is_some();
         has.then(|| Self::Pycolmap(python.to_owned()))
     }
 
@@ -80,7 +84,9 @@ impl Tool {
         match self {
             Self::Pycolmap(python) => {
                 let mut command = Command::new(python);
-                command.args(["-c", SCRIPT, step]).args([job.images, job.work]);
+                command
+                    .args([NO_ENVIRONMENT, "-c", &format!("{APART}{SCRIPT}"), step])
+                    .args([job.images, job.work]);
                 command.arg(if job.is_one_camera { "SINGLE" } else { "AUTO" });
                 command.arg(if job.in_order { "neighbours" } else { "all" });
                 command
@@ -151,7 +157,10 @@ mod tests {
         );
         assert!(said(&colmap, "matches", true, true).contains("sequential_matcher"));
         let python = said(&Tool::Pycolmap("python3".into()), "matches", false, true);
-        assert!(python.starts_with("python3 -c ") && python.ends_with(" matches in work AUTO neighbours"));
+        assert!(
+            python.starts_with("python3 -E -c import sys; sys.path")
+                && python.ends_with(" matches in work AUTO neighbours")
+        );
     }
 
     #[test]

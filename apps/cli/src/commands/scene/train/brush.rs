@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, anyhow};
-use aquafuse_data::files::{FileError, make_folder};
+use aquafuse_data::files::{FileError, make_folder, make_work_folder};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_scene::files::{Cameras, PosedImage, read_ply, write_cameras};
 use aquafuse_scene::lens::Lens;
@@ -64,9 +64,7 @@ impl Brush {
     /// Trains to the end, in a folder beside the output.
     pub(super) fn train(&self, training: &Training) -> Result<Model, Failure> {
         let work = training.beside(WORK);
-        // Left by a run that was stopped.
-        let _ = std::fs::remove_dir_all(&work);
-        make_folder(&work)?;
+        make_work_folder(&work)?;
         // The program may resolve paths from another folder.
         let work = std::path::absolute(&work).map_err(|error| FileError::Read { path: work, error })?;
         let (scene, into) = (work.join("scene"), work.join("out"));

@@ -1,0 +1,95 @@
+//! Formats of annotations that are not read, known by their words, and what converts them.
+
+use super::tree::Tree;
+
+/// A format of others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Format {
+    pub(super) name: &'static str,
+    /// What to do.
+    pub(super) remedy: &'static str,
+}
+
+/// The ends of the names of a format's files, the words that stand in each of them, its name, and what to do.
+type Known = (&'static [&'static str], &'static [&'static str], &'static str, &'static str);
+
+/// The first one that fits is it.
+const KNOWN: [Known; 14] = [
+    (&[".json"], &["\"shapes\"", "\"imagePath\""], "labelme", "convert them to COCO with labelme2coco"),
+    (&[".json"], &["\"_via_"], "VIA", "export them from VIA as COCO"),
+    (&[".json"], &["\"regions\"", "\"shape_attributes\""], "VIA", "export them from VIA as COCO"),
+    (&[".json"], &["\"objects\"", "\"classTitle\""], "Supervisely", "export them from Supervisely as COCO"),
+    (
+        &[".json"],
+        &["\"annotations\"", "\"coordinates\""],
+        "CreateML",
+        "convert them to COCO with datumaro or Roboflow",
+    ),
+    (&[".json"], &["\"categories\"", "\"items\""], "datumaro", "run `datum convert -f coco`"),
+    (
+        &[".xml"],
+        &["<annotations", "<image "],
+        "CVAT's XML",
+        "export them from CVAT as COCO, YOLO or Pascal VOC",
+    ),
+    (
+        &[".csv", ".tsv"],
+        &[","],
+        "a table",
+        "convert it to COCO, YOLO or Pascal VOC, for example with supervision or datumaro",
+    ),
+    (
+        &[".jsonl", ".ndjson"],
+        &["\"file_name\""],
+        "metadata of Hugging Face",
+        "save them as Parquet (`push_to_hub` or `to_parquet`), or as COCO",
+    ),
+    (&[".tar.gz", ".tgz"], &[], "a compressed shard", "decompress it with gunzip"),
+    (&[".gz", ".zip", ".zst", ".bz2", ".xz", ".7z", ".rar"], &[], "an archive", "unpack it"),
+    (&[".tfrecord", ".tfrecords", ".record"], &[], "TensorFlow's records", "export the data set as COCO"),
+    (&[".parquet", ".arrow"], &[], "a table of Hugging Face", "give --format parquet"),
+    (
+        &[".mat", ".npy", ".npz", ".pkl", ".h5"],
+        &[],
+        "arrays",
+        "save them as masks in PNG, or convert them to COCO",
+    ),
+];
+
+impl Format {
+    /// The format of a file of this name, and with this text, if it is text.
+    pub(super) fn of(path: &str, text: Option<&str>) -> Option<Self> {
+        let small = path.to_lowercase();
+        let fits = |(ends, words, ..): &&Known| {
+            ends.iter().any(|end| small.ends_with(end))
+                && words.iter().all(|word| text.is_some_and(|text| text.contains(word)))
+        };
+        let (_, _, name, remedy) = KNOWN.iter().find(fits)?;
+        Some(Self { name, remedy })
+    }
+}
+
+/// Whether the first line of a text file begins with the name of an image and goes on.
+pub(super) fn is_table_of_images(tree: &Tree, path: &str) -> bool {
+    let Ok(Some(text)) = tree.read(path) else { return false };
+    let Some(line) = text.lines().find(|line| !line.trim().is_empty()) else { return false };
+    let first = line.split([' ', '\t', ',', ';']).next().unwrap_or_default();
+    crate::image_file::Format::listed(std::path::Path::new(first))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_of_others_are_known_by_their_words() {
+        let name = |path: &str, text| Format::of(path, Some(text)).map(|format| format.name);
+        assert_eq!(name("a.json", r#"{"shapes": [], "imagePath": "a.jpg"}"#), Some("labelme"));
+        assert_eq!(
+            name("x/Annotations.XML", "<annotations><image id=\"0\"/></annotations>"),
+            Some("CVAT's XML")
+        );
+        assert_eq!(name("s.tar.gz", ""), Some("a compressed shard"));
+        assert_eq!(name("a.json", "{}"), None);
+    }
+}

@@ -1,6 +1,7 @@
 //! The arguments of the command line as values of the library: parsed and checked here, used by the commands.
 
 pub(crate) mod batch;
+pub(crate) mod border;
 pub(crate) mod common;
 pub(crate) mod depth;
 pub(crate) mod depth_model;

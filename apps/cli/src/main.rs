@@ -110,7 +110,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Restore(restore) => restore.run(common),
         Command::Enhance(enhance) => enhance.run(common),
         Command::Depth(depth) => depth.run(&common.reading, common.quiet),
-        Command::Inspect(inspect) => inspect.run(&common.reading),
+        Command::Inspect(inspect) => inspect.run(common),
         Command::Water(water) => water.run(common),
         Command::Fit(fit) => fit.run(common),
         Command::Simulate(simulate) => simulate.run(common),

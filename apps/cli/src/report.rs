@@ -1,6 +1,7 @@
 //! Output for people and programs: progress, summaries, tables, JSON and words for an estimate.
 
 pub(crate) mod batch;
+pub(crate) mod border;
 pub(crate) mod doubts;
 pub(crate) mod evaluation;
 mod json;

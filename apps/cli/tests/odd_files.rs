@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
+mod borders;
 mod run;
 
 use aquafuse::image::Image;
@@ -9,11 +10,11 @@ use aquafuse::truth::{Scene, Size, waters};
 use aquafuse_data::image_file::{ImageFile, Layers, Pixels, WriteOptions};
 use run::{Run, scene};
 
-/// An image of 16 bits with opacity.
+/// An image of 16 bits with opacity, none of it 0: transparent pixels are left as they are.
 fn fine() -> ImageFile {
     let [blue, ..] = waters();
     let image: Image<u16> = Scene::new(3, Size { width: 64, height: 48 }).seen_through(&blue.water).convert();
-    let alpha = Some((0..64 * 48).map(|i| (i * 21) as u16).collect());
+    let alpha = Some((0..64 * 48).map(|i| (i * 21) as u16 | 1).collect());
     ImageFile::new(Pixels::Words(Layers { image, alpha }))
 }
 

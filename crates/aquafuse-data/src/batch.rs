@@ -38,12 +38,13 @@ use std::path::PathBuf;
 
 use aquafuse::depth::SuppliedReport;
 use aquafuse::fusion::Options;
+use aquafuse::scene_area::SceneArea;
 use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::Quality;
 use serde_json::{Value, json};
 
 use crate::files::{FileError, make_folder, make_folder_of, remove_stale_parts};
-use crate::image_file::{Format, ImageFile, Opened, WriteOptions};
+use crate::image_file::{Format, ImageFile, Opened, ReadOptions, WriteOptions};
 use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, WaterEstimate, analyse_in, maps};
 use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::Numbers;
@@ -90,6 +91,8 @@ pub struct Report {
     pub quality: Option<Quality>,
     /// The report on supplied depth.
     pub supplied: Option<SuppliedReport>,
+    /// Which part of the content is scene, if not all of it is: the rest is as it was.
+    pub area: Option<SceneArea>,
     /// The damage of the content's file, if it was accepted.
     pub damage: Option<String>,
     /// Metadata of the content's file that the output lacks, in words.
@@ -107,7 +110,7 @@ impl Recipe {
     }
 
     /// Everything that determines the outputs: two recipes with the same fingerprint write the same bytes.
-    pub fn fingerprint(&self, lenient: bool) -> Value {
+    pub fn fingerprint(&self, reading: &ReadOptions) -> Value {
         let Self { operation, smoothing, upright, quality } = self;
         let encoding = operation.encoding().name();
         let fusion = |reference: &WaterEstimate, options: &Options| {
@@ -134,7 +137,8 @@ impl Recipe {
             "treatment": operation,
             "smooth": smoothing.name(),
             "upright": upright,
-            "lenient": lenient,
+            "lenient": reading.lenient,
+            "border": reading.border.to_string(),
             "quality": quality,
         })
     }
@@ -183,7 +187,7 @@ impl Plan {
         remove_stale_parts(folder);
         let record = match self.is_folder() {
             true => {
-                let settings = recipe.fingerprint(options.reading.lenient);
+                let settings = recipe.fingerprint(&options.reading);
                 let record = Record::open(folder, &settings, self.overwrite())?;
                 self.refuse_foreign(&record)?;
                 Some(record)
@@ -254,12 +258,14 @@ impl Work<'_> {
         let (estimate, supplied) = found.map(|found| (found.estimate, found.supplied)).unzip();
         image.pixels = image.pixels.smoothed(recipe.smoothing);
         let scores = before.zip(scored(&image)).map(|(before, after)| [before, after]);
+        let area = image.area().cloned();
+        image = image.joined();
         if recipe.upright {
             image = image.upright();
         }
         options.stop.check(&item.output)?;
         let staged = image.stage(&item.output, writing)?;
-        let ImageFile { metadata, damage, pixels } = image;
+        let ImageFile { metadata, damage, pixels, .. } = image;
         drop((pixels, room));
         permit.release();
         options.stop.check(&item.output)?;
@@ -276,6 +282,7 @@ impl Work<'_> {
             scores,
             quality: estimate.map(|estimate| estimate.quality()),
             supplied: supplied.flatten(),
+            area,
             damage,
             left_out: metadata.left_out,
         })

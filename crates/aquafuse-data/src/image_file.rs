@@ -7,6 +7,7 @@ mod limits;
 mod metadata;
 mod pixels;
 mod read;
+mod scene;
 mod write;
 
 use std::path::Path;
@@ -38,6 +39,8 @@ pub struct ImageFile {
     pub metadata: Metadata,
     /// The damage of the file, if [`ReadOptions::lenient`] accepted it. The EXIF description of an output repeats it.
     pub damage: Option<String>,
+    /// The whole image, if the pixels are but its scene.
+    whole: Option<std::sync::Arc<scene::Whole>>,
 }
 
 /// How to write.
@@ -58,7 +61,7 @@ impl Default for WriteOptions {
 impl ImageFile {
     /// An image that did not come from a file.
     pub fn new(pixels: impl Into<Pixels>) -> Self {
-        Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None }
+        Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None, whole: None }
     }
 
     /// Reads a PNG, JPEG, TIFF, WebP, BMP or GIF file, detected by its content, within the default limits.
@@ -127,7 +130,10 @@ impl ImageFile {
 
     /// [`write`](Self::write) as far as the processor is needed: what is left is waiting for the disk.
     pub(crate) fn stage(&self, path: &Path, options: &WriteOptions) -> Result<Staged, FileError> {
-        write::stage(self, path, options)
+        match self.whole {
+            Some(_) => write::stage(&self.clone().joined(), path, options),
+            None => write::stage(self, path, options),
+        }
     }
 
     /// The file that [`write`](Self::write) would write at `path`, in memory.
@@ -136,7 +142,10 @@ impl ImageFile {
     ///
     /// [`FileError`] when the name has another extension, or the format cannot hold the image.
     pub fn encode(&self, path: &Path, quality: u8) -> Result<Vec<u8>, FileError> {
-        write::encode(self, path, quality)
+        match self.whole {
+            Some(_) => write::encode(&self.clone().joined(), path, quality),
+            None => write::encode(self, path, quality),
+        }
     }
 
     /// The colours in bytes, whatever the file holds.
@@ -149,8 +158,13 @@ impl ImageFile {
         TopEdge::from_exif(self.metadata.orientation())
     }
 
-    /// The image rotated by its EXIF orientation, which is then 1.
+    /// The whole image rotated by its EXIF orientation, which is then 1.
     pub fn upright(self) -> Self {
+        let whole = self.joined();
+        whole.turned()
+    }
+
+    fn turned(self) -> Self {
         let orientation = self.metadata.orientation();
         let pixels = self.pixels.turned(orientation);
         let mut metadata = self.metadata;

@@ -10,6 +10,7 @@ use std::path::Path;
 use aquafuse::depth::SuppliedKind;
 use aquafuse::fusion::Options;
 use aquafuse::image::Sample as _;
+use aquafuse::scene_area::Border;
 
 use crate::augment::try_coco;
 use crate::augment::try_manifest;
@@ -104,7 +105,8 @@ pub const ALL: [Target; 21] = [
 ];
 
 /// Small enough that no execution takes long.
-const LIMITS: ReadOptions = ReadOptions { max_pixels: 1 << 12, max_memory: 64 << 20, lenient: false };
+const LIMITS: ReadOptions =
+    ReadOptions { max_pixels: 1 << 12, max_memory: 64 << 20, lenient: false, border: Border::None };
 
 fn image(format: Format, bytes: &[u8]) {
     if Format::of_content(bytes) != Some(format) {

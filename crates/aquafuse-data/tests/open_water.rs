@@ -4,6 +4,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
+mod borders;
+
 use std::path::{Path, PathBuf};
 
 use aquafuse::metrics::lab;

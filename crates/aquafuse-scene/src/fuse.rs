@@ -269,7 +269,7 @@ impl Plan {
         options: &RunOptions,
     ) -> Result<BTreeMap<PathBuf, Record>, FileError> {
         let made_with = json!({
-            "recipe": recipe.fingerprint(options.reading.lenient),
+            "recipe": recipe.fingerprint(&options.reading),
             "water": Numbers::from(&shared.water.water),
             "units": shared.units,
         });

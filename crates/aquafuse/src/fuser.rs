@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use crate::depth::{DepthMap, DepthModel};
 use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, Model, OptionError};
 use crate::image::{Clipping, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size};
+use crate::scene_area::{Border, Margins, SceneArea};
 use crate::smooth::{self, Smoothing};
 use crate::waterbody::{self, Estimate, EstimateOptions, Look, Scratch, WaterShare, Waterbody};
 
@@ -61,6 +62,9 @@ pub struct Options {
     pub fusion: fusion::Options,
     /// How the fused image is smoothed. Default: not at all.
     pub smoothing: Smoothing,
+    /// What surrounds the scene: it is left out of estimates and stays as it is. Default: found in each image. Numbers are
+    /// those of contents; in a reference it is then found.
+    pub border: Border,
 }
 
 /// What [`Fuser::fuse`] returns.
@@ -84,6 +88,8 @@ pub struct Report {
     pub bounds: Bounds,
     /// Values that did not fit into the range.
     pub clipping: Clipping,
+    /// The sides that were left as they are.
+    pub margins: Margins,
 }
 
 impl Fuser<'static> {
@@ -265,13 +271,40 @@ impl<'z> Fuser<'z> {
     pub(crate) fn fuse_in<T: Sample>(
         &self,
         content: Option<ImageRef<'_, T>>,
-        fused: ImageMut<'_, T>,
+        mut fused: ImageMut<'_, T>,
         known: Option<Estimate>,
         memory: &mut Memory<T>,
     ) -> Result<Report, ImageError> {
         let source = content.unwrap_or(fused.as_ref());
         check_same_size(source.size(), fused.size())?;
-        let depth = self.options.depth_in(source, self.depth, memory);
+        let area = memory.area(source, self.options.border, known.is_some())?;
+        if area.is_whole() {
+            memory.area = Some(area);
+            return self.fuse_scene(content, fused, self.depth, known, memory);
+        }
+        let mut scene = area.cut(source);
+        let depth = self.depth.map(|depth| depth.cut(&area)).transpose()?;
+        let report = self.fuse_scene(None, scene.view_mut(), depth.as_ref(), known, memory)?;
+        if let Some(content) = content {
+            fused.copy_from(content)?;
+        }
+        area.put_back(&scene, fused)?;
+        let margins = area.margins();
+        memory.area = Some(area);
+        Ok(Report { margins, ..report })
+    }
+
+    /// The same for an image of which every pixel is scene.
+    fn fuse_scene<T: Sample>(
+        &self,
+        content: Option<ImageRef<'_, T>>,
+        fused: ImageMut<'_, T>,
+        depth: Option<&DepthMap>,
+        known: Option<Estimate>,
+        memory: &mut Memory<T>,
+    ) -> Result<Report, ImageError> {
+        let source = content.unwrap_or(fused.as_ref());
+        let depth = self.options.depth_in(source, depth, memory);
         let (content_water, share) = self.content_in(source, &depth, known, memory)?;
         let bounded = Bounded::new(&content_water, &self.reference, self.options.fusion);
         let (waters, options) = (bounded.waters().with_share(&share), &bounded.options);
@@ -289,7 +322,8 @@ impl<'z> Fuser<'z> {
             }
         };
         memory.take_back(depth);
-        Ok(Report { content: content_water, bounds: bounded.bounds, clipping })
+        let margins = Margins::default();
+        Ok(Report { content: content_water, bounds: bounded.bounds, clipping, margins })
     }
 }
 
@@ -357,13 +391,25 @@ impl Options {
         Self { smoothing, ..self }
     }
 
-    /// The water of an image, in the memory of the last one.
+    /// The same with another border.
+    #[must_use]
+    pub fn with_border(self, border: Border) -> Self {
+        Self { border, ..self }
+    }
+
+    /// The water of an image that gives it, in the memory of the last one.
     pub(crate) fn estimate_in<T: Sample>(
         &self,
         image: ImageRef<'_, T>,
         depth: Option<&DepthMap>,
         memory: &mut Memory<T>,
     ) -> Result<Estimate, ImageError> {
+        let area = SceneArea::of(image, self.border.of_reference())?;
+        if !area.is_whole() {
+            let depth = depth.map(|depth| depth.cut(&area)).transpose()?;
+            let whole = Self { border: Border::None, ..*self };
+            return whole.estimate_in(area.cut(image).view(), depth.as_ref(), memory);
+        }
         let depth = self.depth_in(image, depth, memory);
         let found = self.water_in(image, &depth, memory);
         memory.take_back(depth);
@@ -405,9 +451,26 @@ pub(crate) struct Memory<T> {
     scratch: Scratch,
     /// What an image consists of before it is smoothed.
     samples: Vec<T>,
+    /// The part of the last image that is scene.
+    area: Option<SceneArea>,
 }
 
 impl<T> Memory<T> {
+    /// The part of an image that is scene. While the water of the last image is used, so is its area: a border does not
+    /// come and go from frame to frame.
+    fn area(
+        &mut self,
+        image: ImageRef<'_, T>,
+        border: Border,
+        is_known: bool,
+    ) -> Result<SceneArea, ImageError>
+    where
+        T: Sample,
+    {
+        let last = self.area.take().filter(|area| is_known && area.image_size() == image.size());
+        Ok(last.map_or_else(|| SceneArea::of(image, border), Ok)?)
+    }
+
     fn take_back(&mut self, depth: Cow<'_, DepthMap>) {
         if let Cow::Owned(depth) = depth {
             self.levels = depth.into_levels();

@@ -12,6 +12,8 @@ mod view;
 use std::convert::Infallible;
 use std::marker::PhantomData;
 
+use crate::scene_area::BorderError;
+
 pub use encoding::{Encoded, Encoding, Linear};
 pub use sample::Sample;
 pub(crate) use sample::kernels::Kernels;
@@ -84,6 +86,9 @@ pub enum ImageError {
         /// Rows found.
         height: usize,
     },
+    /// A border leaves no pixel.
+    #[error(transparent)]
+    Border(BorderError),
     /// Two inputs of one operation differ in size.
     #[error("the sizes differ: {}x{} and {}x{}", .left.0, .left.1, .right.0, .right.1)]
     Mismatch {
@@ -92,6 +97,13 @@ pub enum ImageError {
         /// Width and height of the second.
         right: (usize, usize),
     },
+}
+
+/// The border of an image leaves nothing of it.
+impl From<BorderError> for ImageError {
+    fn from(error: BorderError) -> Self {
+        Self::Border(error)
+    }
 }
 
 /// What converts without fail converts without error: for functions that take whatever converts to a view.

@@ -44,6 +44,7 @@
 //! | module | does | equations |
 //! |---|---|---|
 //! | [`image`] | pixels and what their values mean | |
+//! | [`scene_area`] | which pixels show the scene: borders and overlays are left out | |
 //! | [`depth`] | image → [`DepthMap`](depth::DepthMap), 0 near, larger farther | Eq. 3 |
 //! | [`depth::Supplied`] | supplied depth of a declared kind → [`DepthMap`](depth::DepthMap) | |
 //! | [`depth::fit`] | images with known depth → coefficients of Eq. 3 | Eq. 4 |
@@ -102,6 +103,7 @@ mod names;
 #[doc(hidden)]
 pub mod random;
 mod rank;
+pub mod scene_area;
 #[doc(hidden)]
 pub mod simd;
 pub mod smooth;

@@ -10,6 +10,10 @@ use crate::waterbody::Estimate;
 /// may differ in size. Once the memory for a frame is there, the next of that size takes nothing more that grows with
 /// the image, whatever the number of threads.
 ///
+/// A border is looked for whenever the content's water is estimated, and kept until the next time. So it does not come and go
+/// in the frames between. Where the border is known, [`Options::border`](crate::fuser::Options::border) should say so; of frames
+/// with a border the scene is copied.
+///
 /// # Examples
 ///
 /// ```

@@ -8,6 +8,7 @@ use aquafuse_data::files::FileError;
 use aquafuse_data::pipeline::PixelEncoding;
 use clap::Args;
 
+use crate::args::border::BorderArgument;
 use crate::args::common::encoding;
 use crate::args::depth::DepthArguments;
 use crate::args::failures::FailureArguments;
@@ -22,6 +23,8 @@ pub(crate) struct BatchArguments {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) depth: DepthArguments,
+    #[command(flatten)]
+    pub(crate) border: BorderArgument,
     /// JPEG quality, 1 to 100.
     #[arg(long, value_name = "Q", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: u8,

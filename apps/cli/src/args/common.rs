@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 
+use aquafuse::scene_area::Border;
 use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::run::RunOptions;
 use clap::Args;
@@ -11,7 +12,7 @@ use crate::args::reading::Reading;
 /// The heading of these options in the help.
 pub(crate) const HEADING: &str = "Common options";
 
-#[derive(Args)]
+#[derive(Clone, Args)]
 pub(crate) struct Common {
     /// Number of threads [default: one per core]. Outputs do not depend on it.
     #[arg(long, global = true, help_heading = HEADING, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
@@ -27,6 +28,12 @@ pub(crate) struct Common {
 }
 
 impl Common {
+    /// The same, with images cut to their scene.
+    pub(crate) fn with_border(mut self, border: Border) -> Self {
+        self.reading.border = border;
+        self
+    }
+
     /// How a run of the library works, as these options say.
     pub(crate) fn run_options(&self) -> RunOptions {
         RunOptions {

@@ -3,11 +3,14 @@
 use anyhow::anyhow;
 use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Gain, Incidence, Model, Options};
+use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
 pub(crate) use aquafuse_data::evaluate::Settings;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::args::border::BorderArgument;
+use crate::args::common::Common;
 use crate::args::depth_model::DepthModelArg;
 
 pub(crate) const HELP: &str = "\
@@ -21,8 +24,8 @@ F falls with distance, from 1 at the camera to 0 in open water.
              The strongest change, and the most sensitive to wrong estimates: supply depth.
              Faded colours, and their noise, are amplified at most 2 times.
 
---as-published means --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral --depth-model eq3.
-The paper states no settings; these reproduce its scores best.
+--as-published means --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral --depth-model eq3,
+and --border none. The paper states no settings; these reproduce its scores best.
 
 Example:
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --theta 30";
@@ -44,7 +47,7 @@ pub(crate) struct SettingsArgs {
     #[command(flatten)]
     depth_model: DepthModelArg,
     /// Use the settings that reproduce the published scores best, instead of the five above.
-    #[arg(long, conflicts_with_all = ["model", "theta", "alpha", "smooth", "depth_model"])]
+    #[arg(long, conflicts_with_all = ["model", "theta", "alpha", "smooth", "depth_model", "border"])]
     as_published: bool,
 }
 
@@ -57,6 +60,11 @@ impl SettingsArgs {
         } else {
             Ok(())
         }
+    }
+
+    /// The common options, with images cut to their scene; the published method takes every pixel.
+    pub(crate) fn cutting(&self, border: &BorderArgument, common: &Common) -> Common {
+        if self.as_published { common.clone().with_border(Border::None) } else { border.cutting(common) }
     }
 
     pub(crate) fn is_as_published(&self) -> bool {

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use anyhow::{Result, anyhow};
+use aquafuse::scene_area::Border;
 use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use clap::Args;
 
 use crate::failure::Failure;
 
-#[derive(Args)]
+#[derive(Clone, Args)]
 pub(crate) struct Reading {
     /// Refuse images with more pixels than this.
     #[arg(long, global = true, help_heading = crate::args::common::HEADING, value_name = "N", default_value_t = ReadOptions::default().max_pixels)]
@@ -20,11 +21,20 @@ pub(crate) struct Reading {
     /// Decode what is left of truncated files (mainly JPEG and PNG). The EXIF description of the output says so.
     #[arg(long, global = true, help_heading = crate::args::common::HEADING)]
     lenient: bool,
+    /// What is cut off around a scene: nothing, unless a command has `--border`.
+    #[arg(skip = Border::None)]
+    pub(crate) border: Border,
 }
 
 impl Reading {
     pub(crate) fn options(&self) -> ReadOptions {
-        ReadOptions { max_pixels: self.max_pixels, max_memory: self.max_memory, lenient: self.lenient }
+        let Self { max_pixels, max_memory, lenient, border } = *self;
+        ReadOptions { max_pixels, max_memory, lenient, border }
+    }
+
+    /// The same for an image that gives its water: a border given in numbers is that of the contents.
+    pub(crate) fn of_reference(&self) -> Self {
+        Self { border: self.border.of_reference(), ..*self }
     }
 
     /// Reads one image.

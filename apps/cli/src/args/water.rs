@@ -147,7 +147,7 @@ impl WaterArguments {
                 estimate: WaterEstimate::preset(*preset, &self.conditions()?, encoding),
             }),
             WaterSource::Image(path) => {
-                let found = analyse_in(encoding, &reading.read(path)?, depth)?;
+                let found = analyse_in(encoding, &reading.of_reference().read(path)?, depth)?;
                 Ok(WaterFile {
                     from: vec![display(path).to_string()],
                     depth_kind: found.depth.kind(),

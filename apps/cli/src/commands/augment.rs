@@ -17,6 +17,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use range::Range;
 
+use crate::args::border::BorderArgument;
 use crate::args::common::{Common, encoding};
 use crate::args::depth::DepthArguments;
 use crate::args::failures::FailureArguments;
@@ -104,6 +105,8 @@ pub(crate) struct Augment {
     dry_run: bool,
     #[command(flatten)]
     settings: SettingsArgs,
+    #[command(flatten)]
+    border: BorderArgument,
     #[command(flatten)]
     depth: DepthArguments,
     #[command(flatten)]
@@ -199,6 +202,7 @@ fn shard(text: &str) -> anyhow::Result<Shard> {
 
 impl Augment {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.settings.cutting(&self.border, common);
         let encoding = encoding(self.linear);
         let mut dataset =
             Dataset::open(&self.dataset, self.format, &common.reading.options()).map_err(Failure::usage)?;

@@ -10,6 +10,7 @@ use aquafuse_data::pipeline::Operation;
 use aquafuse_data::pipeline::{DepthSource, analyse_in};
 use clap::Args;
 
+use crate::args::border::BorderArgument;
 use crate::args::common::{Common, encoding};
 use crate::args::fusion::{Settings, SettingsArgs};
 use crate::failure::Failure;
@@ -31,6 +32,8 @@ pub(crate) struct Crossover {
     output: PathBuf,
     #[command(flatten)]
     settings: SettingsArgs,
+    #[command(flatten)]
+    border: BorderArgument,
     /// Compute in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
@@ -41,6 +44,7 @@ pub(crate) struct Crossover {
 
 impl Crossover {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.settings.cutting(&self.border, common);
         let encoding = encoding(self.linear);
         let outputs = self.outputs()?;
         let Settings { depth_model, options, smoothing, .. } = self.settings.get();

@@ -56,6 +56,7 @@ pub(crate) struct Enhance {
 
 impl Enhance {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.batch.border.cutting(common);
         match &self.clear {
             Some(clear) => self.fuse(clear, common),
             None => self.set_levels(common),
@@ -89,6 +90,7 @@ impl Enhance {
                 "theta": options.incidence.degrees(),
                 "alpha": options.gain.get(),
                 "depth_model": depth_model.name(),
+                "border": common.reading.border.to_string(),
                 "water": water.name(),
                 "waterbody": Numbers::from(&reference),
             }),

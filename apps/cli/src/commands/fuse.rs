@@ -50,6 +50,7 @@ pub(crate) struct Fuse {
 
 impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.settings.cutting(&self.batch.border, common);
         let encoding = self.batch.encoding();
         let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         self.waters.refuse_unread(options.model)?;
@@ -78,6 +79,7 @@ impl Fuse {
                 "alpha": options.gain.get(),
                 "smooth": smoothing.name(),
                 "depth_model": depth_model.name(),
+                "border": common.reading.border.to_string(),
                 "water": water.name(),
                 "water_depth": map.map(|(path, kind)| json!({
                     "file": display(path).to_string(),

@@ -11,9 +11,10 @@ use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pipeline::{analyse, analyse_with_evidence};
 use clap::Args;
 
+use crate::args::border::BorderArgument;
+use crate::args::common::Common;
 use crate::args::depth::DepthArguments;
 use crate::args::depth_model::DepthModelArg;
-use crate::args::reading::Reading;
 use crate::failure::Failure;
 use crate::report::output;
 use crate::report::water::veiling_light_in_short;
@@ -34,6 +35,8 @@ pub(crate) struct Inspect {
     depth: DepthArguments,
     #[command(flatten)]
     model: DepthModelArg,
+    #[command(flatten)]
+    border: BorderArgument,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -47,7 +50,8 @@ pub(crate) struct Inspect {
 }
 
 impl Inspect {
-    pub(crate) fn run(&self, reading: &Reading) -> Result<(), Failure> {
+    pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let reading = &self.border.cutting(common).reading;
         let plot = self.plots.as_deref().map(|folder| self.plot_in(folder)).transpose()?;
         let image_file = reading.read(&self.image)?;
         let supply = self.depth.supply(false, self.model.get()).map_err(Failure::usage)?;

@@ -46,6 +46,7 @@ pub(crate) struct Restore {
 
 impl Restore {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.batch.border.cutting(common);
         let encoding = self.batch.encoding();
         let depth_model = self.depth_model.get();
         let plan = self.batch.plan(&self.content, &[], depth_model, false)?;
@@ -60,6 +61,7 @@ impl Restore {
             "max_gain": self.max_gain,
             "levels": levels,
             "depth_model": depth_model.name(),
+            "border": common.reading.border.to_string(),
         });
         batch::run(&plan, &recipe, Words { heading: String::new(), settings }, &self.batch, common)
     }

@@ -14,6 +14,7 @@ use aquafuse_data::water_file::WaterFile;
 use clap::{Args, Subcommand};
 use show::Show;
 
+use crate::args::border::BorderArgument;
 use crate::args::common::{Common, encoding};
 use crate::args::depth::DepthArguments;
 use crate::args::depth_model::DepthModelArg;
@@ -52,6 +53,8 @@ struct Extract {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
+    border: BorderArgument,
+    #[command(flatten)]
     depth: DepthArguments,
     #[command(flatten)]
     model: DepthModelArg,
@@ -85,6 +88,7 @@ impl Water {
 
 impl Extract {
     fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.border.cutting(common);
         let mut estimates = Vec::new();
         let mut kind = None;
         let supply = self.supply()?;

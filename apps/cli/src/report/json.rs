@@ -13,6 +13,8 @@ use aquafuse_data::pipeline::Scores;
 use aquafuse_data::run::Event;
 use aquafuse_data::water_file::Numbers;
 use serde::Serialize;
+
+use super::border::BorderRecord;
 use serde_json::value::RawValue;
 
 /// One image; `schema` changes when a field changes its meaning or goes.
@@ -44,6 +46,8 @@ struct Done<'a> {
     scores: Option<BeforeAfter>,
     held_back: HeldBack,
     supplied_depth: Option<Supplied>,
+    /// What was left as it is; `null` if every pixel is scene.
+    border: Option<BorderRecord>,
     damage: Option<&'a str>,
     left_out: &'a [&'static str],
 }
@@ -121,6 +125,7 @@ fn done(report: &Report) -> Outcome<'_> {
             night: fusion.night,
         },
         supplied_depth: report.supplied.map(supplied),
+        border: report.area.as_ref().map(BorderRecord::of),
         damage: report.damage.as_deref(),
         left_out: &report.left_out,
     }))

@@ -11,6 +11,7 @@ use aquafuse_data::pipeline::Limited;
 use aquafuse_data::pipeline::Scores;
 
 use crate::args::depth::inverted;
+use crate::report::border;
 use crate::report::water::{estimate_counts, reasons, verdict};
 
 /// More clipping than this share of the values is listed.
@@ -60,7 +61,7 @@ const WARNINGS: [Warning; 5] = [
 ];
 
 /// Lists that explain the counts: printed with `--verbose`.
-const DETAILS: [(&str, Detail); 7] = [
+const DETAILS: [(&str, Detail); 8] = [
     ("red made from green in part", |report| {
         let share = report.outcome.levels.map_or(0.0, |levels| levels.red_from_green);
         (share > MUCH_RED).then(|| format!("{:.0} % of green where there is no red", 100.0 * share))
@@ -75,6 +76,7 @@ const DETAILS: [(&str, Detail); 7] = [
         let supplied = report.supplied.filter(|supplied| supplied.invalid > 0)?;
         Some(format!("{:.1} %", 100.0 * supplied.invalid_share()))
     }),
+    ("border left as it is", |report| report.area.as_ref().map(border::words)),
     ("not copied to the output", |report| (!report.left_out.is_empty()).then(|| report.left_out.join(", "))),
     ("limited by safety bounds", |report| {
         report.outcome.limited.any().then(|| bounds(report.outcome.limited))

@@ -35,6 +35,7 @@ impl Augmentation {
             keep_originals: recipe.keep_originals,
             quality: recipe.quality,
             lenient: self.run_options.reading.lenient,
+            border: self.run_options.reading.border.to_string(),
         };
         let instead = match &recipe.on_doubtful {
             OnDoubtful::Instead(water) => Some(water.stored()),

@@ -1,5 +1,6 @@
 //! The first line of a manifest: what decides what is made.
 
+use aquafuse::scene_area::Border;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -43,6 +44,13 @@ pub(super) struct Settings {
     pub(super) keep_originals: bool,
     pub(super) quality: u8,
     pub(super) lenient: bool,
+    /// Manifests of earlier versions have none: every pixel was taken for scene.
+    #[serde(default = "no_border")]
+    pub(super) border: String,
+}
+
+fn no_border() -> String {
+    Border::None.to_string()
 }
 
 /// A number that is one in 32 bits too.

@@ -59,8 +59,8 @@ impl Recipe {
         depth: &DepthSource,
         budget: &'a Budget,
     ) -> Result<Read<'a>, FileError> {
-        // A variant beside its image, and as it is encoded.
-        let beside = opened.memory_of_pixels().saturating_mul(2);
+        // A variant beside its image, what surrounds its scene, and as it is encoded.
+        let beside = opened.memory_of_pixels().saturating_mul(3);
         let supplied = match depth {
             DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::pipeline::SUPPLIED),
             DepthSource::Estimated(_) => 0,
@@ -114,7 +114,7 @@ impl Recipe {
         let outcome =
             operation.apply(&mut image.pixels, Some(&read.found)).expect("the depth map is this image's");
         image.pixels = image.pixels.smoothed(self.smoothing);
-        Ok((image.encode(output, self.quality)?, outcome))
+        Ok((image.joined().encode(output, self.quality)?, outcome))
     }
 }
 

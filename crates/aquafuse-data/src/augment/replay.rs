@@ -55,7 +55,10 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
     let Again { only, dataset, output, overwrite, reading, encoding } = *again;
     let found = Manifest::read(manifest, &reading)?;
     let recipe: Recipe = found.header.recipe(manifest, encoding)?;
-    let reading = ReadOptions { lenient: found.header.settings.lenient, ..reading };
+    let settings = &found.header.settings;
+    let border = settings.border.parse();
+    let border = border.map_err(|_| AugmentError::Manifest { path: manifest.to_owned(), line: 1 })?;
+    let reading = ReadOptions { lenient: settings.lenient, border, ..reading };
     let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
     let wanted = |variant: &Variant| only.is_none_or(|only| only == variant.key || only == variant.output);
     let variants: Vec<(&Variant, Option<&str>)> =

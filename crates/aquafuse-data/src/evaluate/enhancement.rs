@@ -137,8 +137,7 @@ impl Enhancement {
         let beside = opened.pixels().saturating_mul(a_pixel);
         let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
         let image_file = opened.decode()?;
-        let size = image_file.pixels.size();
-        let read = |outputs: &Outputs| outputs.read(&member.stem(), member, size, reading);
+        let read = |outputs: &Outputs| outputs.read(&member.stem(), member, &image_file, reading);
         let reference = self.references.as_ref().map(read).transpose()?;
         let values = |image: &Image<u8>| values(image, reference.as_ref());
         let before = image_file.bytes();

@@ -308,7 +308,7 @@ impl Fusion {
             }
             Method::Outputs(outputs) => {
                 let stem = format!("{}__{}", member.stem(), other.stem());
-                outputs.read(&stem, member, content.image.pixels.size(), &self.run_options.reading)?
+                outputs.read(&stem, member, &content.image, &self.run_options.reading)?
             }
         })
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use aquafuse::image::Image;
+use aquafuse::scene_area::Border;
 
 use super::error::EvaluateError;
 use super::members::Member;
@@ -44,12 +45,12 @@ impl Outputs {
         &self.name
     }
 
-    /// The output of this stem, of the size of the image it was made from.
+    /// The scene in the output of this stem, which has the size of the image it was made from.
     pub(crate) fn read(
         &self,
         stem: &str,
         content: &Member,
-        size: (usize, usize),
+        image: &ImageFile,
         options: &ReadOptions,
     ) -> Result<Image<u8>, EvaluateError> {
         let found = self.by_stem.get(stem);
@@ -61,14 +62,19 @@ impl Outputs {
                 found,
             });
         };
-        let opened = ImageFile::open(path, options)?;
+        let opened = ImageFile::open(path, &ReadOptions { border: Border::None, ..*options })?;
+        let size = image.whole_size();
         // Before it is decoded: memory is reserved for one of the content's size.
         let (found, expected) = (opened.size(), (size.0 as u64, size.1 as u64));
         if found != expected {
             let (output, content) = (path.clone(), content.path.clone());
             return Err(EvaluateError::Size { output, found, content, expected });
         }
-        Ok(opened.decode()?.pixels.into_bytes())
+        let output = opened.decode()?.pixels.into_bytes();
+        Ok(match image.area() {
+            Some(area) => area.cut(&output),
+            None => output,
+        })
     }
 }
 

@@ -81,6 +81,14 @@ pub enum FileError {
         /// What to do.
         remedy: &'static str,
     },
+    /// A border leaves nothing of an image.
+    #[error("cannot use {}: {error}", display(path))]
+    UnfitBorder {
+        /// The image.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        error: aquafuse::scene_area::BorderError,
+    },
     /// A depth map does not fit its image or its declared kind.
     #[error("cannot use {} as depth: {error}. {}", display(path), unfit_remedy(error, *turned))]
     UnfitDepth {

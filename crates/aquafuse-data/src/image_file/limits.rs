@@ -2,6 +2,8 @@
 
 use std::num::Saturating;
 
+use aquafuse::scene_area::Border;
+
 use super::Format;
 
 /// How images are read.
@@ -14,11 +16,15 @@ pub struct ReadOptions {
     /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::ImageFile::damage) then
     /// says so. By default that is an error.
     pub lenient: bool,
+    /// What surrounds the scene of an image and is cut off once it is decoded
+    /// ([`ImageFile::cut_to_scene`](super::ImageFile::cut_to_scene)). Default: nothing, as for masks and other images that
+    /// must keep their size.
+    pub border: Border,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { max_pixels: 1 << 28, max_memory: 2 << 30, lenient: false }
+        Self { max_pixels: 1 << 28, max_memory: 2 << 30, lenient: false, border: Border::None }
     }
 }
 

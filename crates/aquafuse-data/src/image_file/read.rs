@@ -18,6 +18,8 @@ use ::image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
 use super::limits::Size;
 use super::pixels::Layers;
+use aquafuse::scene_area::Border;
+
 use super::{Format, ImageFile, Metadata, Pixels, ReadOptions};
 use crate::files::catch_panic;
 use crate::files::{FileError, Step, count, one_line};
@@ -230,7 +232,10 @@ impl Opened {
     ///
     /// [`FileError::TooLarge`] when it is more than the options allow.
     pub fn memory_until_written(&self, format: Format, beside: u64) -> Result<u64, FileError> {
+        // What surrounds a scene is kept beside it.
+        let whole = if self.options.border == Border::None { 0 } else { self.memory_of_pixels() };
         let memory = self.memory().saturating_add(beside).max(self.size.memory_to_write(format));
+        let memory = memory.saturating_add(whole);
         check_memory(self.size, memory, &self.options).map_err(|fault| fault.named(&self.path))
     }
 
@@ -256,7 +261,9 @@ impl Opened {
     /// Decodes the image, and shows the bytes of its file.
     pub(crate) fn decode_seeing(mut self, see: impl FnOnce(&[u8])) -> Result<ImageFile, FileError> {
         count(Step::ImageDecoded);
-        self.decoded(see).map_err(|fault| fault.named(&self.path))
+        let image = self.decoded(see).map_err(|fault| fault.named(&self.path))?;
+        let unfit = |error| FileError::UnfitBorder { path: self.path.clone(), error };
+        image.cut_to_scene(self.options.border).map_err(unfit)
     }
 
     /// Memory that its pixels take once decoded, in bytes.
@@ -299,7 +306,7 @@ fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<ImageFile, Faul
     });
     let Decoded { pixels, metadata, damage } =
         decoded.unwrap_or_else(|| Err(Fault::Damaged("the decoder panicked on it".into())))?;
-    Ok(ImageFile { pixels, metadata, damage })
+    Ok(ImageFile { pixels, metadata, damage, whole: None })
 }
 
 /// Size and kind of pixels from a decoder of `image`.

@@ -18,7 +18,7 @@ pub enum DepthSource {
     Estimated(DepthModel),
     /// From a file.
     Supplied {
-        /// The file, of the image's size in stored order.
+        /// The file, of the whole image's size in stored order.
         path: PathBuf,
         /// The kind of its values.
         kind: SuppliedKind,
@@ -180,10 +180,15 @@ pub(crate) fn depth_of(
         DepthSource::Supplied { path, kind } => {
             let turned = image.metadata.orientation() > 4;
             let unfit = |error| FileError::UnfitDepth { path: path.clone(), error, turned };
-            let map = depth_file::read_for(path, *kind, bytes.size()).map_err(|refused| match refused {
-                FileError::UnfitDepth { error, .. } => unfit(error),
-                other => other,
-            })?;
+            let map =
+                depth_file::read_for(path, *kind, image.whole_size()).map_err(|refused| match refused {
+                    FileError::UnfitDepth { error, .. } => unfit(error),
+                    other => other,
+                })?;
+            let map = match image.area() {
+                Some(area) => map.cut(area).expect("the map has the size of the whole image"),
+                None => map,
+            };
             let found = map.seen_with(bytes, top).map_err(unfit)?;
             (found.depth, Some(found.report))
         }

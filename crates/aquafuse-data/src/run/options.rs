@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use super::{Budget, Stop};
 use crate::image_file::ReadOptions;
 
-/// How a run works. But for [`ReadOptions::lenient`], no output depends on it.
+/// How a run works. But for [`ReadOptions::lenient`] and [`ReadOptions::border`], no output depends on it.
 #[derive(Clone, Debug, Default)]
 pub struct RunOptions {
     /// Items in work at once, beside those that wait for the disk. `None`: one per core.

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::DepthModel;
 use crate::bands;
 use crate::image::{Encoding, ImageError, ImageMut, Sample, check_same_size, check_size, runs_mut};
+use crate::scene_area::SceneArea;
 use crate::simd;
 
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
@@ -261,6 +262,22 @@ impl DepthMap {
             Values::Levels(levels) => levels,
             Values::FineLevels(_) | Values::Floats(_) => Vec::new(),
         }
+    }
+
+    /// The depth of the scene alone: what lies within the margins of `area`.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError`] when the area is that of an image of another size.
+    pub fn cut(&self, area: &SceneArea) -> Result<Self, ImageError> {
+        check_same_size(area.image_size(), self.size())?;
+        let (width, height) = area.size();
+        let values = match &self.values {
+            Values::Levels(levels) => Values::Levels(area.cut_values(levels.iter().copied())),
+            Values::FineLevels(levels) => Values::FineLevels(area.cut_values(levels.iter().copied())),
+            Values::Floats(distances) => Values::Floats(area.cut_values(distances.iter().copied())),
+        };
+        Ok(Self { width, height, values, ..*self })
     }
 
     /// All distances, row by row from the top.

@@ -10,7 +10,8 @@ mod kind;
 pub use kind::SuppliedKind;
 
 use super::{DepthKind, DepthMap, DepthModel};
-use crate::image::{ImageError, ImageRef, TopEdge, check_size};
+use crate::image::{ImageError, ImageRef, TopEdge, check_same_size, check_size};
+use crate::scene_area::SceneArea;
 
 /// Raw values of a depth map, as a file or a sensor gives them, and what they are declared to be.
 ///
@@ -148,6 +149,17 @@ impl Supplied {
     pub fn with_full_range(mut self, most: f32) -> Self {
         self.full_range = most;
         self
+    }
+
+    /// The values of the scene alone: those within the margins of `area`.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError`] when the area is that of an image of another size.
+    pub fn cut(self, area: &SceneArea) -> Result<Self, ImageError> {
+        check_same_size(area.image_size(), (self.width, self.height))?;
+        let (width, height) = area.size();
+        Ok(Self { width, height, values: area.cut_values(self.values), ..self })
     }
 
     /// What the values were declared to be.

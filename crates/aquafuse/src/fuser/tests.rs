@@ -17,7 +17,8 @@ fn by_steps<T: Sample>(content: &Image<T>, depth: Option<&DepthMap>, fuser: &Fus
     let bounded = Bounded::new(&own, fuser.reference(), options.fusion);
     let waters = bounded.waters().with_share(&share);
     let fused = fusion::fuse(content, &depth, waters, &bounded.options).unwrap();
-    let report = Report { content: own, bounds: bounded.bounds, clipping: fused.clipping };
+    let margins = Margins::default();
+    let report = Report { content: own, bounds: bounded.bounds, clipping: fused.clipping, margins };
     Outcome { image: options.smoothing.apply(fused.image), report }
 }
 
@@ -90,4 +91,55 @@ fn sizes_that_differ_are_an_error_and_change_nothing() {
     assert_eq!(fuser.fuse_into(&wide, &mut content).unwrap_err(), error);
     assert_eq!(content, before);
     assert!(Fuser::with_depth(&wide, &z, Options::default()).is_err());
+}
+
+/// An image between bars of grey.
+fn letterboxed(scene: &Image<u8>, grey: u8) -> (Image<u8>, SceneArea) {
+    let (width, height) = (scene.width() + 12, scene.height() + 20);
+    let mut image = Image::<u8>::from_raw(width, height, vec![grey; 3 * width * height]).unwrap();
+    let margins = Margins { top: 9, right: 5, bottom: 11, left: 7 };
+    let area = SceneArea::of(&image, Border::Given(margins)).unwrap();
+    area.put_back(scene, &mut image).unwrap();
+    (image, area)
+}
+
+#[test]
+fn a_letterboxed_scene_comes_out_as_the_bare_one_and_the_bars_keep_every_byte() {
+    let ((content, z), (reference, _)) = (scene(3, 0), scene(2, 1));
+    let (content, reference) = (content.convert::<u8>(), reference.convert::<u8>());
+    for (model, smoothing) in Model::ALL.iter().copied().zip(Smoothing::ALL.iter().copied().cycle()) {
+        for grey in [0, 16, 114, 255] {
+            let options = Options { smoothing, ..Options::default() };
+            let fuser = Fuser::with_options(&reference, options).unwrap().model(model);
+            let in_bars =
+                Fuser::with_options(&letterboxed(&reference, grey).0, options).unwrap().model(model);
+            assert_eq!(in_bars.reference(), fuser.reference());
+            let (image, area) = letterboxed(&content, grey);
+            let (bare, fused) = (fuser.fuse(&content).unwrap(), fuser.fuse(&image).unwrap());
+            let mut expected = image.clone();
+            area.put_back(&bare.image, &mut expected).unwrap();
+            assert_eq!(fused.image, expected, "{model} in {grey}");
+            assert_eq!(fused.report, Report { margins: area.margins(), ..bare.report });
+            let mut in_place = image.clone();
+            assert_eq!(fuser.fuse_mut(&mut in_place), Ok(fused.report));
+            assert_eq!(in_place, expected);
+            // Supplied depth is that of the whole image.
+            let whole = area.spread(&z.distances(), &0.0);
+            let whole = DepthMap::from_distances(image.width(), image.height(), z.kind(), whole).unwrap();
+            let bare = fuser.clone().depth(&z).fuse(&content).unwrap();
+            area.put_back(&bare.image, &mut expected).unwrap();
+            assert_eq!(fuser.depth(&whole).fuse(&image).unwrap().image, expected);
+        }
+    }
+}
+
+#[test]
+fn without_a_border_every_pixel_is_scene() {
+    let (image, area) = letterboxed(&scene(3, 0).0.convert(), 16);
+    let options = Options::default().with_border(Border::None);
+    let fused = Fuser::with_options(&scene(2, 1).0, options).unwrap().model(Model::Physical).fuse(&image);
+    assert_eq!(fused.unwrap().report.margins, Margins::default());
+    let all = Border::Given(Margins { top: 70, ..Margins::default() });
+    let fuser = Fuser::with_options(&scene(2, 1).0, options.with_border(all)).unwrap();
+    assert!(matches!(fuser.fuse(&image), Err(ImageError::Border(_))), "{area:?}");
 }

@@ -10,6 +10,7 @@ use aquafuse_data::pipeline::{DepthSource, Operation, PixelEncoding};
 use clap::Args;
 use serde_json::{Map, json};
 
+use crate::args::border::BorderArgument;
 use crate::args::common::{Common, encoding};
 use crate::args::enhance::EnhanceSettings;
 use crate::args::evaluation::{Named, ReportArguments, named, outputs};
@@ -46,6 +47,8 @@ pub(crate) struct EnhancementArguments {
     clear: Option<PathBuf>,
     #[command(flatten)]
     settings: EnhanceSettings,
+    #[command(flatten)]
+    border: BorderArgument,
     /// Compute in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
@@ -61,6 +64,7 @@ pub(crate) struct EnhancementArguments {
 
 impl EnhancementArguments {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.border.cutting(common);
         self.report.check()?;
         let images = GroupBy::Nothing.list(&self.images)?;
         let mut methods = vec![

@@ -10,6 +10,7 @@ use aquafuse_data::files::FileError;
 use aquafuse_data::pipeline::DepthSupply;
 use clap::{Args, ValueEnum};
 
+use crate::args::border::BorderArgument;
 use crate::args::common::{Common, encoding};
 use crate::args::depth::kind;
 use crate::args::evaluation::{LpipsArguments, Named, ReportArguments, named, outputs};
@@ -88,6 +89,8 @@ pub(crate) struct FusionArguments {
     lpips: LpipsArguments,
     #[command(flatten)]
     settings: SettingsArgs,
+    #[command(flatten)]
+    border: BorderArgument,
     /// Compute in linear light instead of encoded values.
     #[arg(long)]
     linear: bool,
@@ -105,6 +108,7 @@ enum By {
 
 impl FusionArguments {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        let common = &self.settings.cutting(&self.border, common);
         self.report.check()?;
         let by = match self.group_by {
             None => GroupBy::Nothing,

@@ -7,12 +7,15 @@ use aquafuse_data::pipeline::{Analysis, DepthSource};
 use serde::Serialize;
 
 use crate::args::depth::inverted;
+use crate::report::border::BorderRecord;
 
 /// The JSON of `inspect`; `schema` changes when a field changes its meaning or goes.
 #[derive(Serialize)]
 pub(super) struct Report {
     schema: u32,
     image: Size,
+    /// What surrounds the scene, which the figures are about; `null` if every pixel is scene.
+    border: Option<BorderRecord>,
     depth: Depth,
     waterbody: Water,
     water_share: Share,
@@ -33,7 +36,7 @@ pub(super) struct Size {
 
 impl Size {
     pub(super) fn of(image_file: &ImageFile) -> Self {
-        let (width, height) = image_file.pixels.size();
+        let (width, height) = image_file.whole_size();
         Self { width, height }
     }
 }
@@ -82,6 +85,7 @@ impl Report {
         Self {
             schema: 1,
             image: Size::of(image_file),
+            border: image_file.area().map(BorderRecord::of),
             depth: Depth::new(found),
             waterbody: Water {
                 veiling_light: water.veiling_light,

@@ -10,6 +10,7 @@ use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::Analysis;
 
 use super::report::{Depth, Size};
+use crate::report::border;
 use crate::report::water::{hex, reasons, source};
 
 /// The report for people.
@@ -33,6 +34,9 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
     );
     let Size { width, height } = Size::of(image);
     line("size", format!("{width} x {height}"));
+    if let Some(area) = image.area() {
+        line("border, left out", border::words(area));
+    }
     if let Some(damage) = &image.damage {
         line("  WARNING", format!("the file is damaged: {damage}"));
     }

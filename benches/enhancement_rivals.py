@@ -11,7 +11,7 @@ import numpy as np
 
 
 def clahe(image):
-    """Contrast-limited histogram equalization of lightness, the defaults of OpenCV but for the clip limit."""
+    """Contrast-limited histogram equalisation of lightness, the defaults of OpenCV but for the clip limit."""
     lab = cv2.cvtColor(image, cv2.COLOR_BGR2LAB)
     lab[..., 0] = cv2.createCLAHE(clipLimit=2.0, tileGridSize=(8, 8)).apply(lab[..., 0])
     return cv2.cvtColor(lab, cv2.COLOR_LAB2BGR)

@@ -40,7 +40,9 @@ fn row<'a>(report: &'a Value, table: &str, labels: &[(&str, &str)]) -> &'a Value
 fn each_group_has_a_row_and_each_format_its_file() {
     let run = Run::new();
     dives(&run);
-    let said = run.ok(&with(&FUSION, &["--group-by", "prefix", "--rivals", "-o", "report"])).stdout;
+    let said =
+        run.ok(&with(&FUSION, &["--model", "aquafuse", "--group-by", "prefix", "--rivals", "-o", "report"]));
+    let said = said.stdout;
     assert!(said.contains("| AquaFuse | green | 2 | 6 |") && said.contains("report: written"), "{said}");
     assert!(said.contains("published, other machine: Table 1") && said.contains("PhotoWCT2"), "{said}");
 
@@ -94,7 +96,7 @@ fn threads_and_the_time_of_day_change_no_byte_of_any_format() {
 fn what_changes_nothing_scores_as_nothing_changed() {
     let run = Run::new();
     dives(&run);
-    let report = json(&run, &with(&FUSION, &["--theta", "90"]));
+    let report = json(&run, &with(&FUSION, &["--model", "aquafuse", "--theta", "90"]));
     let all = row(&report, "likeness", &[("method", "AquaFuse")]);
     assert_eq!(all["psnr"], Value::Null);
     assert_eq!(all["ssim"]["mean"].as_f64().unwrap(), 1.0);

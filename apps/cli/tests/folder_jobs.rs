@@ -54,15 +54,15 @@ fn other_settings_need_a_word() {
     let run = small();
     run.ok(&FUSE);
     let before = image_files(&run.path("fused"));
-    let stronger = [&FUSE[..], &["--model", "physical"]].concat();
-    let refused = run.fails(2, &stronger);
+    let other = [&FUSE[..], &["--model", "aquafuse"]].concat();
+    let refused = run.fails(2, &other);
     assert!(
         refused.stderr.contains("other settings") && refused.stderr.contains("--overwrite"),
         "{}",
         refused.stderr
     );
     assert_eq!(image_files(&run.path("fused")), before);
-    run.ok(&[&stronger[..], &["--overwrite"]].concat());
+    run.ok(&[&other[..], &["--overwrite"]].concat());
     assert!(image_files(&run.path("fused")).iter().all(|(name, bytes)| bytes != &before[name]));
 }
 

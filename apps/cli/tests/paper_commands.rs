@@ -198,7 +198,7 @@ fn maps_and_a_report_come_with_a_folder() {
         }
     }
     let report: Value = serde_json::from_slice(&run.bytes("out/report.json")).unwrap();
-    assert_eq!(report["settings"]["model"], "aquafuse");
+    assert_eq!(report["settings"]["model"], "physical");
     assert_eq!(report["pictures"].as_array().unwrap().len(), 3);
     assert!(report["pictures"][0]["waterbody"]["veiling_light"][2].as_f64().unwrap() > 0.0);
     let refused = run.fails(2, &["fuse", "photos", "w.png", "-o", "new", "--maps", "maps"]).stderr;

@@ -24,9 +24,11 @@ fn a_folder_is_listed_once_and_each_image_is_decoded_once() {
     );
     // Clear water comes from a table: there is no reference to decode.
     assert_eq!(
-        work(&run, &["enhance", "photos", "-o", "clearer"]),
+        work(&run, &["enhance", "photos", "preset:jerlov-I", "-o", "clearer"]),
         "1 folder listed, 3 images decoded, 3 waters estimated"
     );
+    // Levels need no water.
+    assert_eq!(work(&run, &["enhance", "photos", "-o", "levelled"]), "1 folder listed, 3 images decoded");
 }
 
 #[test]

@@ -47,7 +47,7 @@ pub(crate) struct SettingsArgs {
     #[command(flatten)]
     depth_model: DepthModelArg,
     /// Use the settings that reproduce the published scores best, instead of the five above.
-    #[arg(long, conflicts_with_all = ["model", "theta", "alpha", "smooth", "depth_model", "border"])]
+    #[arg(long, conflicts_with_all = ["model", "theta", "alpha", "smooth", "depth_model"])]
     as_published: bool,
 }
 

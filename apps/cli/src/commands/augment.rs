@@ -14,7 +14,7 @@ use aquafuse_data::files::{display, make_folder};
 use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::run::{Event, RunOptions, Summary};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use range::Range;
 
 use crate::args::border::BorderArgument;
@@ -57,7 +57,7 @@ Examples:
 
 /// Multiply a dataset: put every image into other waters and keep its annotations.
 #[derive(Args)]
-#[command(after_help = HELP)]
+#[command(after_help = HELP, group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
 pub(crate) struct Augment {
     /// The folder of the dataset.
     dataset: PathBuf,

@@ -8,7 +8,7 @@ use aquafuse_data::files::{FileError, display, make_folder, remove_stale_parts};
 use aquafuse_data::image_file::WriteOptions;
 use aquafuse_data::pipeline::Operation;
 use aquafuse_data::pipeline::{DepthSource, analyse_in};
-use clap::Args;
+use clap::{ArgGroup, Args};
 
 use crate::args::border::BorderArgument;
 use crate::args::common::{Common, encoding};
@@ -21,7 +21,7 @@ use crate::report::water::veiling_light;
 ///
 /// Writes DIR/A__B.png, the scene of A in the water of B, and DIR/B__A.png (named without extensions).
 #[derive(Args)]
-#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/")]
+#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/", group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
 pub(crate) struct Crossover {
     /// The first image.
     a: PathBuf,

@@ -11,7 +11,7 @@ use aquafuse_data::batch::Recipe;
 use aquafuse_data::files::display;
 use aquafuse_data::pipeline::{DepthSource, Operation, WaterEstimate};
 use aquafuse_data::water_file::Numbers;
-use clap::Args;
+use clap::{ArgGroup, Args};
 use serde_json::json;
 use sweep::Sweep;
 
@@ -27,7 +27,7 @@ use crate::report::water::veiling_light;
 ///
 /// To continue a run over a folder that was stopped, repeat the command: finished images are skipped.
 #[derive(Args)]
-#[command(after_help = fusion::HELP)]
+#[command(after_help = fusion::HELP, group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
 pub(crate) struct Fuse {
     /// The scene: an image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF, no subfolders).
     content: PathBuf,

@@ -32,10 +32,10 @@ pub struct Bounded<E: Encoding> {
 pub struct Bounds {
     /// The reference's veil is glare: it was darkened to the brightest water, its red to its green or blue.
     pub glare: bool,
-    /// The content is doubtful, or its depth is from colour, and its red faded into the veil faster than the others: it was held to them, in β_B or, where F
+    /// The content is doubtful and its red faded into the veil faster than the others: it was held to them, in β_B or, where F
     /// is a table, there.
     pub red: bool,
-    /// One of the two is doubtful, or the content's depth is from colour: exchange does not strengthen the direct signal, or leaves it as it is.
+    /// One of the two is doubtful: exchange does not strengthen the direct signal, or leaves it as it is.
     pub gain: bool,
     /// The content's own veil is nearly black and its depth is from colour: of its water less is exchanged, or nothing.
     pub night: bool,
@@ -52,8 +52,7 @@ impl<E: Encoding> Bounded<E> {
     /// Bounds a fusion by what its two estimates are worth.
     ///
     /// [`Model::Aquafuse`] needs no bound: it adds a quarter of the difference of the veils at most. Of the
-    /// others, with an estimate that is not good, and of a content with depth from colour in any case, so that a good image is
-    /// treated no more boldly than a doubtful one beside it:
+    /// others, with an estimate that is not good:
     ///
     /// - a reference whose light has no colour of water gives no brighter veil than water in the sun, and no more
     ///   red than green or blue;
@@ -80,17 +79,14 @@ impl<E: Encoding> Bounded<E> {
         if reference.quality.reasons.contains(Reason::LightOutsideWaterHues) {
             bounded.hold_glare();
         }
-        // With depth from colour the verdict may change from frame to frame, and nothing may flip with it.
-        let from_colour = content.depth_model.is_some();
-        if from_colour || content.quality.verdict != Verdict::Good {
+        if content.quality.verdict != Verdict::Good {
             bounded.hold_red();
         }
-        if from_colour {
+        if content.depth_model.is_some() {
             bounded.hold_night();
         }
         let both = [content, reference];
-        let is_doubtful = both.iter().any(|one| one.quality.verdict != Verdict::Good);
-        if options.model == Model::Exchange && (from_colour || is_doubtful) {
+        if options.model == Model::Exchange && both.iter().any(|one| one.quality.verdict != Verdict::Good) {
             bounded.hold_gain(both.iter().any(|one| one.depth_model.is_some()));
         }
         bounded
@@ -197,19 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_good_image_with_depth_from_colour_is_treated_as_a_doubtful_one() {
-        let depth_model = Some(DepthModel::default());
-        let good = Estimate { depth_model, ..estimate(BLUE, [9.0, 1.0, 1.0], Quality::default()) };
-        let doubtful = Estimate { quality: Quality::default().with(Reason::NoOpenWater), ..good };
-        let reference = estimate([0.2, 0.5, 0.3], [1.0; 3], Quality::default());
-        for &model in Model::ALL {
-            let bounded = |content| Bounded::new(content, &reference, Options::for_model(model));
-            assert_eq!(bounded(&good), bounded(&doubtful), "{model:?}");
-        }
-    }
-
-    #[test]
-    fn good_estimates_with_given_depth_are_not_bounded() {
+    fn good_estimates_are_not_bounded() {
         let (content, reference) = (
             estimate(BLUE, [9.0, 1.0, 1.0], Quality::default()),
             estimate([0.2, 0.5, 0.3], [1.0; 3], Quality::default()),

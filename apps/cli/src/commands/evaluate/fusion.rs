@@ -8,7 +8,7 @@ use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::evaluate::{Fusion, GroupBy, Listener, Method, Pairing, Rival, Settings};
 use aquafuse_data::files::FileError;
 use aquafuse_data::pipeline::DepthSupply;
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::args::border::BorderArgument;
 use crate::args::common::{Common, encoding};
@@ -45,7 +45,7 @@ Examples:
 
 /// Score fused images against their contents: the tables of the paper on your images.
 #[derive(Args)]
-#[command(after_help = HELP)]
+#[command(after_help = HELP, group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
 pub(crate) struct FusionArguments {
     /// A folder of content images.
     #[arg(long, value_name = "DIR")]

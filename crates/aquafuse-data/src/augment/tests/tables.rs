@@ -147,7 +147,8 @@ fn a_manifest_is_a_table_too_and_is_no_data_set() {
 
     fs::remove_file(out.join("train-0.parquet")).unwrap();
     let again = crate::dataset::Dataset::open(&out, None, &ReadOptions::default());
-    assert!(again.unwrap_err().to_string().contains("holds no images"));
+    let refused = again.unwrap_err().to_string();
+    assert!(refused.contains("holds no images"), "{refused}");
 }
 
 #[test]

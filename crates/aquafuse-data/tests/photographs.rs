@@ -1,12 +1,13 @@
-//! Enhancement and restoration beside references that people chose, and beside the simplest rival.
+//! Real photographs: enhancement and restoration beside references that people chose, and edges that fusion must not make.
 //!
-//! Needs the folder `AQUAFUSE_TEST_DATA`. The whole table is `cargo lab pairs`.
+//! Needs the folder `AQUAFUSE_TEST_DATA`. The whole table of pairs is `cargo lab pairs`.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
 use std::path::{Path, PathBuf};
 
 use aquafuse::formation::RestoreOptions;
+use aquafuse::fusion::{Model, Options};
 use aquafuse::image::Image;
 use aquafuse::levels::LevelsOptions;
 use aquafuse::metrics::psnr;
@@ -36,6 +37,74 @@ fn changed(image: &ImageFile, operation: &Operation) -> Image<u8> {
     let mut pixels = image.pixels.clone();
     operation.apply(&mut pixels, found.as_ref()).unwrap();
     pixels.into_bytes()
+}
+
+/// How steep the lightness is at each pixel after a 3x3 mean, by differences over two pixels.
+fn slopes(image: &Image<u8>) -> Vec<f32> {
+    let (width, height) = image.size();
+    let grey: Vec<f32> = image
+        .pixels()
+        .iter()
+        .map(|&[r, g, b]| 0.299 * f32::from(r) + 0.587 * f32::from(g) + 0.114 * f32::from(b))
+        .collect();
+    let at = |values: &[f32], x: usize, y: usize| values[y.min(height - 1) * width + x.min(width - 1)];
+    let around = |place: usize| [place.saturating_sub(1), place, place + 1];
+    let mean = |i: usize| {
+        let near = around(i / width).into_iter().flat_map(|y| around(i % width).map(|x| at(&grey, x, y)));
+        near.sum::<f32>() / 9.0
+    };
+    let smooth: Vec<f32> = (0..grey.len()).map(mean).collect();
+    let slope = |i: usize| {
+        let ([left, x, right], [above, y, below]) = (around(i % width), around(i / width));
+        let across = at(&smooth, right, y) - at(&smooth, left, y);
+        let down = at(&smooth, x, below) - at(&smooth, x, above);
+        0.5 * across.hypot(down)
+    };
+    (0..grey.len()).map(slope).collect()
+}
+
+/// The share of pixels at which there is an edge that the content has not.
+fn new_edges(content: &[f32], fused: &[f32]) -> f64 {
+    let new =
+        content.iter().zip(fused).filter(|(before, after)| **after > 6.0 && **after > 4.0 * **before + 1.5);
+    new.count() as f64 / content.len() as f64
+}
+
+/// Waters that differ much from most contents.
+const WATERS: [&str; 2] = ["greenish_01.jpg", "clear_05.jpg"];
+
+#[test]
+fn fusion_makes_no_edges_that_the_content_has_not() {
+    let data = std::env::var_os("AQUAFUSE_TEST_DATA").map(|data| PathBuf::from(data).join("scenes"));
+    let Some(folder) = data.filter(|folder| folder.is_dir()) else {
+        eprintln!("skipped: AQUAFUSE_TEST_DATA names no folder with scenes");
+        return;
+    };
+    let waters = WATERS.map(|name| {
+        let image = read(&folder.join(name));
+        analyse_in(PixelEncoding::Encoded, &image, &DepthSource::default()).unwrap().estimate
+    });
+    let mut scenes: Vec<PathBuf> = folder.read_dir().unwrap().map(|entry| entry.unwrap().path()).collect();
+    scenes.sort();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for path in scenes.iter().step_by(2) {
+        let image = read(path);
+        let found = analyse_in(PixelEncoding::Encoded, &image, &DepthSource::default()).unwrap();
+        let before = slopes(&image.bytes());
+        for &reference in &waters {
+            for model in [Model::Physical, Model::Exchange] {
+                let operation = Operation::Fuse { reference, options: Options::for_model(model) };
+                let mut pixels = image.pixels.clone();
+                operation.apply(&mut pixels, Some(&found)).unwrap();
+                let share = new_edges(&before, &slopes(&pixels.into_bytes()));
+                assert!(share <= 2e-3, "{}, {model}: new edges in {:.3} %", path.display(), 100.0 * share);
+                sum += share;
+                count += 1.0;
+            }
+        }
+    }
+    println!("new edges in {:.4} % of the pixels, {count} fusions", 100.0 * sum / count);
+    assert!(sum / count <= 2e-4, "new edges in {:.4} % of the pixels", 100.0 * sum / count);
 }
 
 /// The share of pixels in which red newly leads by more than 20 levels.

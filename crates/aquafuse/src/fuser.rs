@@ -277,7 +277,7 @@ impl<'z> Fuser<'z> {
     ) -> Result<Report, ImageError> {
         let source = content.unwrap_or(fused.as_ref());
         check_same_size(source.size(), fused.size())?;
-        let area = memory.area(source, self.options.border, known.is_some())?;
+        let area = memory.area(source, self.options.border)?;
         if area.is_whole() {
             memory.area = Some(area);
             return self.fuse_scene(content, fused, self.depth, known, memory);
@@ -451,23 +451,25 @@ pub(crate) struct Memory<T> {
     scratch: Scratch,
     /// What an image consists of before it is smoothed.
     samples: Vec<T>,
-    /// The part of the last image that is scene.
+    /// The part of the last image that is scene, and of how many images it has been.
     area: Option<SceneArea>,
+    area_age: u32,
 }
 
+/// Images of one size after which the border is looked for again: that of a film does not change, and a look at each frame
+/// would take as long as the rest of a small one.
+const BORDER_EVERY: u32 = 64;
+
 impl<T> Memory<T> {
-    /// The part of an image that is scene. While the water of the last image is used, so is its area: a border does not
-    /// come and go from frame to frame.
-    fn area(
-        &mut self,
-        image: ImageRef<'_, T>,
-        border: Border,
-        is_known: bool,
-    ) -> Result<SceneArea, ImageError>
+    /// The part of an image that is scene: for some images that of the first, so that a border does not come and go from
+    /// frame to frame.
+    fn area(&mut self, image: ImageRef<'_, T>, border: Border) -> Result<SceneArea, ImageError>
     where
         T: Sample,
     {
-        let last = self.area.take().filter(|area| is_known && area.image_size() == image.size());
+        let is_fresh = self.area_age < BORDER_EVERY;
+        let last = self.area.take().filter(|area| is_fresh && area.image_size() == image.size());
+        self.area_age = if last.is_some() { self.area_age + 1 } else { 1 };
         Ok(last.map_or_else(|| SceneArea::of(image, border), Ok)?)
     }
 

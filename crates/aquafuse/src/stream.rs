@@ -4,14 +4,14 @@ use crate::fuser::{Fuser, Memory, Report};
 use crate::image::{ImageError, ImageMut, ImageRef};
 use crate::waterbody::Estimate;
 
-/// Fuses the frames of a sequence with one reference, as its [`Fuser`] fuses images, to the bit.
+/// Fuses the frames of a sequence with one reference, as its [`Fuser`] fuses images, to the bit (but for a border that changes).
 ///
 /// Depth is estimated of every frame, the content's water of every one or of [every so many](Stream::every). Frames
 /// may differ in size. Once the memory for a frame is there, the next of that size takes nothing more that grows with
 /// the image, whatever the number of threads.
 ///
-/// A border is looked for whenever the content's water is estimated, and kept until the next time. So it does not come and go
-/// in the frames between. Where the border is known, [`Options::border`](crate::fuser::Options::border) should say so; of frames
+/// A border is looked for in the first frame and in each sixty-fourth one, and kept in the frames between, so that it does not come
+/// and go. Where the border is known, [`Options::border`](crate::fuser::Options::border) should say so; of frames
 /// with a border the scene is copied.
 ///
 /// # Examples

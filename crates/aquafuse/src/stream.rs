@@ -132,6 +132,21 @@ mod tests {
     }
 
     #[test]
+    fn a_border_is_kept_from_frame_to_frame() {
+        let bare = image(3, 0, 96, 80);
+        let mut barred = bare.clone();
+        barred.view_mut().rows_mut().take(12).for_each(|row| row.fill([16; 3]));
+        let mut stream = Stream::new(Fuser::new(&image(2, 1, 96, 80)).unwrap());
+        let mut fused = bare.clone();
+        let first = stream.fuse_into(&barred, &mut fused).unwrap().margins;
+        assert_eq!(first.top, 12);
+        // A frame that seems to have none, or to be one, between others.
+        assert_eq!(stream.fuse_into(&bare, &mut fused).unwrap().margins, first);
+        let all = (0..64).map(|_| stream.fuse_into(&bare, &mut fused).unwrap().margins.top);
+        assert_eq!(all.last(), Some(0));
+    }
+
+    #[test]
     fn a_stream_is_its_fuser_and_that_its_steps_one_by_one_at_any_size() {
         for &model in Model::ALL {
             for (i, depth_model) in DepthModel::ALL.iter().copied().enumerate() {

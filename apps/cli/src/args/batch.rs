@@ -42,7 +42,7 @@ pub(crate) struct BatchArguments {
     pub(crate) json: bool,
     /// Write maps of each image to this folder: STEM.depth.png (16 bits; relative depth: 65535 is 1, metric depth: one
     /// step is 1 mm), STEM.backscatter.png, STEM.illumination.png and STEM.change.png (mid grey: no change). `fuse` and
-    /// `enhance` also write STEM.factor.npy: the depth factor F that the fusion used at each pixel, as an array of
+    /// `enhance` (which needs CLEAR for maps) also write STEM.factor.npy: the depth factor F that the fusion used at each pixel, as an array of
     /// 32-bit floats of shape (height, width, 3), after all safety bounds.
     #[arg(long, value_name = "DIR")]
     pub(crate) maps: Option<PathBuf>,

@@ -32,7 +32,7 @@ impl Reading {
         ReadOptions { max_pixels, max_memory, lenient, border }
     }
 
-    /// The same for an image that gives its water: a border given in numbers is that of the contents.
+    /// The same for an image that gives its water: a border given in numbers belongs to the contents.
     pub(crate) fn of_reference(&self) -> Self {
         Self { border: self.border.of_reference(), ..*self }
     }

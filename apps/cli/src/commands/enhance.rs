@@ -66,8 +66,14 @@ impl Enhance {
     fn set_levels(&self, common: &Common) -> Result<(), Failure> {
         let levels = self.levels.options();
         let plan = self.batch.plan(&self.content, &[], self.settings.depth_model(), true)?;
-        let words =
-            Words { heading: String::new(), settings: json!({ "command": "enhance", "levels": levels }) };
+        let words = Words {
+            heading: String::new(),
+            settings: json!({
+                "command": "enhance",
+                "levels": levels,
+                "border": common.reading.border.to_string(),
+            }),
+        };
         batch::run(&plan, &self.recipe(Operation::Enhance { levels }), words, &self.batch, common)
     }
 

@@ -68,7 +68,7 @@ pub(super) fn write(index: &Index, bytes: &[u8], made: &Made<'_>, out: &mut dyn 
             let mut paths =
                 remembered(|line| made.of_key(&named(line, |key| made.holds(key)).unwrap_or_default()));
             lines(&text, made.originals, out, |line, add| {
-                // A variant stands in the folder of its image.
+                // A variant is written to the folder of its image.
                 let line = line.trim_end();
                 let folder = line.get(..line.rfind(['/', '\\']).map_or(0, |at| at.saturating_add(1)));
                 paths(line).iter().try_for_each(|path| add(&[folder.unwrap_or_default(), split(path).1]))

@@ -77,7 +77,7 @@ pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> R
     Ok(check)
 }
 
-/// The folder that a file stands in, and what is recorded of it.
+/// The folder of a file, and what is recorded of it.
 type Expected<'a> = (&'a Path, Listed<'a>);
 
 /// The sources of the variants.

@@ -10,7 +10,7 @@ pub(super) struct Format {
     pub(super) remedy: &'static str,
 }
 
-/// The ends of the names of a format's files, the words that stand in each of them, its name, and what to do.
+/// The ends of the names of a format's files, words that each of them contains, its name, and what to do.
 type Known = (&'static [&'static str], &'static [&'static str], &'static str, &'static str);
 
 /// The first one that fits is it.

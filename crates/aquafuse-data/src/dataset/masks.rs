@@ -17,7 +17,7 @@ const BEGINS: [&str; 9] =
 const WORDS: [&str; 9] = ["gt", "gts", "seg", "segs", "ann", "anns", "lbl", "msk", "truth"];
 /// Names of folders that hold maps of distance; other folders with such a word may say how deep a dive was.
 const MAPS: [&str; 6] = ["depth", "depths", "depth_map", "depth_maps", "disparity", "disparities"];
-/// Splits, which a folder of images and that of its masks have in common.
+/// Splits: a folder of images and the folder of their masks share one.
 const SPLITS: [&str; 4] = ["train", "val", "test", "dev"];
 
 /// Whether a folder of this name holds masks or maps.
@@ -114,7 +114,7 @@ impl<'t> Masks<'t> {
 /// A split that a folder is of, if it says one.
 type Split = Option<&'static str>;
 
-/// What a folder of masks has in common with that of their images, and its split: the folder without the part that is
+/// What a folder of masks shares with the folder of their images, and its split: the folder without the part that is
 /// called as masks are, and without one more, the class.
 fn rests_of_masks(folder: &str) -> Vec<(String, Split)> {
     let parts: Vec<&str> = folder.split('/').collect();

@@ -72,8 +72,8 @@ impl Member {
 }
 
 impl Group {
-    /// Its image, if it has exactly one: `NAME.jpg`, or where there is none, the one of `NAME.WORD.jpg` whose word is not
-    /// that of a mask.
+    /// Its image, if it has exactly one: `NAME.jpg`, or where there is none, the one of `NAME.WORD.jpg` whose word names
+    /// no mask.
     pub(crate) fn image(&self) -> Result<Option<&Member>, String> {
         let of_kind = |kind: Kind| {
             let mut images = self.members.iter().filter(|member| Kind::of(member.extension()) == Some(kind));

@@ -110,7 +110,7 @@ impl Tree {
         self.files.contains(path)
     }
 
-    /// The file of a path; if there is none, that of a path which differs only in capitals.
+    /// The file of a path; if there is none, the file of a path which differs only in capitals.
     pub(super) fn any_case(&self, path: &str) -> Option<&String> {
         let other = || {
             let small = path.to_lowercase();

@@ -109,7 +109,7 @@ fn cut<T: Sample>(layers: &Layers<T>, area: &SceneArea) -> Layers<T> {
     Layers { image: area.cut(&layers.image), alpha }
 }
 
-/// Opacity is not changed by anything, so that of the whole image is kept.
+/// Nothing changes opacity, so the whole image keeps its own.
 fn put_back<T: Sample>(scene: &Layers<T>, all: &mut Layers<T>, area: &SceneArea) {
     area.put_back(&scene.image, &mut all.image).expect("no work on a scene changes its size");
 }

@@ -268,7 +268,7 @@ impl DepthMap {
     ///
     /// # Errors
     ///
-    /// [`ImageError`] when the area is that of an image of another size.
+    /// [`ImageError`] when the area belongs to an image of another size.
     pub fn cut(&self, area: &SceneArea) -> Result<Self, ImageError> {
         check_same_size(area.image_size(), self.size())?;
         let (width, height) = area.size();

@@ -155,7 +155,7 @@ impl Supplied {
     ///
     /// # Errors
     ///
-    /// [`ImageError`] when the area is that of an image of another size.
+    /// [`ImageError`] when the area belongs to an image of another size.
     pub fn cut(self, area: &SceneArea) -> Result<Self, ImageError> {
         check_same_size(area.image_size(), (self.width, self.height))?;
         let (width, height) = area.size();

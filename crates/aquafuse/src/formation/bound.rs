@@ -36,7 +36,7 @@ pub struct RestoreBounds {
 const CLIPPED: f64 = 0.01;
 /// So far below 0 (encoded) is what noise and a good estimate leave; only what lies lower counts.
 const NOISE: f32 = 0.02;
-/// Values looked at: whole rows, so that the mirror image is bounded alike.
+/// Pixels looked at.
 const SAMPLES: usize = 1 << 15;
 /// Halvings of the range in which a bound is looked for: to less than a thousandth.
 const HALVINGS: usize = 12;
@@ -163,13 +163,9 @@ fn channels<T: Sample, E: Encoding>(
     depth: &DepthMap,
     water: &Waterbody<E>,
 ) -> [Channel; 3] {
-    let (width, height) = image.size();
-    let rows = (SAMPLES / width).clamp(1, height);
     let mut channels = [const { Vec::new() }; 3];
-    for row in 0..rows {
-        // The middle of each of so many bands.
-        let y = (2 * row + 1) * height / (2 * rows);
-        for (x, pixel) in image.row(y).iter().enumerate() {
+    for (y, row) in image.sampled_rows(SAMPLES) {
+        for (x, pixel) in row.iter().enumerate() {
             let z = depth.at(x, y);
             let (left, backscatter) = (water.illumination(z), water.backscatter(z));
             for c in 0..3 {

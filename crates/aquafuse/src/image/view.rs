@@ -174,6 +174,14 @@ impl<'a, T: Sample, E: Encoding> ImageRef<'a, T, E> {
         Image { width, height, samples, encoding: PhantomData }
     }
 
+    /// Whole rows of about so many pixels, evenly spread, each with its number: the mirror image has the same pixels.
+    pub(crate) fn sampled_rows(self, pixels: usize) -> impl Iterator<Item = (usize, &'a [[T; 3]])> {
+        let (width, height) = self.size();
+        let rows = (pixels / width).clamp(1, height);
+        // The middle of each of so many bands.
+        (0..rows).map(move |row| (2 * row + 1) * height / (2 * rows)).map(move |y| (y, self.row(y)))
+    }
+
     /// A copy in floats, as they are: values outside `[0, 1]` stay outside.
     pub(crate) fn to_unit(self) -> Image<f32, E> {
         let (width, height) = self.size();

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::image::{ImageRef, Kernels, Sample};
 
-/// Values looked at: whole rows, so that the mirror image has the same levels.
+/// Pixels looked at.
 const SAMPLES: usize = 1 << 15;
 /// Levels of channels without contrast, or without light, are measured to no less than this.
 const LEAST: f32 = 1e-3;
@@ -19,13 +19,9 @@ pub(super) type Channels = [Vec<f32>; 3];
 
 /// What becomes of some rows `before` their levels are set, within `[0, 1]`.
 pub(super) fn channels<T: Sample>(image: ImageRef<'_, T>, before: &impl Before) -> Channels {
-    let (width, height) = image.size();
-    let rows = (SAMPLES / width).clamp(1, height);
     let mut channels = [const { Vec::new() }; 3];
-    for row in 0..rows {
-        // The middle of each of so many bands.
-        let y = (2 * row + 1) * height / (2 * rows);
-        for (x, pixel) in image.row(y).iter().enumerate() {
+    for (y, row) in image.sampled_rows(SAMPLES) {
+        for (x, pixel) in row.iter().enumerate() {
             let value = before.at(x, y, pixel.map(Sample::to_unit));
             (0..3).for_each(|c| channels[c].push(unit(value[c])));
         }

@@ -1,6 +1,6 @@
 //! The XML of an annotation: what can be wrong with it, and the names in it.
 //!
-//! Only two things in the XML are ours: the text of `filename`, and that of `path` beside it. They are found by place,
+//! Only two things in the XML are ours: the texts of `filename` and of `path` beside it. They are found by place,
 //! so that everything else stays byte for byte.
 
 use std::borrow::Cow;

@@ -7,7 +7,7 @@ use aquafuse::image::{Image, Sample};
 pub enum Alone {
     /// Each channel from its 1 % to its 99 % percentile.
     Stretch,
-    /// Each channel times what makes its mean that of all channels (G. Buchsbaum, "A spatial processor model for object colour
+    /// Each channel times what brings its mean to the mean of all channels (G. Buchsbaum, "A spatial processor model for object colour
     /// perception", 1980).
     GrayWorld,
 }

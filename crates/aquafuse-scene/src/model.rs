@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use aquafuse::depth::DepthKind;
 use aquafuse::image::Encoded;
 use aquafuse::waterbody::{AttenuationError, Estimate, VeilingLight, Waterbody};
-use aquafuse_data::files::{FileError, display};
+use aquafuse_data::files::{FileError, display, write_bytes};
 use aquafuse_data::pipeline::{PixelEncoding, WaterEstimate};
 use aquafuse_data::water_file::{WaterFile, WaterFileError};
 
-use crate::files::{SceneFileError, read_ply, write_ply};
+use crate::files::{SceneFileError, ply_bytes, read_ply};
 use crate::medium::Medium;
 use crate::splats::Splats;
 
@@ -95,10 +95,11 @@ impl Model {
     /// Writes the splats, and a learned water beside them; `from` is the scene that the water came from.
     ///
     /// Without a learned water, one that is there already belonged to the splats that are replaced: it is removed.
+    /// A file that holds the same bytes already is left as it is.
     ///
     /// # Errors
     ///
-    /// [`ModelError`] when a file exists and may not be replaced, or the system refuses.
+    /// [`ModelError`] when a file holds something else and may not be replaced, or the system refuses.
     pub fn write(&self, path: &Path, from: &Path, overwrite: bool) -> Result<(), ModelError> {
         let beside = water_beside(path);
         if let Medium::Learned(water) = &self.medium {
@@ -107,13 +108,19 @@ impl Model {
                 depth_kind: DepthKind::Metres,
                 estimate: Estimate::<Encoded>::given(water.body()?).into(),
             };
-            file.write(&beside, overwrite)?;
+            write(&beside, file.to_text().as_bytes(), overwrite)?;
         } else if overwrite && beside.is_file() {
             std::fs::remove_file(&beside)
                 .map_err(|error| ModelError::OldWater { path: beside.clone(), cause: error.to_string() })?;
         }
-        Ok(write_ply(path, &self.splats, overwrite)?)
+        Ok(write(path, &ply_bytes(&self.splats), overwrite)?)
     }
+}
+
+/// Writes a file that does not hold these bytes already.
+fn write(path: &Path, bytes: &[u8], overwrite: bool) -> Result<(), FileError> {
+    let holds = || std::fs::read(path).is_ok_and(|held| held == bytes);
+    if !overwrite && holds() { Ok(()) } else { write_bytes(path, bytes, overwrite) }
 }
 
 impl Medium<f32> {
@@ -147,7 +154,9 @@ mod tests {
         let wet = Model { splats: splats.clone(), medium: Medium::Learned(water) };
         wet.write(&path, folder.path(), false).unwrap();
         assert!(matches!(Model::read(&path).unwrap().medium, Medium::Known { .. }));
-        assert!(wet.write(&path, folder.path(), false).is_err());
+        wet.write(&path, folder.path(), false).unwrap();
+        let other = Model { splats: Splats::new(0), ..wet.clone() };
+        assert!(other.write(&path, folder.path(), false).is_err());
 
         let dry = Model { splats, medium: Medium::Air };
         dry.write(&path, folder.path(), true).unwrap();

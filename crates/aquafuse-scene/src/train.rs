@@ -14,9 +14,9 @@ mod state;
 mod water;
 
 pub use checkpoint::CheckpointError;
-pub(crate) use checkpoint::is_checkpoint;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use checkpoint::try_state;
+pub(crate) use checkpoint::{is_checkpoint, is_ended};
 pub use options::{DensityOptions, Options, Rates};
 
 use crate::camera::Camera;

@@ -4,7 +4,7 @@
 //! [`train`](crate::train), and [`Training::write`] writes the result. A front that trains by another engine takes
 //! [`Training::views`] instead of calling `run`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use aquafuse::depth::DepthModel;
@@ -24,7 +24,7 @@ use crate::points::{self, Point};
 use crate::render::render;
 use crate::shared_water::{self, MissingUnit, SharedWaterError, to_learn};
 use crate::train::loss::Target;
-use crate::train::{CheckpointError, Options, TrainView, Trainer, extent, is_checkpoint};
+use crate::train::{CheckpointError, Options, TrainView, Trainer, extent, is_checkpoint, is_ended};
 
 /// Added to the output's name: the checkpoint of a run that is not finished.
 const CHECKPOINT: &str = ".checkpoint";
@@ -169,8 +169,13 @@ impl Plan {
         check_name(&request.output)?;
         // A water that is there would be taken for the water of the new splats, learned or not.
         let outputs = [request.output.clone(), water_beside(&request.output)];
-        let exists = |path: &PathBuf| !request.overwrite && path.symlink_metadata().is_ok();
-        if let Some(path) = outputs.into_iter().find(exists) {
+        // A run that was stopped while it wrote may have written one of them: `write` looks at what they hold.
+        let is_ended = is_ended(&beside(&request.output, CHECKPOINT), &request.options);
+        let exists = |path: &PathBuf| path.symlink_metadata().is_ok();
+        if !request.overwrite
+            && !is_ended
+            && let Some(path) = outputs.into_iter().find(exists)
+        {
             return Err(FileError::Exists { path }.into());
         }
         let cameras = read_cameras(&request.scene)?;
@@ -243,9 +248,7 @@ impl Training {
 
     /// The output's name with `more` added: for what an engine keeps while it works.
     pub fn beside(&self, more: &str) -> PathBuf {
-        let mut name = self.request.output.as_os_str().to_owned();
-        name.push(more);
-        name.into()
+        beside(&self.request.output, more)
     }
 
     /// Trains to the end, from the beginning or from the checkpoint of a run that was stopped.
@@ -271,7 +274,8 @@ impl Training {
             let loss = trainer.step();
             let result = StepReport { splats: trainer.splats().len(), loss: loss.total };
             listener(Event::Done { item: &trainer.steps(), result });
-            if written.elapsed() > CHECKPOINTS * took && !trainer.is_done() {
+            // The last one says that training has ended, whatever becomes of the files that `write` writes.
+            if written.elapsed() > CHECKPOINTS * took || trainer.is_done() {
                 let began = Instant::now();
                 write_bytes(&checkpoint, &trainer.checkpoint(), true)?;
                 (took, written) = (began.elapsed(), Instant::now());
@@ -280,11 +284,11 @@ impl Training {
         Ok(Model { splats: trainer.splats().clone(), medium: trainer.medium() })
     }
 
-    /// Writes the result, and removes the checkpoint.
+    /// Writes the result, and removes the checkpoint. A file that already holds the result is left as it is.
     ///
     /// # Errors
     ///
-    /// [`TrainingError::Model`] when a file cannot be written.
+    /// [`TrainingError::Model`] when a file holds something else and may not be replaced, or cannot be written.
     pub fn write(&self, model: &Model) -> Result<(), TrainingError> {
         let Request { output, scene, overwrite, .. } = &self.request;
         model.write(output, scene, *overwrite)?;
@@ -375,6 +379,13 @@ impl Training {
         )?;
         Ok(to_learn(&shared.water, shared.distance))
     }
+}
+
+/// A path with `more` added to its name.
+fn beside(path: &Path, more: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(more);
+    name.into()
 }
 
 #[cfg(test)]

@@ -18,6 +18,9 @@ use crate::splats::Splats;
 /// Says what the file is, and the version of what follows.
 const MARK: &[u8; 16] = b"aquafuse scene 3";
 
+/// Bytes that are enough for all that stands before the state, and its first field.
+const HEAD: u64 = 1 << 16;
+
 /// The bytes are no checkpoint of this run.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -45,6 +48,20 @@ pub(crate) fn is_checkpoint(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|about| about.is_file())
         && File::open(path).and_then(|mut file| file.read_exact(&mut begin)).is_ok()
         && MARK.starts_with(&begin)
+}
+
+/// Whether a file is the checkpoint of a run with these options that took its last step. Only the file's head is read.
+pub(crate) fn is_ended(path: &Path, options: &Options) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+    let steps = || {
+        let rest = head.strip_prefix(MARK).ok_or(CheckpointError::Unknown)?;
+        let mut reader = Reader { rest, length: head.len() };
+        reader.options(options)?;
+        let _subject: [u8; 8] = reader.take()?;
+        reader.take().map(u32::from_le_bytes)
+    };
+    read.is_ok() && is_checkpoint(path) && steps().is_ok_and(|steps| steps == options.iterations)
 }
 
 impl Trainer {
@@ -83,10 +100,7 @@ impl Trainer {
     pub fn resume(options: Options, views: Vec<TrainView>, bytes: &[u8]) -> Result<Self, CheckpointError> {
         let rest = bytes.strip_prefix(MARK).ok_or(CheckpointError::Unknown)?;
         let mut reader = Reader { rest, length: bytes.len() };
-        let text: Vec<u8> = reader.list(|[byte]: [u8; 1]| byte)?;
-        if text != options_text(&options).into_bytes() {
-            return Err(CheckpointError::OtherOptions);
-        }
+        reader.options(&options)?;
         let subject = u64::from_le_bytes(reader.take()?);
         if subject != super::subject(&views) {
             return Err(CheckpointError::OtherImages);
@@ -143,6 +157,12 @@ impl Reader<'_> {
         let (taken, rest) = self.rest.split_first_chunk().ok_or_else(|| self.damaged())?;
         self.rest = rest;
         Ok(*taken)
+    }
+
+    /// The options of the run, which must be these.
+    fn options(&mut self, options: &Options) -> Result<(), CheckpointError> {
+        let text: Vec<u8> = self.list(|[byte]: [u8; 1]| byte)?;
+        if text == options_text(options).into_bytes() { Ok(()) } else { Err(CheckpointError::OtherOptions) }
     }
 
     /// A list, whose length is held against what is left before memory is taken.

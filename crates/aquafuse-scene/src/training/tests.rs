@@ -86,3 +86,41 @@ fn no_image_to_train_on_is_an_error() {
     let ended = Plan::new(all).unwrap().load(&RunOptions::default());
     assert!(matches!(ended, Err(TrainingError::NothingToTrainOn)));
 }
+
+#[test]
+fn a_run_killed_while_it_writes_is_finished_by_the_next() {
+    let folder = scene();
+    let path = |name: &str| folder.path().join(name);
+    let run = |training: &Training| training.run(&RunOptions::default(), &|_| {}).unwrap();
+    let first = load(request(&folder, "reef.ply"));
+    let model = run(&first);
+    assert!(path("reef.ply.checkpoint").is_file());
+
+    // Killed after the water, then after the splats.
+    for written in [&["reef.water.json"][..], &["reef.water.json", "reef.ply"]] {
+        model.write(&path("other.ply"), &folder.path().join("reef"), true).unwrap();
+        for name in written {
+            std::fs::copy(path(&name.replace("reef.", "other.")), path(name)).unwrap();
+        }
+        let next = load(request(&folder, "reef.ply"));
+        let checkpoint = std::fs::read(path("reef.ply.checkpoint")).unwrap();
+        next.write(&run(&next)).unwrap();
+        assert_eq!(std::fs::read(path("reef.ply")).unwrap(), std::fs::read(path("other.ply")).unwrap());
+        assert!(!path("reef.ply.checkpoint").exists());
+        std::fs::write(path("reef.ply.checkpoint"), checkpoint).unwrap();
+        std::fs::remove_file(path("reef.ply")).unwrap();
+        std::fs::remove_file(path("reef.water.json")).unwrap();
+    }
+
+    // Splats that are not of this run stay.
+    std::fs::write(path("reef.ply"), "mine").unwrap();
+    let next = load(request(&folder, "reef.ply"));
+    assert!(matches!(next.write(&model), Err(TrainingError::Model(_))));
+    assert_eq!(std::fs::read(path("reef.ply")).unwrap(), b"mine");
+    // And so do those beside a run that has not ended.
+    let longer = Request {
+        options: Options { iterations: 13, ..first.request().options.clone() },
+        ..request(&folder, "reef.ply")
+    };
+    assert!(matches!(Plan::new(longer), Err(TrainingError::File(FileError::Exists { .. }))));
+}

@@ -221,7 +221,7 @@ fn every_command_takes_the_depth_model_it_is_told() {
     scene(&run.path("content.png"), 1, "turbid");
     scene(&run.path("water.png"), 2, "green");
     let mut outputs = Vec::new();
-    for model in ["eq3", "ratio", "ulap", "udepth", "layout"] {
+    for model in ["eq3", "eq3-median", "ratio", "ulap", "udepth", "layout"] {
         let depth = format!("z_{model}.png");
         run.ok(&["depth", "content.png", "-o", &depth, "--depth-model", model]);
         let fused = format!("f_{model}.png");
@@ -277,7 +277,7 @@ fn as_published_is_a_name_for_five_settings_and_allows_none_beside_it() {
     let fuse = ["fuse", "content.png", "water.png", "-o", "named.png", "--as-published"];
     run.ok(&fuse);
     let spelt = "fuse content.png water.png -o spelt.png --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral \
-                 --depth-model eq3";
+                 --depth-model eq3-median";
     run.ok(&spelt.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.bytes("named.png"), run.bytes("spelt.png"));
     for setting in ["--model aquafuse", "--theta 45", "--alpha 1", "--smooth none", "--depth-model eq3"] {

@@ -7,7 +7,7 @@ use aquafuse::fusion::{Model, Options, Waters, fuse_mut};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::smooth::bilateral;
 use aquafuse::truth::{Scene, Size, waters};
-use aquafuse::waterbody::{EstimateOptions, Waterbody, estimate};
+use aquafuse::waterbody::{EstimateOptions, Waterbody, estimate, estimate_with_share};
 use divan::Bencher;
 
 const SIZES: [(usize, usize); 2] = [(256, 256), (1920, 1080)];
@@ -41,13 +41,19 @@ fn water_of(image: &Image<u8>, z: &DepthMap) -> Waterbody {
 }
 
 #[divan::bench(args = SIZES)]
-fn depth_before_median(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
+fn depth_unfiltered(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
     let image = picture(width, height);
     bencher.bench_local(|| DepthModel::default().estimate_unfiltered(&image));
 }
 
 #[divan::bench(args = SIZES)]
-fn depth_with_median(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
+fn depth_by_median(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
+    let image = picture(width, height);
+    bencher.bench_local(|| DepthModel::Eq3Median.estimate(&image));
+}
+
+#[divan::bench(args = SIZES)]
+fn depth_refined(bencher: Bencher<'_, '_>, (width, height): (usize, usize)) {
     let image = picture(width, height);
     bencher.bench_local(|| depth::estimate(&image));
 }
@@ -64,6 +70,15 @@ fn fusion_in_place(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     let reference = waters()[1].water;
     let exchanged = Waters::new(&water, &reference);
     bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::for_model(Model::Aquafuse)));
+}
+
+#[divan::bench(args = SIZES)]
+fn fusion_with_a_share_of_water(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+    let (mut image, z, _) = prepared(size);
+    let (own, share) = estimate_with_share(&image, &z, &EstimateOptions::default()).expect("one size");
+    let reference = waters()[1].water;
+    let exchanged = Waters::new(&own.water, &reference).with_share(&share);
+    bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::for_model(Model::Physical)));
 }
 
 #[divan::bench(args = SIZES)]

@@ -33,6 +33,25 @@ pub(crate) fn for_each<T: Send>(values: &mut [T], per_row: usize, work: impl Fn(
     sum(values, per_row, work, |(), ()| ());
 }
 
+/// [`for_each`] for two values a place.
+pub(crate) fn for_each_two<A: Send, B: Send>(
+    a: &mut [A],
+    b: &mut [B],
+    per_row: usize,
+    work: impl Fn(usize, &mut [A], &mut [B]) + Sync,
+) {
+    let band = ROWS * per_row;
+    #[cfg(feature = "threads")]
+    if pays(a.len()) {
+        use rayon::prelude::*;
+        let bands = a.par_chunks_mut(band).zip(b.par_chunks_mut(band)).enumerate();
+        return bands.for_each(|(index, (a, b))| work(index * ROWS, a, b));
+    }
+    for (index, (a, b)) in a.chunks_mut(band).zip(b.chunks_mut(band)).enumerate() {
+        work(index * ROWS, a, b);
+    }
+}
+
 /// Does two things to so many values, side by side if that pays.
 pub(crate) fn both<A: Send, B: Send>(
     values: usize,

@@ -11,13 +11,14 @@ mod layout;
 mod map;
 mod median;
 mod model;
+mod refine;
 mod scale;
 mod supplied;
 mod tables;
 
 pub use eq3::{Eq3, Eq3Error};
+pub(crate) use map::{Buffers, InSteps, LEVELS, Quantised, Stepped, TABLE};
 pub use map::{DepthError, DepthKind, DepthMap};
-pub(crate) use map::{LEVELS, Quantised, level_to_z};
 pub use model::DepthModel;
 pub use scale::{RelativeScale, ScaleError};
 pub use supplied::{Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport};
@@ -27,9 +28,9 @@ use crate::image::{ImageRef, Sample};
 /// e of [`DepthModel::Ratio`]: below it, values are the camera's noise and their ratio means nothing.
 const DARK: f64 = 0.02;
 
-/// Estimates relative depth from colour: Eq. 3 with our coefficients, then the 7x7 median.
+/// Estimates relative depth from colour: Eq. 3 with our coefficients, refined by the image.
 ///
-/// The result has 256 levels in `[0, 1]`, larger is farther. See [`DepthModel`] for other ways, and for what
+/// The result lies in `[0, 1]`, larger is farther. See [`DepthModel`] for other ways, and for what
 /// to expect where red is dead: everything looks far.
 ///
 /// # Examples

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::depth::{DepthMap, DepthModel};
+use crate::depth::{Buffers, DepthMap, DepthModel};
 use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, Model, OptionError};
 use crate::image::{Clipping, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size};
 use crate::scene_area::{Border, Margins, SceneArea};
@@ -425,8 +425,8 @@ impl Options {
         match depth {
             Some(depth) => Cow::Borrowed(depth),
             None => {
-                let levels = std::mem::take(&mut memory.levels);
-                Cow::Owned(self.depth_model.estimate_in(image, self.estimate.top, levels))
+                let buffers = std::mem::take(&mut memory.depth);
+                Cow::Owned(self.depth_model.estimate_in(image, self.estimate.top, buffers))
             }
         }
     }
@@ -447,7 +447,7 @@ impl Options {
 /// What an image needs and the next of its size can use again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory<T> {
-    levels: Vec<u8>,
+    depth: Buffers,
     scratch: Scratch,
     /// What an image consists of before it is smoothed.
     samples: Vec<T>,
@@ -475,7 +475,7 @@ impl<T> Memory<T> {
 
     fn take_back(&mut self, depth: Cow<'_, DepthMap>) {
         if let Cow::Owned(depth) = depth {
-            self.levels = depth.into_levels();
+            self.depth = depth.into_buffers();
         }
     }
 }

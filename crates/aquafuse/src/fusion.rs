@@ -25,7 +25,7 @@ pub use options::{Gain, Incidence, Model, OptionError, Options};
 use shift::Shifts;
 
 use crate::bands;
-use crate::depth::{DepthMap, level_to_z};
+use crate::depth::{DepthMap, InSteps, Stepped};
 use crate::image::{
     Encoding, Image, ImageError, ImageMut, ImageRef, Kernels as _, Sample, check_same_size, runs_mut,
 };
@@ -179,7 +179,7 @@ fn fuse_from<T: Sample, E: Encoding>(
     Ok(Clipping { values: change_pixels(fused, depth, &law, options.model), pixels })
 }
 
-/// The law where it is a shift of bytes by 256 levels of depth, the everyday case; how many values were clipped.
+/// The law where it is a shift of bytes by depth in steps, the everyday case; how many values were clipped.
 fn shift_of_bytes<T: Sample, E: Encoding>(
     content: Option<ImageRef<'_, T, E>>,
     fused: ImageMut<'_, T, E>,
@@ -187,21 +187,32 @@ fn shift_of_bytes<T: Sample, E: Encoding>(
     law: &TransferLaw<E>,
     model: Model,
 ) -> Option<[u64; 3]> {
-    let levels = depth.levels().filter(|_| model.is_shift())?;
+    let depths = depth.in_steps().filter(|_| model.is_shift())?;
     let (content, fused) = (content.and_then(|content| content.as_bytes()), fused.into_bytes()?);
+    match depths {
+        InSteps::Levels(levels) => shift_by(content, fused, levels, law),
+        InSteps::Steps(steps) => shift_by(content, fused, steps, law),
+    }
+}
+
+fn shift_by<S: Stepped, E: Encoding>(
+    content: Option<ImageRef<'_, u8, E>>,
+    fused: ImageMut<'_, u8, E>,
+    depths: &[S],
+    law: &TransferLaw<E>,
+) -> Option<[u64; 3]> {
     let (width, stride) = (fused.width(), fused.stride());
-    let of_level =
-        std::array::from_fn(|level| law.at(level_to_z(level as u8)).offset.map(u8::shift_from_unit));
-    let shifts = Shifts::new(&of_level)?;
+    let of_step = |place| law.at(S::z(place)).offset.map(u8::shift_from_unit);
+    let shifts = Shifts::new((0..S::COUNT).map(of_step))?;
     let band = |first: usize, band: &mut [u8]| {
         if let Some(content) = content {
             for (i, row) in band.chunks_mut(stride).enumerate() {
                 row[..3 * width].copy_from_slice(content.row(first + i).as_flattened());
             }
         }
-        let levels = &levels[first * width..];
+        let depths = &depths[first * width..];
         let run = |sum, (start, values): (usize, &mut [u8])| {
-            add(sum, shifts.add(values, &levels[start..][..values.len() / 3]))
+            add(sum, shifts.add(values, &depths[start..][..values.len() / 3]))
         };
         runs_mut(band, width, stride).fold([0; 3], run)
     };

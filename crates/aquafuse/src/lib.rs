@@ -95,11 +95,14 @@ pub mod depth;
 pub mod formation;
 pub mod fuser;
 pub mod fusion;
+mod grid;
+mod guided;
 pub mod image;
 mod integration;
 pub mod levels;
 pub mod metrics;
 mod names;
+mod packed;
 #[doc(hidden)]
 pub mod random;
 mod rank;

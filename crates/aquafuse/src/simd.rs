@@ -101,6 +101,20 @@ pub(crate) fn widest_by<W: Work>(level: Level, work: W) -> W::Output {
     }
 }
 
+/// Rounding for vectors, which have no instruction for `as`.
+pub(crate) trait Whole {
+    /// The nearest whole number, in its lowest 16 bits; of numbers from 0 to 65535, and 0 of what is none.
+    fn whole_bits(self) -> u32;
+}
+
+impl Whole for f32 {
+    #[inline(always)]
+    fn whole_bits(self) -> u32 {
+        // A float from 2^23 on is whole, and its last bits are what is above 2^23.
+        (self + 8_388_608.0).to_bits()
+    }
+}
+
 #[cfg(test)]
 mod forced {
     use super::Level;

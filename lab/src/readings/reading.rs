@@ -23,7 +23,7 @@ pub(crate) enum Depth {
     /// The truth.
     Given,
     Colour(DepthModel),
-    /// From colour without the 7x7 median.
+    /// From colour, pixel by pixel.
     Unfiltered(DepthModel),
 }
 

@@ -105,10 +105,9 @@ fn water(exchanges: &[Exchange<Encoded>]) -> Result<String> {
 
 fn depth(exchanges: &[Exchange<Encoded>]) -> Result<String> {
     let mut table = header("z");
-    let eq3 = DepthModel::default();
     let mut ways: Vec<(String, Depth)> =
         DepthModel::ALL.iter().map(|model| (format!("`{}`", model.name()), Depth::Colour(*model))).collect();
-    ways.insert(1, ("`eq3`, no median".to_owned(), Depth::Unfiltered(eq3)));
+    ways.insert(2, ("`eq3`, neither".to_owned(), Depth::Unfiltered(DepthModel::default())));
     ways.push(("given".to_owned(), Depth::Given));
     for model in SHIFTS {
         for (name, depth) in &ways {

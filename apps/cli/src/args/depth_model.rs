@@ -10,9 +10,10 @@ use clap::Args;
 /// How depth is estimated from colour.
 #[derive(Args)]
 pub(crate) struct DepthModelArg {
-    /// Model that estimates depth from colour: eq3, ratio, ulap, udepth, layout, or FILE.toml from `fit`.
+    /// Model that estimates depth from colour: eq3, eq3-median, ratio, ulap, udepth, layout, or FILE.toml from `fit`.
     ///
-    /// `eq3` is the model of the paper. `ratio` is the logarithm of max(G, B) / R. `ulap` and `udepth` are published
+    /// `eq3` is the model of the paper. The image refines it, as it does all others; `eq3-median` takes the paper's
+    /// 7x7 median instead. `ratio` is the logarithm of max(G, B) / R. `ulap` and `udepth` are published
     /// linear models. `layout` assumes that higher pixels are farther and corrects this by colour: use it only
     /// if the camera is level and looks ahead. FILE.toml is `eq3` with fitted coefficients.
     #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model)]

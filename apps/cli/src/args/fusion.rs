@@ -24,8 +24,9 @@ F falls with distance, from 1 at the camera to 0 in open water.
              The strongest change, and the most sensitive to wrong estimates: supply depth.
              Faded colours, and their noise, are amplified at most 2 times.
 
---as-published means --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral --depth-model eq3,
-and --border none. The paper states no settings; these reproduce its scores best.
+--as-published means --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral
+--depth-model eq3-median, and --border none. The paper states no settings; these reproduce its scores
+best.
 
 Example:
   aquafuse fuse reef.jpg green.jpg -o fused.jpg --theta 30";
@@ -74,7 +75,7 @@ impl SettingsArgs {
     pub(crate) fn get(&self) -> Settings {
         if self.as_published {
             return Settings {
-                depth_model: DepthModel::default(),
+                depth_model: DepthModel::Eq3Median,
                 options: Options::as_published(),
                 smoothing: Smoothing::Bilateral,
                 ..Settings::default()

@@ -14,8 +14,8 @@ use crate::report::output;
 
 /// Estimate depth from colour and write it to a file.
 ///
-/// Evaluates the model at each pixel and applies a 7x7 median. The result is relative depth: 0 is near, larger is
-/// farther. All models fail without red light: everything then looks far.
+/// Evaluates the model at each pixel. The image then refines the result: it is smooth where the image is smooth and
+/// has edges where the image has edges. The result is relative depth: 0 is near, larger is farther. All models fail without red light: everything then looks far.
 ///
 /// The file is for other programs. Do not pass it back as --depth: it would be treated as measured depth. The other
 /// commands estimate depth from colour themselves. Values often use only half of the range; `inspect --plots` shows

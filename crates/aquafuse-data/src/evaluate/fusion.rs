@@ -103,8 +103,8 @@ struct Scored {
     likeness: Likeness,
 }
 
-/// What scoring takes in bytes a pixel: two depth maps, each as levels, before the median and after, and as floats.
-const SCORED: u64 = 12;
+/// What scoring takes in bytes a pixel: two depth maps, each as steps, as levels and as floats.
+const SCORED: u64 = 14;
 /// What far and near regions take: distances, twice while a percentile is found, and whether each pixel is in either.
 const REGIONS: u64 = 10;
 /// What the rivals take: the colours they give, as floats and as bytes.

@@ -54,6 +54,8 @@ pub(crate) struct Size {
 const VIEW: Saturating<u64> = Saturating(4);
 /// What the encoder of WebP takes of a pixel: its own four samples, and as much again for the coded image.
 const WEBP: Saturating<u64> = Saturating(8);
+/// What depth takes of a pixel: steps and levels, and what `layout` reads.
+const DEPTH: Saturating<u64> = Saturating(4);
 /// Tables, buffers, the program itself and what allocators keep.
 const OVERHEAD: Saturating<u64> = Saturating(16 << 20);
 
@@ -66,12 +68,11 @@ impl Size {
     ///
     /// As all sizes here it saturates: what is too large for a number is too large for every limit.
     pub(crate) fn memory(&self, length: u64) -> u64 {
-        let (pixels, kept, sample) = (Saturating(self.pixels()), self.kept(), Saturating(self.sample));
+        let (pixels, kept) = (Saturating(self.pixels()), self.kept());
         let reading =
             pixels * (kept + Saturating(self.beside)) + Saturating(length) + Saturating(self.tables);
-        // Depth before and after its median.
         let view = if self.sample > 1 { VIEW } else { Saturating(0) };
-        let analysing = pixels * (kept + sample + sample + view);
+        let analysing = pixels * (kept + DEPTH + view);
         (reading.max(analysing) + OVERHEAD).0
     }
 

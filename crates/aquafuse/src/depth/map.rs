@@ -11,8 +11,8 @@ use crate::simd;
 /// Distance from the camera along the line of sight, `z`, one value a pixel.
 ///
 /// **0 is at the camera, larger is farther.** Inverse depth and disparity run the other way: invert them
-/// first, or use [`Supplied`](super::Supplied). Depth estimated from colour has 256 levels in `[0, 1]` and is kept as
-/// bytes, or 65536 of an image of more than 8 bits; given depth is kept as floats in its own unit.
+/// first, or use [`Supplied`](super::Supplied). Depth estimated from colour is kept in even steps of `[0, 1]`: 2041 of them, 65536 of
+/// an image of more than 8 bits, 256 by the median alone. Given depth is kept as floats in its own unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMap {
     width: usize,
@@ -60,9 +60,21 @@ pub enum DepthError {
 enum Values {
     /// z = level / 255.
     Levels(Vec<u8>),
+    /// z = step / 2040; the levels are the nearest of 256, for those who count.
+    Steps {
+        steps: Vec<u16>,
+        levels: Vec<u8>,
+    },
     /// z = level / 65535.
     FineLevels(Vec<u16>),
     Floats(Vec<f32>),
+}
+
+/// The memory of a map's steps and levels.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Buffers {
+    pub(crate) levels: Vec<u8>,
+    pub(crate) steps: Vec<u16>,
 }
 
 /// Changes pixels one by one, by the law at their depth, and sums up.
@@ -127,6 +139,88 @@ pub(crate) fn level_to_z(level: u8) -> f32 {
     f32::from(level) / 255.0
 }
 
+/// Steps between two levels of a byte.
+const STEPS_A_LEVEL: u16 = 8;
+/// The step of z = 1.
+pub(super) const LAST_STEP: u16 = 255 * STEPS_A_LEVEL;
+/// Places in a table that is read by level or by step; more than there are, so that any place taken modulo this number is one.
+pub(crate) const TABLE: usize = 2048;
+
+/// z of a step.
+fn step_to_z(step: u16) -> f32 {
+    f32::from(step) / f32::from(LAST_STEP)
+}
+
+/// The level nearest to a step.
+#[inline(always)]
+pub(super) fn step_to_level(step: u16) -> u8 {
+    ((step + STEPS_A_LEVEL / 2) / STEPS_A_LEVEL) as u8
+}
+
+/// Depth in so few steps that a law is worth a table: a byte or a step.
+pub(crate) trait Stepped: Copy + Send + Sync {
+    /// How many there are.
+    const COUNT: usize;
+
+    /// The z of one of them.
+    fn z(place: usize) -> f32;
+
+    /// Which it is; less than [`TABLE`].
+    fn place(self) -> usize;
+}
+
+impl Stepped for u8 {
+    const COUNT: usize = LEVELS;
+
+    fn z(place: usize) -> f32 {
+        level_to_z(place as u8)
+    }
+
+    #[inline(always)]
+    fn place(self) -> usize {
+        usize::from(self)
+    }
+}
+
+impl Stepped for u16 {
+    const COUNT: usize = LAST_STEP as usize + 1;
+
+    fn z(place: usize) -> f32 {
+        step_to_z(place as u16)
+    }
+
+    #[inline(always)]
+    fn place(self) -> usize {
+        usize::from(self) % TABLE
+    }
+}
+
+/// The levels or the steps of a map.
+#[derive(Clone, Copy)]
+pub(crate) enum InSteps<'a> {
+    Levels(&'a [u8]),
+    Steps(&'a [u16]),
+}
+
+impl InSteps<'_> {
+    /// A law at each level or step.
+    pub(crate) fn table<V>(self, law: impl Fn(f32) -> V) -> Vec<V> {
+        match self {
+            Self::Levels(_) => (0..u8::COUNT).map(u8::z).map(law).collect(),
+            Self::Steps(_) => (0..u16::COUNT).map(u16::z).map(law).collect(),
+        }
+    }
+
+    /// The place in such a table for pixel `i`.
+    #[inline(always)]
+    pub(crate) fn place(self, i: usize) -> usize {
+        match self {
+            Self::Levels(levels) => levels[i].place(),
+            Self::Steps(steps) => steps[i].place(),
+        }
+    }
+}
+
 /// z of a fine level.
 fn fine_level_to_z(level: u16) -> f32 {
     f32::from(level) / f32::from(u16::MAX)
@@ -165,6 +259,13 @@ impl DepthMap {
             is_inverse: false,
             values: Values::FineLevels(levels),
         })
+    }
+
+    /// Depth from colour in steps, of which the largest is [`LAST_STEP`], and the levels nearest to them.
+    pub(super) fn from_steps((width, height): (usize, usize), steps: Vec<u16>, levels: Vec<u8>) -> Self {
+        debug_assert!(steps.len() == width * height && levels.len() == steps.len());
+        let values = Values::Steps { steps, levels };
+        Self { width, height, kind: DepthKind::Relative, model: None, is_inverse: false, values }
     }
 
     /// Depth from distances in the unit that `kind` names.
@@ -243,6 +344,7 @@ impl DepthMap {
         let i = y * self.width + x;
         match &self.values {
             Values::Levels(levels) => level_to_z(levels[i]),
+            Values::Steps { steps, .. } => step_to_z(steps[i]),
             Values::FineLevels(levels) => fine_level_to_z(levels[i]),
             Values::Floats(distances) => distances[i],
         }
@@ -252,15 +354,25 @@ impl DepthMap {
     pub fn levels(&self) -> Option<&[u8]> {
         match &self.values {
             Values::Levels(levels) => Some(levels),
+            Values::Steps { .. } | Values::FineLevels(_) | Values::Floats(_) => None,
+        }
+    }
+
+    /// The levels or steps of depth that has either.
+    pub(crate) fn in_steps(&self) -> Option<InSteps<'_>> {
+        match &self.values {
+            Values::Levels(levels) => Some(InSteps::Levels(levels)),
+            Values::Steps { steps, .. } => Some(InSteps::Steps(steps)),
             Values::FineLevels(_) | Values::Floats(_) => None,
         }
     }
 
-    /// The memory of a map that is no longer needed; empty if it has not 256 levels.
-    pub(crate) fn into_levels(self) -> Vec<u8> {
+    /// The memory of a map that is no longer needed.
+    pub(crate) fn into_buffers(self) -> Buffers {
         match self.values {
-            Values::Levels(levels) => levels,
-            Values::FineLevels(_) | Values::Floats(_) => Vec::new(),
+            Values::Levels(levels) => Buffers { levels, steps: Vec::new() },
+            Values::Steps { steps, levels } => Buffers { levels, steps },
+            Values::FineLevels(_) | Values::Floats(_) => Buffers::default(),
         }
     }
 
@@ -274,6 +386,10 @@ impl DepthMap {
         let (width, height) = area.size();
         let values = match &self.values {
             Values::Levels(levels) => Values::Levels(area.cut_values(levels.iter().copied())),
+            Values::Steps { steps, levels } => Values::Steps {
+                steps: area.cut_values(steps.iter().copied()),
+                levels: area.cut_values(levels.iter().copied()),
+            },
             Values::FineLevels(levels) => Values::FineLevels(area.cut_values(levels.iter().copied())),
             Values::Floats(distances) => Values::Floats(area.cut_values(distances.iter().copied())),
         };
@@ -284,6 +400,7 @@ impl DepthMap {
     pub fn distances(&self) -> Vec<f32> {
         match &self.values {
             Values::Levels(levels) => levels.iter().map(|&level| level_to_z(level)).collect(),
+            Values::Steps { steps, .. } => steps.iter().map(|&step| step_to_z(step)).collect(),
             Values::FineLevels(levels) => levels.iter().map(|&level| fine_level_to_z(level)).collect(),
             Values::Floats(distances) => distances.clone(),
         }
@@ -307,6 +424,13 @@ impl DepthMap {
             Values::Levels(levels) => {
                 let table: [V; LEVELS] = std::array::from_fn(|level| law(level_to_z(level as u8)));
                 self.sum_over(image, levels, |level| table[usize::from(level)], change, add)
+            }
+            Values::Steps { steps, .. } if steps.len() > TABLE => {
+                let table: Vec<V> = (0..=LAST_STEP).map(|step| law(step_to_z(step))).collect();
+                self.sum_over(image, steps, |step| table[usize::from(step)], change, add)
+            }
+            Values::Steps { steps, .. } => {
+                self.sum_over(image, steps, |step| law(step_to_z(step)), change, add)
             }
             Values::FineLevels(levels) if levels.len() > FINE_LEVELS => {
                 let table: Vec<V> = (0..=u16::MAX).map(|level| law(fine_level_to_z(level))).collect();
@@ -351,7 +475,9 @@ impl DepthMap {
     /// This map in 256 even steps, for estimators that count.
     pub(crate) fn quantised(&self) -> Quantised<'_> {
         match &self.values {
-            Values::Levels(levels) => Quantised { levels: levels.into(), step: level_to_z(1), beyond: None },
+            Values::Levels(levels) | Values::Steps { levels, .. } => {
+                Quantised { levels: levels.into(), step: level_to_z(1), beyond: None }
+            }
             Values::FineLevels(levels) => Quantised {
                 levels: levels.iter().map(|&level| level.to_byte()).collect(),
                 step: level_to_z(1),
@@ -383,6 +509,9 @@ impl DepthMap {
     pub fn mean(&self) -> f32 {
         let sum: f64 = match &self.values {
             Values::Levels(levels) => levels.iter().map(|&l| u64::from(l)).sum::<u64>() as f64 / 255.0,
+            Values::Steps { steps, .. } => {
+                steps.iter().map(|&step| u64::from(step)).sum::<u64>() as f64 / f64::from(LAST_STEP)
+            }
             Values::FineLevels(levels) => levels.iter().map(|&l| u64::from(l)).sum::<u64>() as f64 / 65535.0,
             Values::Floats(distances) => distances.iter().copied().map(f64::from).sum(),
         };

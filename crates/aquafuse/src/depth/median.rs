@@ -42,19 +42,24 @@ pub(super) trait Value: Copy + Default + Ord + Send + Sync {
     );
 }
 
-/// Median of the 7x7 neighbourhood of each place of an image of `width` columns, written to `filtered`.
+/// Median of the 7x7 neighbourhood of each place of an image of `width` columns, in the memory of `filtered`.
 ///
 /// `fill` gives a row of what is filtered. It is asked for each row once a band, near the time it is needed, so
 /// that what is filtered never exists as a whole.
-pub(super) fn filter<T: Value>(width: usize, filtered: &mut [T], fill: impl Fn(usize, &mut [T]) + Sync) {
-    filter_by(Level::best(), width, filtered, fill);
+pub(super) fn filter<T: Value>(
+    width: usize,
+    mut filtered: Vec<T>,
+    fill: impl Fn(usize, &mut [T]) + Sync,
+) -> Vec<T> {
+    filter_by(Level::best(), width, &mut filtered, fill);
+    filtered
 }
 
 /// Median of the 7x7 neighbourhood of each of `values`.
 pub(super) fn filtered<T: Value>(width: usize, values: &[T]) -> Vec<T> {
-    let mut filtered = vec![T::default(); values.len()];
-    filter(width, &mut filtered, |y, row| row.copy_from_slice(&values[y * width..][..width]));
-    filtered
+    filter(width, vec![T::default(); values.len()], |y, row| {
+        row.copy_from_slice(&values[y * width..][..width])
+    })
 }
 
 fn filter_by<T: Value>(

@@ -3,20 +3,22 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
+use super::map::Buffers;
+
 use super::tables::{Square, Tables};
-use super::{DARK, DepthMap, Eq3, layout, median};
+use super::{DARK, DepthMap, Eq3, layout, median, refine};
 use crate::image::{ImageRef, Sample, TopEdge};
 
 /// A depth model: from colour to relative depth.
 ///
-/// All read **encoded** values and give 256 levels in `[0, 1]`, 0 near (images of more than 8 bits: 65536, but
-/// for `Layout`), and fail where red is dead:
+/// All read **encoded** values and give z in `[0, 1]`, 0 near, and fail where red is dead:
 /// everything then looks far. All but `Layout` read `R` and `M = max(G, B)` of one pixel, and never rise with R
 /// nor fall with M; `Layout` reads the whole image, and no such law holds for a pixel of it.
 ///
 /// | model | depth | use it |
 /// |---|---|---|
-/// | [`Eq3`](Self::Eq3) | two exponentials | the paper's, and the default |
+/// | [`Eq3`](Self::Eq3) | two exponentials | the paper's, refined by the image: the default |
+/// | [`Eq3Median`](Self::Eq3Median) | the same | as published, with its 7x7 median |
 /// | [`Ratio`](Self::Ratio) | logarithm of M / R: illumination cancels | in turbid water, and on red things near by |
 /// | [`Ulap`](Self::Ulap) | a line | to compare with |
 /// | [`UDepth`](Self::UDepth) | a line | to compare with |
@@ -26,6 +28,8 @@ use crate::image::{ImageRef, Sample, TopEdge};
 pub enum DepthModel {
     /// Eq. 3 of the AquaFuse paper.
     Eq3(Eq3),
+    /// Eq. 3 with our coefficients and the paper's 7x7 median in place of the refinement by the image; 256 levels.
+    Eq3Median,
     /// `max(0, ln((M + e) / (R + e)) / ln((1 + e) / e))` with e = .02, as a difference of whole levels.
     Ratio,
     /// `0.53214829 + 0.51309827 M - 0.91066194 R`, the underwater light attenuation prior (Song et al. 2018).
@@ -53,7 +57,7 @@ impl Default for DepthModel {
 impl DepthModel {
     /// All models with our coefficients, in the order of the table above.
     pub const ALL: &'static [Self] =
-        &[Self::Eq3(Eq3::OURS), Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
+        &[Self::Eq3(Eq3::OURS), Self::Eq3Median, Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
 
     /// The name used on the command line and in reports; Eq. 3 with other coefficients than ours is `fitted`,
     /// which the command line calls by its file.
@@ -61,6 +65,7 @@ impl DepthModel {
         match self {
             Self::Eq3(eq3) if *eq3 == Eq3::OURS => "eq3",
             Self::Eq3(_) => "fitted",
+            Self::Eq3Median => "eq3-median",
             Self::Ratio => "ratio",
             Self::Ulap => "ulap",
             Self::UDepth => "udepth",
@@ -68,7 +73,8 @@ impl DepthModel {
         }
     }
 
-    /// Depth of an image whose first row is up: the model at each pixel, then the paper's 7x7 median.
+    /// Depth of an image whose first row is up: the model at each pixel, refined by the image
+    /// (guided filter, He, Sun and Tang 2013, with colour as guide). `Eq3Median` takes the median instead.
     ///
     /// # Examples
     ///
@@ -104,35 +110,46 @@ impl DepthModel {
         image: impl Into<ImageRef<'a, T>>,
         top: TopEdge,
     ) -> DepthMap {
-        self.estimate_in(image.into(), top, Vec::new())
+        self.estimate_in(image.into(), top, Buffers::default())
     }
 
-    /// [`DepthModel::estimate_oriented`] in the memory of `levels`, as far as depth has 256 levels.
+    /// [`DepthModel::estimate_oriented`] in the memory of another map.
     pub(crate) fn estimate_in<T: Sample>(
         &self,
         image: ImageRef<'_, T>,
         top: TopEdge,
-        mut levels: Vec<u8>,
+        buffers: Buffers,
     ) -> DepthMap {
         let (width, height) = image.size();
-        if T::FINE
+        let depth = if T::FINE
             && let Some(tables) = self.tables()
         {
-            let mut levels = vec![0; width * height];
-            median::filter(width, &mut levels, |y, row| tables.fine_row(image.row(y), row));
-            let map = DepthMap::from_fine_levels(width, height, levels);
-            return map.expect("one level a pixel").made_by(*self);
-        }
-        if let Some(square) = self.square() {
-            levels.resize(width * height, 0);
-            median::filter(width, &mut levels, |y, row| square.row(image.row(y), row));
+            let fill = |y, row: &mut [u16]| tables.fine_row(image.row(y), row);
+            let levels = match self {
+                Self::Eq3Median => median::filter(width, vec![0; width * height], fill),
+                _ => refine::in_fine_levels(image, &refine::fit(image, fill)),
+            };
+            DepthMap::from_fine_levels(width, height, levels).expect("one level a pixel")
+        } else if let Some(square) = self.square() {
+            let fill = |y, row: &mut [u8]| square.row(image.row(y), row);
+            match self {
+                Self::Eq3Median => {
+                    let mut levels = buffers.levels;
+                    levels.resize(width * height, 0);
+                    let levels = median::filter(width, levels, fill);
+                    DepthMap::from_levels(width, height, levels).expect("one level a pixel")
+                }
+                _ => refine::in_steps(image, &refine::fit(image, fill), buffers),
+            }
         } else {
-            levels = median::filtered(width, &layout::levels(image, top));
-        }
-        DepthMap::from_levels(width, height, levels).expect("one level a pixel").made_by(*self)
+            let levels = layout::levels(image, top);
+            let fill = |y, row: &mut [u8]| row.copy_from_slice(&levels[y * width..][..width]);
+            refine::in_steps(image, &refine::fit(image, fill), buffers)
+        };
+        depth.made_by(*self)
     }
 
-    /// Depth of an image whose first row is up, before the median.
+    /// Depth of an image whose first row is up, before it is refined.
     #[must_use]
     pub fn estimate_unfiltered<'a, T: Sample>(&self, image: impl Into<ImageRef<'a, T>>) -> DepthMap {
         let image = image.into();
@@ -162,7 +179,7 @@ impl DepthModel {
     /// The level of every colour; that of our coefficients is made once.
     fn square(&self) -> Option<Cow<'static, Square>> {
         static OURS: OnceLock<Square> = OnceLock::new();
-        if *self == Self::default() {
+        if matches!(self, Self::Eq3Median) || *self == Self::default() {
             return Some(Cow::Borrowed(OURS.get_or_init(|| Eq3::OURS.tables().square())));
         }
         Some(Cow::Owned(self.tables()?.square()))
@@ -172,6 +189,7 @@ impl DepthModel {
     fn tables(&self) -> Option<Tables> {
         Some(match self {
             Self::Eq3(eq3) => eq3.tables(),
+            Self::Eq3Median => Eq3::OURS.tables(),
             Self::Ratio => {
                 let whole_range = ((1.0 + DARK) / DARK).ln();
                 Tables::of_difference(|value| ((value + DARK) / DARK).ln() / whole_range)

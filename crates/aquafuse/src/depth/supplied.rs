@@ -192,7 +192,8 @@ impl Supplied {
         }
         let mut distances = self.kind.to_distances(&self.values, &valid, self.full_range)?;
         let colour = DepthModel::Ratio.estimate(image);
-        let levels = colour.levels().unwrap_or_default();
+        let quantised = colour.quantised();
+        let levels = &*quantised.levels;
         let agreement = agreement::with_image(&distances, &valid, levels, image.size(), top);
         let invalid = pixels - count;
         if invalid > 0 {

@@ -2,11 +2,9 @@
 //!
 //! Between bytes, for images whose values lie closer together, the tables are interpolated.
 
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
-mod avx2;
-
 use crate::image::Sample;
-use crate::simd::Level;
+use crate::packed::{channels, pack};
+use crate::simd::{self, Level, Work};
 
 /// Levels of depth by red and by max(green, blue), in fixed point: no exponential a pixel, and the same
 /// level on every machine that makes the same tables.
@@ -76,7 +74,6 @@ pub(super) struct Square {
 }
 
 /// Pixels whose places are found together, before any is looked up.
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
 const BLOCK: usize = 64;
 
 impl Square {
@@ -94,33 +91,35 @@ impl Square {
     }
 
     fn row_of_bytes(&self, level: Level, pixels: &[[u8; 3]], row: &mut [u8]) {
-        match level {
-            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            Level::Avx2(proof) => {
-                let (blocks, rest) = pixels.as_chunks::<BLOCK>();
-                let (rows, rest_of_row) = row.as_chunks_mut::<BLOCK>();
-                let mut places = [0; BLOCK];
-                for (pixels, row) in blocks.iter().zip(rows) {
-                    avx2::places(proof, pixels, &mut places);
-                    for (level, &place) in row.iter_mut().zip(&places) {
-                        *level = self.levels()[place as usize & (COLOURS - 1)];
-                    }
-                }
-                self.row_by_pixels(rest, rest_of_row);
+        let mut words = [0; BLOCK];
+        for (pixels, row) in pixels.chunks(BLOCK).zip(row.chunks_mut(BLOCK)) {
+            pack(level, pixels, &mut words[..pixels.len()]);
+            simd::widest_by(level, ToPlaces { words: &mut words });
+            for (level, &place) in row.iter_mut().zip(&words) {
+                *level = self.levels()[place as usize % COLOURS];
             }
-            _ => self.row_by_pixels(pixels, row),
-        }
-    }
-
-    fn row_by_pixels(&self, pixels: &[[u8; 3]], row: &mut [u8]) {
-        let levels = self.levels();
-        for (level, pixel) in row.iter_mut().zip(pixels) {
-            *level = levels[usize::from(place(pixel))];
         }
     }
 
     fn levels(&self) -> &[u8; COLOURS] {
         self.levels.first_chunk().expect("all colours")
+    }
+}
+
+/// Packed pixels become their indices in the square.
+struct ToPlaces<'a> {
+    words: &'a mut [u32; BLOCK],
+}
+
+impl Work for ToPlaces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for word in self.words {
+            let [r, g, b] = channels(*word);
+            *word = (r << 8) | g.max(b);
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::{BoundedRestoration, undoing};
-use crate::depth::{DepthMap, LEVELS, level_to_z};
+use crate::depth::{DepthMap, InSteps};
 use crate::image::{Clipping, Encoding, ImageError, ImageMut, ImageRef, Sample};
 use crate::levels::{Before, Levels, LevelsOptions};
 
@@ -59,8 +59,7 @@ impl<E: Encoding> BoundedRestoration<E> {
 
     fn restored<'a>(&self, depth: &'a DepthMap) -> Restored<'a, E, impl Fn(f32) -> Change + Sync> {
         let law = undoing(&self.water, &self.options);
-        let levels = depth.levels();
-        let table = levels.map(|levels| (levels, std::array::from_fn(|level| law(level_to_z(level as u8)))));
+        let table = depth.in_steps().map(|steps| (steps, steps.table(&law)));
         Restored { depth, table, law, encoding: PhantomData::<E> }
     }
 }
@@ -71,8 +70,8 @@ type Change = ([f32; 3], [f32; 3]);
 /// Eq. 2 in encoding `E`, from an encoded value to an encoded value.
 struct Restored<'a, E, L> {
     depth: &'a DepthMap,
-    /// Of depth in levels: the levels, and the law at each.
-    table: Option<(&'a [u8], [Change; LEVELS])>,
+    /// Of depth in steps: the steps, and the law at each.
+    table: Option<(InSteps<'a>, Vec<Change>)>,
     law: L,
     encoding: PhantomData<E>,
 }
@@ -81,7 +80,7 @@ impl<E: Encoding, L: Fn(f32) -> Change + Sync> Before for Restored<'_, E, L> {
     #[inline(always)]
     fn at(&self, x: usize, y: usize, raw: [f32; 3]) -> [f32; 3] {
         let (gain, backscatter) = match &self.table {
-            Some((levels, table)) => table[usize::from(levels[y * self.depth.width() + x])],
+            Some((steps, table)) => table[steps.place(y * self.depth.width() + x)],
             None => (self.law)(self.depth.at(x, y)),
         };
         std::array::from_fn(|c| E::to_encoded((E::from_encoded(raw[c]) - backscatter[c]) * gain[c]))

@@ -7,9 +7,9 @@
 use super::shift::{BLOCK, Shifts};
 use super::{Model, PixelTransform, TransferLaw};
 use crate::bands;
-use crate::depth::{DepthMap, LEVELS, level_to_z};
+use crate::depth::{DepthMap, InSteps, Stepped, TABLE};
 use crate::image::{Encoding, ImageError, ImageMut, ImageRef, Sample};
-use crate::simd::{self, Work};
+use crate::simd::{self, Whole as _, Work};
 use crate::waterbody::WaterShare;
 
 /// 1 in shares of a table's shifts, and a byte in steps of them.
@@ -28,18 +28,35 @@ pub(super) fn fuse<T: Sample, E: Encoding>(
     if let Some(content) = content {
         fused.copy_from(content)?;
     }
-    if let Some(levels) = depth.levels().filter(|_| model.is_shift())
-        && let Some(table) = Table::new(law)
-        && let Some(bytes) = fused.reborrow().into_bytes()
-    {
-        return Ok(shift_bytes(bytes, levels, &table, share));
-    }
-    Ok(change_pixels(fused, depth, law, share))
+    Ok(match depth.in_steps() {
+        Some(InSteps::Levels(levels)) => by_steps(fused, levels, law, share, model),
+        Some(InSteps::Steps(steps)) => by_steps(fused, steps, law, share, model),
+        None => change_pixels(fused, law, share, |x, y| law.at(depth.at(x, y))),
+    })
 }
 
-fn shift_bytes<E: Encoding>(
+/// The same by depth in steps.
+fn by_steps<T: Sample, E: Encoding, S: Stepped>(
+    mut fused: ImageMut<'_, T, E>,
+    depths: &[S],
+    law: &TransferLaw<E>,
+    share: &WaterShare,
+    model: Model,
+) -> [u64; 3] {
+    if model.is_shift()
+        && let Some(bytes) = fused.reborrow().into_bytes()
+        && let Some(table) = Table::new::<S, E>(law)
+    {
+        return shift_bytes(bytes, depths, &table, share);
+    }
+    let table: Vec<PixelTransform> = (0..S::COUNT).map(|place| law.at(S::z(place))).collect();
+    let width = fused.width();
+    change_pixels(fused, law, share, |x, y| table[depths[y * width + x].place()])
+}
+
+fn shift_bytes<E: Encoding, S: Stepped>(
     image: ImageMut<'_, u8, E>,
-    levels: &[u8],
+    depths: &[S],
     table: &Table,
     share: &WaterShare,
 ) -> [u64; 3] {
@@ -51,25 +68,23 @@ fn shift_bytes<E: Encoding>(
         for (y, row) in (first..).zip(band.chunks_mut(stride)) {
             let row = &mut row[..3 * width];
             let shares = rows.row::<u8, E>(y, row.as_chunks().0);
-            left.iter_mut().zip(shares).for_each(|(left, w)| *left = (WHOLE * (1.0 - w) + 0.5) as u16);
-            let levels = &levels[y * width..][..width];
-            clipped = add(clipped, simd::widest(ShiftRow { table, row, levels, left: &left }));
+            simd::widest(ToLeft { shares, left: &mut left });
+            let depths = &depths[y * width..][..width];
+            clipped = add(clipped, simd::widest(ShiftRow { table, row, depths, left: &left }));
         }
         clipped
     };
     bands::sum(image.into_samples(), stride, band, add)
 }
 
-/// The law at each pixel, whatever it is.
+/// The law at each pixel, whatever it is; `things` is the law where nothing is open water.
 fn change_pixels<T: Sample, E: Encoding>(
     image: ImageMut<'_, T, E>,
-    depth: &DepthMap,
     law: &TransferLaw<E>,
     share: &WaterShare,
+    things: impl Fn(usize, usize) -> PixelTransform + Sync,
 ) -> [u64; 3] {
     let (width, stride) = (image.width(), image.stride());
-    let by_level: Option<[PixelTransform; LEVELS]> =
-        depth.levels().map(|_| std::array::from_fn(|level| law.at(level_to_z(level as u8))));
     let band = |first: usize, band: &mut [T]| {
         let mut rows = share.rows();
         let mut clipped = [0; 3];
@@ -77,11 +92,7 @@ fn change_pixels<T: Sample, E: Encoding>(
             let pixels = row[..3 * width].as_chunks_mut::<3>().0;
             let shares = rows.row::<T, E>(y, pixels);
             for (x, (pixel, &w)) in pixels.iter_mut().zip(shares).enumerate() {
-                let things = match (&by_level, depth.levels()) {
-                    (Some(table), Some(levels)) => table[usize::from(levels[y * width + x])],
-                    _ => law.at(depth.at(x, y)),
-                };
-                let change = law.in_share(things, w);
+                let change = law.in_share(things(x, y), w);
                 for c in 0..3 {
                     let (value, is_clipped) = pixel[c].changed(change.gain[c], change.offset[c]);
                     pixel[c] = value;
@@ -102,62 +113,75 @@ fn add(a: [u64; 3], b: [u64; 3]) -> [u64; 3] {
 struct Table {
     /// Of open water.
     water: [u16; 3],
-    /// What things of each level of depth have less. The fourth is nothing.
-    less: [[u16; 4]; LEVELS],
+    /// What things at each step of depth have less. The fourth is nothing.
+    less: Box<[[u16; 4]; TABLE]>,
     /// Which channels go up, and the addition of blocks.
     shifts: Shifts,
 }
 
 impl Table {
     /// None for a law that takes a byte farther than from black to white, or one channel up and down, which no shift does.
-    fn new<E: Encoding>(law: &TransferLaw<E>) -> Option<Self> {
+    fn new<S: Stepped, E: Encoding>(law: &TransferLaw<E>) -> Option<Self> {
         let steps = |offset: f32| (255.0 * STEPS * offset).round();
-        let of_level: [[f32; 3]; LEVELS] =
-            std::array::from_fn(|level| law.at(level_to_z(level as u8)).offset.map(steps));
         let water = law.in_share(PixelTransform::NONE, 1.0).offset.map(steps);
-        let lies_within = |c: usize| {
-            let within = |shift: f32| {
-                if water[c] < 0.0 {
-                    water[c] <= shift && shift <= 0.0
-                } else {
-                    0.0 <= shift && shift <= water[c]
-                }
-            };
-            water[c].abs() <= 255.0 * STEPS && of_level.iter().all(|shift| within(shift[c]))
-        };
-        if !(0..3).all(lies_within) {
+        if water.iter().any(|shift| !(shift.abs() <= 255.0 * STEPS)) {
             return None;
         }
-        let mut less = [[0; 4]; LEVELS];
-        for (less, shift) in less.iter_mut().zip(&of_level) {
-            (0..3).for_each(|c| less[c] = (water[c] - shift[c]).abs() as u16);
+        let mut less = Box::new([[0; 4]; TABLE]);
+        for (place, less) in less.iter_mut().enumerate().take(S::COUNT) {
+            let things = law.at(S::z(place)).offset.map(steps);
+            for c in 0..3 {
+                let (least, most) = (water[c].min(0.0), water[c].max(0.0));
+                if !(least..=most).contains(&things[c]) {
+                    return None;
+                }
+                less[c] = (water[c] - things[c]).abs() as u16;
+            }
         }
-        let whole = [water.map(|shift| if shift < 0.0 { -1 } else { 1 }); LEVELS];
-        Some(Self { water: water.map(|shift| shift.abs() as u16), less, shifts: Shifts::new(&whole)? })
+        let up_or_down = water.map(|shift| if shift < 0.0 { -1 } else { 1 });
+        let shifts = Shifts::new(std::iter::once(up_or_down))?;
+        Some(Self { water: water.map(|shift| shift.abs() as u16), less, shifts })
+    }
+}
+
+/// 1 - w of a row, in shares of [`WHOLE`].
+struct ToLeft<'a> {
+    shares: &'a [f32],
+    left: &'a mut [u16],
+}
+
+impl Work for ToLeft<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (left, w) in self.left.iter_mut().zip(self.shares) {
+            *left = (WHOLE * (1.0 - w)).whole_bits() as u16;
+        }
     }
 }
 
 /// Adds the shifts of one row.
-struct ShiftRow<'a> {
+struct ShiftRow<'a, S> {
     table: &'a Table,
     row: &'a mut [u8],
-    levels: &'a [u8],
+    depths: &'a [S],
     /// 1 - w of each pixel.
     left: &'a [u16],
 }
 
-impl Work for ShiftRow<'_> {
+impl<S: Stepped> Work for ShiftRow<'_, S> {
     type Output = [u64; 3];
 
     #[inline(always)]
     fn run(self) -> [u64; 3] {
-        let Self { table, row, levels, left } = self;
+        let Self { table, row, depths, left } = self;
         let mut shifts = [0; 3 * BLOCK + 1];
         let mut clipped = [0; 3];
-        let blocks = row.chunks_mut(3 * BLOCK).zip(levels.chunks(BLOCK).zip(left.chunks(BLOCK)));
-        for (values, (levels, left)) in blocks {
-            for (i, (&level, &left)) in levels.iter().zip(left).enumerate() {
-                let less = table.less[usize::from(level)];
+        let blocks = row.chunks_mut(3 * BLOCK).zip(depths.chunks(BLOCK).zip(left.chunks(BLOCK)));
+        for (values, (depths, left)) in blocks {
+            for (i, (&depth, &left)) in depths.iter().zip(left).enumerate() {
+                let less = table.less[depth.place()];
                 for c in 0..3 {
                     let less = (u32::from(less[c]) * u32::from(left)) >> 15;
                     shifts[3 * i + c] = ((u32::from(table.water[c]) - less + 128) >> 8) as u8;

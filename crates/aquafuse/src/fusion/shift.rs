@@ -1,6 +1,6 @@
 //! Shifts of bytes: looked up once a pixel, added many values at once.
 
-use crate::depth::LEVELS;
+use crate::depth::{Stepped, TABLE};
 use crate::simd::{self, Level, Work};
 
 /// Pixels shifted together: enough that what is looked up has left the processor's store queue before it is read.
@@ -8,48 +8,51 @@ pub(super) const BLOCK: usize = 512;
 /// Values after which the channels have the same order again, in whole vectors.
 const PERIOD: usize = 96;
 
-/// What is added to the three channels at each level of depth.
+/// What is added to the three channels at each step of depth.
 pub(super) struct Shifts {
-    /// Steps up or down. The fourth byte is nothing: four bytes are moved at once.
-    steps: [[u8; 4]; LEVELS],
+    /// How much, up or down. The fourth byte is nothing: four bytes are moved at once.
+    table: Box<[[u8; 4]; TABLE]>,
     /// All ones where a channel goes up, and where it goes down, value by value.
     up: [u8; PERIOD],
     down: [u8; PERIOD],
 }
 
 impl Shifts {
-    /// Shifts of bytes, in `[-255, 255]`; none if one channel goes up at one level and down at another, which no
+    /// Shifts of bytes, in `[-255, 255]`; none if one channel goes up at one step and down at another, which no
     /// law does.
-    pub(super) fn new(of_level: &[[i16; 3]; LEVELS]) -> Option<Self> {
-        let any = |c: usize, holds: fn(i16) -> bool| of_level.iter().any(|shift| holds(shift[c]));
-        let rises: [bool; 3] = std::array::from_fn(|c| any(c, |shift| shift > 0));
-        if (0..3).any(|c| rises[c] && any(c, |shift| shift < 0)) {
+    pub(super) fn new(of_step: impl Iterator<Item = [i16; 3]>) -> Option<Self> {
+        let mut table = Box::new([[0; 4]; TABLE]);
+        let (mut rises, mut falls) = ([false; 3], [false; 3]);
+        for (entry, shift) in table.iter_mut().zip(of_step) {
+            for c in 0..3 {
+                entry[c] = shift[c].unsigned_abs().min(255) as u8;
+                rises[c] |= shift[c] > 0;
+                falls[c] |= shift[c] < 0;
+            }
+        }
+        if (0..3).any(|c| rises[c] && falls[c]) {
             return None;
         }
-        let mut steps = [[0; 4]; LEVELS];
-        for (steps, shift) in steps.iter_mut().zip(of_level) {
-            (0..3).for_each(|c| steps[c] = shift[c].unsigned_abs().min(255) as u8);
-        }
         let mask = |up: bool| std::array::from_fn(|i| if rises[i % 3] == up { u8::MAX } else { 0 });
-        Some(Self { steps, up: mask(true), down: mask(false) })
+        Some(Self { table, up: mask(true), down: mask(false) })
     }
 
-    /// Adds the shift of each pixel's level to its three values and clips; returns how many values of each channel
+    /// Adds the shift of each pixel's depth to its three values and clips; returns how many values of each channel
     /// that changed.
-    pub(super) fn add(&self, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
-        self.add_by(Level::best(), values, levels)
+    pub(super) fn add<S: Stepped>(&self, values: &mut [u8], depths: &[S]) -> [u64; 3] {
+        self.add_by(Level::best(), values, depths)
     }
 
-    fn add_by(&self, level: Level, values: &mut [u8], levels: &[u8]) -> [u64; 3] {
-        simd::widest_by(level, Add { shifts: self, values, levels })
+    fn add_by<S: Stepped>(&self, level: Level, values: &mut [u8], depths: &[S]) -> [u64; 3] {
+        simd::widest_by(level, Add { shifts: self, values, depths })
     }
 
     /// The shifts of a block, channels in turn.
     #[inline(always)]
-    fn look_up(&self, levels: &[u8; BLOCK], shifts: &mut [u8; 3 * BLOCK + 1]) {
-        for (i, &level) in levels.iter().enumerate() {
+    fn look_up<S: Stepped>(&self, depths: &[S; BLOCK], shifts: &mut [u8; 3 * BLOCK + 1]) {
+        for (i, &depth) in depths.iter().enumerate() {
             // The fourth byte is overwritten by the next pixel.
-            shifts[3 * i..3 * i + 4].copy_from_slice(&self.steps[usize::from(level)]);
+            shifts[3 * i..3 * i + 4].copy_from_slice(&self.table[depth.place()]);
         }
     }
 
@@ -96,30 +99,30 @@ impl Shifts {
     }
 }
 
-struct Add<'a> {
+struct Add<'a, S> {
     shifts: &'a Shifts,
     values: &'a mut [u8],
-    levels: &'a [u8],
+    depths: &'a [S],
 }
 
-impl Work for Add<'_> {
+impl<S: Stepped> Work for Add<'_, S> {
     type Output = [u64; 3];
 
     #[inline(always)]
     fn run(self) -> [u64; 3] {
-        let Self { shifts: table, values, levels } = self;
+        let Self { shifts: of, values, depths } = self;
         let mut clipped = [0; 3];
         let mut shifts = [0; 3 * BLOCK + 1];
         let (blocks, rest) = values.as_chunks_mut::<{ 3 * BLOCK }>();
-        let (blocks_of_levels, rest_of_levels) = levels.as_chunks::<BLOCK>();
-        for (values, levels) in blocks.iter_mut().zip(blocks_of_levels) {
-            table.look_up(levels, &mut shifts);
-            table.add_block(values, &shifts, &mut clipped);
+        let (blocks_of_depths, rest_of_depths) = depths.as_chunks::<BLOCK>();
+        for (values, depths) in blocks.iter_mut().zip(blocks_of_depths) {
+            of.look_up(depths, &mut shifts);
+            of.add_block(values, &shifts, &mut clipped);
         }
-        for (shift, &level) in shifts.chunks_exact_mut(3).zip(rest_of_levels) {
-            shift.copy_from_slice(&table.steps[usize::from(level)][..3]);
+        for (shift, &depth) in shifts.chunks_exact_mut(3).zip(rest_of_depths) {
+            shift.copy_from_slice(&of.table[depth.place()][..3]);
         }
-        table.add_run(rest, &mut shifts, &mut clipped);
+        of.add_run(rest, &mut shifts, &mut clipped);
         clipped
     }
 }
@@ -135,9 +138,9 @@ mod tests {
 
     #[test]
     fn many_values_are_shifted_and_counted_as_one_is() {
-        let of_level: [[i16; 3]; LEVELS] =
+        let of_level: [[i16; 3]; 256] =
             std::array::from_fn(|level| [level as i16, -(level as i16) / 3, 255 - level as i16]);
-        let shifts = Shifts::new(&of_level).unwrap();
+        let shifts = Shifts::new(of_level.into_iter()).unwrap();
         for pixels in [1, 7, 33, 511, 512, 513, 1024, 2049] {
             let (before, levels) = (scattered(3 * pixels, 5), scattered(pixels, 77));
             let mut expected = [0; 3];
@@ -161,8 +164,6 @@ mod tests {
 
     #[test]
     fn a_channel_that_goes_both_ways_is_left_to_others() {
-        let mut of_level = [[0; 3]; LEVELS];
-        (of_level[3][1], of_level[200][1]) = (4, -4);
-        assert!(Shifts::new(&of_level).is_none());
+        assert!(Shifts::new([[0, 4, 0], [0, -4, 0]].into_iter()).is_none());
     }
 }

@@ -1,14 +1,11 @@
-//! An image in small cells whose borders are mirrored with it: what a region of water is looked for in.
-
-mod window;
+//! An image in small cells: what a region of water is looked for in.
 
 use std::ops::{AddAssign, Range};
 
 use crate::bands;
+use crate::grid::Grid;
 use crate::image::ImageRef;
 use crate::simd;
-
-pub(super) use window::mean_around;
 
 /// Cells along the shorter side. A cell must be wide enough to hold texture where there is any, and small
 /// enough to fit between things.
@@ -30,21 +27,19 @@ pub(super) struct Cell {
 
 /// The cells of an image, row by row from the top.
 pub(super) struct Cells {
-    columns: Vec<usize>,
-    rows: Vec<usize>,
+    grid: Grid,
     all: Vec<Cell>,
 }
 
 impl Cells {
     pub(super) fn new(image: ImageRef<'_, u8>, levels: &[u8]) -> Self {
-        let (width, height) = image.size();
-        let side = (width.min(height) as f32 / CELLS as f32).max(LEAST_SIDE);
-        let (columns, rows) = (borders(width, side), borders(height, side));
-        let of = |rows: &[usize]| cells_of(image, levels, &columns, rows);
+        let grid = Grid::new(image.size(), CELLS, LEAST_SIDE);
+        let rows = grid.rows();
+        let of = |rows: &[usize]| cells_of(image, levels, grid.columns(), rows);
         let middle = rows.len() / 2;
         let (mut all, below) = bands::both(levels.len(), || of(&rows[..=middle]), || of(&rows[middle..]));
         all.extend(below);
-        Self { columns, rows, all }
+        Self { grid, all }
     }
 
     /// The cells.
@@ -52,21 +47,16 @@ impl Cells {
         &self.all
     }
 
-    /// How many there are in a row, and how many rows.
-    pub(super) fn size(&self) -> (usize, usize) {
-        (self.columns.len() - 1, self.rows.len() - 1)
-    }
-
-    /// The borders of their columns and rows in pixels, from 0 to the image's size.
-    pub(super) fn borders(&self) -> [&[usize]; 2] {
-        [&self.columns, &self.rows]
+    /// Where they are.
+    pub(super) fn grid(&self) -> &Grid {
+        &self.grid
     }
 
     /// The columns and rows of a cell.
     pub(super) fn place(&self, cell: usize) -> [Range<usize>; 2] {
-        let across = self.columns.len() - 1;
+        let across = self.grid.size().0;
         let between = |borders: &[usize], i: usize| borders[i]..borders[i + 1];
-        [between(&self.columns, cell % across), between(&self.rows, cell / across)]
+        [between(self.grid.columns(), cell % across), between(self.grid.rows(), cell / across)]
     }
 }
 
@@ -80,14 +70,6 @@ fn cells_of(image: ImageRef<'_, u8>, levels: &[u8], columns: &[usize], rows: &[u
         cells.extend(columns.windows(2).map(|columns| sums.cell(columns[0]..columns[1], rows[1] - rows[0])));
     }
     cells
-}
-/// Where cells of about `side` begin and end along `length`: the same from both ends.
-fn borders(length: usize, side: f32) -> Vec<usize> {
-    let wanted = ((length as f32 / side) as usize).clamp(1, length);
-    // An odd length has a middle pixel: only an odd number of cells can be even about it.
-    let count = if wanted % 2 == length % 2 || wanted == 1 { wanted } else { wanted - 1 };
-    let from_start = |i: usize| (2 * i * length + count) / (2 * count);
-    (0..=count).map(|i| if 2 * i <= count { from_start(i) } else { length - from_start(count - i) }).collect()
 }
 
 /// Sums over the rows of a row of cells, column by column: what is added is wide and without a branch.
@@ -174,23 +156,6 @@ impl simd::Work for AddRows<'_> {
         for y in self.rows {
             let levels = &self.levels[y * self.image.width()..][..self.image.width()];
             self.sums.add(self.image.row(y).as_flattened(), levels);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn borders_are_the_same_from_both_ends(length in 1..3000_usize, side in 1.0..40.0_f32) {
-            let found = borders(length, side);
-            prop_assert_eq!((found[0], found[found.len() - 1]), (0, length));
-            prop_assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
-            let mirrored: Vec<usize> = found.iter().rev().map(|border| length - border).collect();
-            prop_assert_eq!(found, mirrored);
         }
     }
 }

@@ -4,7 +4,8 @@
 //! water: it is smooth, high up in the image, far by the depth map, not darker than the rest, and no glare. What is
 //! bluish-green counts by depth from colour alone: amber or milky water is found too.
 
-use super::cells::{Cells, mean_around};
+use super::cells::Cells;
+use crate::grid::mean_around;
 use crate::image::TopEdge;
 
 /// Weights of the evidence: of smoothness (−ln of a deviation), height (0 bottom, 1 top), depth (in deviations from the
@@ -125,14 +126,14 @@ fn likelihood(rough: f32, rough_elsewhere: f32, colour: &[f32; 3], usual_grey: f
 
 /// Deviation of values in a cell and its neighbours, in units of `[0, 1]`.
 fn roughness(cells: &Cells) -> Vec<f32> {
-    let (columns, _) = cells.size();
+    let (columns, _) = cells.grid().size();
     let variances: Vec<f32> = cells.all().iter().map(|cell| cell.variance).collect();
     mean_around(columns, 1, &variances).into_iter().map(f32::sqrt).collect()
 }
 
 /// What speaks for water in each cell, with its neighbours.
 fn evidence(cells: &Cells, rough: &[f32], grey: &[f32], given: bool, top: TopEdge) -> Vec<f32> {
-    let (columns, rows) = cells.size();
+    let (columns, rows) = cells.grid().size();
     let far = if given { FAR_AS_GIVEN } else { FAR_BY_COLOUR };
     let depth = Standard::of(cells.all().iter().map(|cell| i64::from(cell.level)));
     let bright = Standard::of(grey.iter().map(|&grey| steps(grey)));

@@ -1,13 +1,12 @@
 //! How much of each pixel is open water.
 
-mod guided;
-
 use super::cells::Cells;
 use super::far_region::Region;
 use super::{EstimateOptions, VeilingLight, VeilingLightMethod};
 use crate::depth::DepthMap;
+use crate::guided::{self, Guided};
 use crate::image::{Encoding, ImageError, ImageRef, Sample};
-use guided::Affine;
+use crate::simd::{self, Work};
 
 /// A cell with so much less evidence than the far region is no water.
 const REACH: f32 = 1.4;
@@ -21,6 +20,8 @@ const UNLIKELY: f32 = 0.25;
 const LIKELY: f32 = 0.65;
 /// Water whose brightest channel (encoded) is fainter cannot be distinguished from shadow: black would count as water.
 pub(super) const FAINTEST_WATER: f32 = 0.14;
+/// Variance of colours below which they do not guide the share.
+const FLAT: f32 = 1e-3;
 /// A pixel that is surely water is this share of it: evidence is never whole.
 const MOST: f32 = 0.98;
 
@@ -56,10 +57,8 @@ pub struct WaterShare {
     mean: f32,
     /// What is left of w where it is not sure that water is in view.
     sure: f32,
-    /// Twice the middles of the cells' columns and rows, in pixels; no fits, no columns.
-    columns: Vec<usize>,
-    rows: Vec<usize>,
-    fits: Vec<Affine>,
+    /// w before that; none where it is 0 everywhere.
+    map: Option<Guided>,
 }
 
 /// The share of water of an image whose water is known, from another frame for example. Where the water is not known,
@@ -88,8 +87,7 @@ impl WaterShare {
     /// No water in view in an image of this size: w is 0 everywhere.
     #[must_use]
     pub fn none((width, height): (usize, usize)) -> Self {
-        let (columns, rows, fits) = Default::default();
-        Self { width, height, seen: 0.0, mean: 0.0, sure: 0.0, columns, rows, fits }
+        Self { width, height, seen: 0.0, mean: 0.0, sure: 0.0, map: None }
     }
 
     /// The share of an image of this size, by the region that is likeliest to be water; `veil` is the water's colour, encoded.
@@ -104,11 +102,9 @@ impl WaterShare {
         let map: Vec<f32> =
             (0..colours.len()).map(|i| share_of_cell(region, i, &colours[i], &veil)).collect();
         let sure = within * within * (3.0 - 2.0 * within);
-        let middles = |borders: &[usize]| borders.windows(2).map(|pair| pair[0] + pair[1] - 1).collect();
-        let [columns, rows] = region.cells.borders().map(middles);
         let mean = map.iter().map(|&share| f64::from(share)).sum::<f64>() / map.len() as f64;
-        let fits = guided::fit(region.cells.size().0, &colours, &map);
-        Self { sure, mean: (f64::from(sure) * mean) as f32, columns, rows, fits, ..none }
+        let map = Guided::new(region.cells.grid(), &colours, &map, FLAT);
+        Self { sure, mean: (f64::from(sure) * mean) as f32, map: Some(map), ..none }
     }
 
     /// Columns and rows of the image.
@@ -128,7 +124,7 @@ impl WaterShare {
 
     /// Whether w is 0 everywhere.
     pub fn is_none(&self) -> bool {
-        self.fits.is_empty()
+        self.map.is_none()
     }
 
     /// w at column `x`, row `y` where the image has this encoded colour, in `[0, 1]`.
@@ -138,83 +134,50 @@ impl WaterShare {
     /// When the place lies outside the image.
     pub fn at(&self, x: usize, y: usize, rgb: [f32; 3]) -> f32 {
         assert!(x < self.width && y < self.height, "({x}, {y}) lies outside {:?}", self.size());
-        if self.is_none() {
-            return 0.0;
-        }
-        let (above, below, down) = between(&self.rows, y);
-        let (left, right, across) = between(&self.columns, x);
-        let fit = |row: usize, column: usize| &self.fits[row * self.columns.len() + column];
-        let [left, right] = [left, right].map(|column| mixed(fit(above, column), fit(below, column), down));
-        self.value(mixed(&left, &right, across), rgb)
+        self.map.as_ref().map_or(0.0, |map| self.share(map.at(x, y, rgb)))
     }
 
     /// w of row after row.
     pub(crate) fn rows(&self) -> Rows<'_> {
-        Rows { share: self, values: vec![0.0; self.width] }
-    }
-
-    /// The fits of all columns of cells at row `y`.
-    fn line(&self, y: usize) -> Vec<Affine> {
-        let (from, to, weights) = between(&self.rows, y);
-        let of = |row: usize| &self.fits[row * self.columns.len()..][..self.columns.len()];
-        of(from).iter().zip(of(to)).map(|(from, to)| mixed(from, to, weights)).collect()
+        Rows { share: self, map: self.map.as_ref().map(Guided::rows), none: vec![0.0; self.width] }
     }
 
     #[inline(always)]
-    fn value(&self, [r, g, b, one]: Affine, rgb: [f32; 3]) -> f32 {
-        self.sure * (r * rgb[0] + g * rgb[1] + b * rgb[2] + one).clamp(0.0, 1.0)
+    fn share(&self, mapped: f32) -> f32 {
+        self.sure * mapped.clamp(0.0, 1.0)
     }
 }
 
 /// w of one row at a time, in memory of its own.
 pub(crate) struct Rows<'a> {
     share: &'a WaterShare,
-    values: Vec<f32>,
+    map: Option<guided::Rows<'a>>,
+    none: Vec<f32>,
 }
 
 impl Rows<'_> {
     /// w of the pixels of row `y`.
     pub(crate) fn row<T: Sample, E: Encoding>(&mut self, y: usize, pixels: &[[T; 3]]) -> &[f32] {
-        let share = self.share;
-        let line = share.line(y);
-        let mut start = 0;
-        for place in 0..=share.columns.len() {
-            // The pixels between two middles, and those before the first and after the last.
-            let [from, to] = [place.saturating_sub(1), place.min(share.columns.len() - 1)];
-            let end = share.columns.get(place).map_or(share.width, |middle| middle.div_ceil(2));
-            let (near, far) = (share.columns[from], share.columns[to]);
-            for x in start..end {
-                let fit = mixed(&line[from], &line[to], weights(near, far, x));
-                let rgb = pixels[x].map(|sample| E::to_encoded(sample.to_unit()));
-                self.values[x] = share.value(fit, rgb);
-            }
-            start = end;
-        }
-        &self.values
+        let Some(map) = &mut self.map else { return &self.none };
+        let row = map.row::<T, E>(y, pixels);
+        simd::widest(ToShares { share: self.share, values: row });
+        row
     }
 }
 
-/// The middles before and after a place, and their weights there.
-fn between(middles: &[usize], place: usize) -> (usize, usize, [f32; 2]) {
-    let after = middles.partition_point(|&middle| middle < 2 * place);
-    let [from, to] = [after.saturating_sub(1), after.min(middles.len() - 1)];
-    (from, to, weights(middles[from], middles[to], place))
+/// What was mapped becomes w.
+struct ToShares<'a> {
+    share: &'a WaterShare,
+    values: &'a mut [f32],
 }
 
-/// What two middles, each twice what it is, count at a place between them: the nearer the more. Mirrored they are exchanged, to
-/// the bit.
-#[inline(always)]
-fn weights(near: usize, far: usize, place: usize) -> [f32; 2] {
-    if near == far {
-        return [1.0, 0.0];
+impl Work for ToShares<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.values.iter_mut().for_each(|value| *value = self.share.share(*value));
     }
-    let scale = ((far - near) as f32).recip();
-    [(far - 2 * place) as f32 * scale, (2 * place - near) as f32 * scale]
-}
-
-#[inline(always)]
-fn mixed(from: &Affine, to: &Affine, [of_from, of_to]: [f32; 2]) -> Affine {
-    std::array::from_fn(|k| of_from * from[k] + of_to * to[k])
 }
 
 /// How much of a cell is water: by evidence, or else by its colour.

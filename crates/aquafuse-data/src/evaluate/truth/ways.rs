@@ -18,6 +18,7 @@ pub(super) fn ways() -> Vec<Way> {
     let ours = Some(EstimateOptions::default());
     let papers = Some(EstimateOptions::as_published());
     let eq3 = Some(DepthModel::default());
+    let published = Some(DepthModel::Eq3Median);
     let ratio = Some(DepthModel::Ratio);
     let way = |name, depth, water| Way { name, depth, water };
     vec![
@@ -25,7 +26,7 @@ pub(super) fn ways() -> Vec<Way> {
         way("z given, water ours", None, ours),
         way("z given, water the paper's way", None, papers),
         way("z by `eq3`, water ours", eq3, ours),
-        way("z by `eq3`, water the paper's way", eq3, papers),
+        way("z by `eq3-median`, water the paper's way", published, papers),
         way("z by `ratio`, water ours", ratio, ours),
         way("z by `ratio`, water the paper's way", ratio, papers),
     ]

@@ -29,7 +29,7 @@ fn above_a_reef(water: [f32; 3], over: impl Fn(usize, usize) -> Option<[f32; 3]>
 
 fn region(image: &Image<u8>, top: TopEdge) -> Region {
     let z = depth::estimate(image);
-    Region::of(Cells::new(image.view(), z.levels().unwrap()), false, top)
+    Region::of(Cells::new(image.view(), &z.quantised().levels), false, top)
 }
 
 fn is_near(colour: [f32; 3], water: [f32; 3]) -> bool {

@@ -3,7 +3,7 @@
 /// Mean over the `2 * reach + 1` square around each of the `columns` wide rows of values, cut off at the rim.
 ///
 /// To the bit the same from left and right: places equally far to either side are added to one another first.
-pub(in crate::waterbody) fn mean_around(columns: usize, reach: usize, values: &[f32]) -> Vec<f32> {
+pub(crate) fn mean_around(columns: usize, reach: usize, values: &[f32]) -> Vec<f32> {
     let rows = values.len() / columns;
     let mut across = vec![0.0; values.len()];
     let row_of = |y: usize| y * columns..(y + 1) * columns;

@@ -1,0 +1,268 @@
+//! A map as a function of colour that changes from place to place: He, Sun and Tang, "Guided Image Filtering" (2013), with
+//! colour as guide.
+//!
+//! Around each cell of a [`Grid`] the map is fitted by `a · U + b`, and between the middles of cells these functions are
+//! interpolated: the map then follows the edges of the image, which cells are too coarse for.
+
+use std::any::TypeId;
+
+use crate::grid::{Grid, mean_around};
+use crate::image::{Encoded, Encoding, Sample};
+use crate::packed::{channels, pack};
+use crate::simd::{self, Level, Work};
+
+/// Cells to either side of which a function is fitted.
+const REACH: usize = 2;
+
+/// `a · U + b`: red, green and blue of a, for colours in steps of a byte, then b.
+type Affine = [f32; 4];
+
+/// A map over an image.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Guided {
+    /// Columns of the image.
+    width: usize,
+    /// Twice the middles of the cells' columns and rows, in pixels.
+    columns: Vec<usize>,
+    rows: Vec<usize>,
+    fits: Vec<Affine>,
+}
+
+impl Guided {
+    /// The map whose values in the cells of `grid` are `map`, where their mean colours are `colours`, encoded. `flat` is the
+    /// variance of colours, in units of `[0, 1]`, below which they do not guide.
+    pub(crate) fn new(grid: &Grid, colours: &[[f32; 3]], map: &[f32], flat: f32) -> Self {
+        let middles = |borders: &[usize]| borders.windows(2).map(|pair| pair[0] + pair[1] - 1).collect();
+        Self {
+            width: grid.columns()[grid.size().0],
+            columns: middles(grid.columns()),
+            rows: middles(grid.rows()),
+            fits: fit(grid.size().0, colours, map, flat),
+        }
+    }
+
+    /// The map at column `x`, row `y` where the image has this encoded colour.
+    pub(crate) fn at(&self, x: usize, y: usize, [r, g, b]: [f32; 3]) -> f32 {
+        let (above, below, down) = between(&self.rows, y);
+        let (left, right, across) = between(&self.columns, x);
+        let fit = |row: usize, column: usize| &self.fits[row * self.columns.len() + column];
+        let [above, below] = [above, below].map(|row| mixed(fit(row, left), fit(row, right), across));
+        let [of_r, of_g, of_b, one] = mixed(&above, &below, down);
+        of_r * (255.0 * r) + of_g * (255.0 * g) + of_b * (255.0 * b) + one
+    }
+
+    /// The map, row after row.
+    pub(crate) fn rows(&self) -> Rows<'_> {
+        let spread = || Spread { row: None, fits: std::array::from_fn(|_| vec![0.0; self.width]) };
+        Rows { map: self, above: spread(), below: spread(), words: Vec::new(), values: vec![0.0; self.width] }
+    }
+}
+
+/// A map one row at a time, in memory of its own. Rows that follow one another share most of the work.
+pub(crate) struct Rows<'a> {
+    map: &'a Guided,
+    above: Spread,
+    below: Spread,
+    words: Vec<u32>,
+    values: Vec<f32>,
+}
+
+/// The functions of a row of cells, between whose middles they are interpolated: one for each column of pixels.
+struct Spread {
+    row: Option<usize>,
+    fits: [Vec<f32>; 4],
+}
+
+impl Spread {
+    fn fill(&mut self, map: &Guided, row: usize) {
+        if self.row == Some(row) {
+            return;
+        }
+        self.row = Some(row);
+        let line = &map.fits[row * map.columns.len()..][..map.columns.len()];
+        let mut start = 0;
+        for place in 0..=line.len() {
+            // The pixels between two middles, and those before the first and after the last.
+            let [from, to] = [place.saturating_sub(1), place.min(line.len() - 1)];
+            let end = map.columns.get(place).map_or(map.width, |middle| middle.div_ceil(2));
+            let (near, far) = (map.columns[from], map.columns[to]);
+            for x in start..end {
+                let fit = mixed(&line[from], &line[to], weights(near, far, x));
+                self.fits.iter_mut().zip(fit).for_each(|(fits, value)| fits[x] = value);
+            }
+            start = end;
+        }
+    }
+}
+
+impl Rows<'_> {
+    /// The map at the pixels of row `y`.
+    pub(crate) fn row<T: Sample, E: Encoding>(&mut self, y: usize, pixels: &[[T; 3]]) -> &mut [f32] {
+        let (from, to, weights) = between(&self.map.rows, y);
+        if self.below.row == Some(from) {
+            std::mem::swap(&mut self.above, &mut self.below);
+        }
+        self.above.fill(self.map, from);
+        self.below.fill(self.map, to);
+        let Self { above, below, words, values, .. } = self;
+        let between = Between { above: &above.fits, below: &below.fits, weights };
+        match T::bytes(pixels.as_flattened()) {
+            Some(bytes) if TypeId::of::<E>() == TypeId::of::<Encoded>() => {
+                words.resize(values.len(), 0);
+                pack(Level::best(), bytes.as_chunks().0, words);
+                simd::widest(OfWords { words, between, values });
+            }
+            _ => {
+                for (x, (value, pixel)) in values.iter_mut().zip(pixels).enumerate() {
+                    *value = between.at(x, pixel.map(|sample| 255.0 * E::to_encoded(sample.to_unit())));
+                }
+            }
+        }
+        values
+    }
+}
+
+/// The functions of two rows of cells, and what they count at a row of pixels between them.
+#[derive(Clone, Copy)]
+struct Between<'a> {
+    above: &'a [Vec<f32>; 4],
+    below: &'a [Vec<f32>; 4],
+    weights: [f32; 2],
+}
+
+impl Between<'_> {
+    /// The map at column `x` where the image has this colour, in steps of a byte.
+    #[inline(always)]
+    fn at(&self, x: usize, [r, g, b]: [f32; 3]) -> f32 {
+        let [up, down] = self.weights;
+        let [of_r, of_g, of_b, one] =
+            std::array::from_fn(|k| up * self.above[k][x] + down * self.below[k][x]);
+        of_r * r + of_g * g + of_b * b + one
+    }
+}
+
+/// The map at a row of packed pixels.
+struct OfWords<'a> {
+    words: &'a [u32],
+    between: Between<'a>,
+    values: &'a mut [f32],
+}
+
+impl Work for OfWords<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { words, between: Between { above, below, weights: [up, down] }, values } = self;
+        let width = values.len();
+        let words = &words[..width];
+        let [r0, g0, b0, one0] = above.each_ref().map(|plane| &plane[..width]);
+        let [r1, g1, b1, one1] = below.each_ref().map(|plane| &plane[..width]);
+        for x in 0..width {
+            // By way of signed numbers, for which processors have an instruction.
+            let [r, g, b] = channels(words[x]).map(|value| value as i32 as f32);
+            let of_r = up * r0[x] + down * r1[x];
+            let of_g = up * g0[x] + down * g1[x];
+            let of_b = up * b0[x] + down * b1[x];
+            values[x] = of_r * r + of_g * g + of_b * b + (up * one0[x] + down * one1[x]);
+        }
+    }
+}
+
+/// The middles before and after a place, and their weights there.
+fn between(middles: &[usize], place: usize) -> (usize, usize, [f32; 2]) {
+    let after = middles.partition_point(|&middle| middle < 2 * place);
+    let [from, to] = [after.saturating_sub(1), after.min(middles.len() - 1)];
+    (from, to, weights(middles[from], middles[to], place))
+}
+
+/// What two middles, each twice what it is, count at a place between them: the nearer the more. Mirrored they are exchanged, to
+/// the bit.
+#[inline(always)]
+fn weights(near: usize, far: usize, place: usize) -> [f32; 2] {
+    if near == far {
+        return [1.0, 0.0];
+    }
+    let scale = ((far - near) as f32).recip();
+    [(far - 2 * place) as f32 * scale, (2 * place - near) as f32 * scale]
+}
+
+#[inline(always)]
+fn mixed(from: &Affine, to: &Affine, [of_from, of_to]: [f32; 2]) -> Affine {
+    std::array::from_fn(|k| of_from * from[k] + of_to * to[k])
+}
+
+/// For each cell the affine function of colour, in `[0, 1]`, that follows `map` around it, a mean of those of its neighbours.
+fn fit(columns: usize, colours: &[[f32; 3]], map: &[f32], flat: f32) -> Vec<Affine> {
+    let mean = |of: &dyn Fn(usize) -> f32| {
+        mean_around(columns, REACH, &(0..map.len()).map(of).collect::<Vec<f32>>())
+    };
+    let of_colour = [0, 1, 2].map(|c| mean(&|i| colours[i][c]));
+    let of_map = mean(&|i| map[i]);
+    let products = [0, 1, 2].map(|c| mean(&|i| colours[i][c] * map[i]));
+    let squares = PAIRS.map(|(a, b)| mean(&|i| colours[i][a] * colours[i][b]));
+    let fits: Vec<Affine> = (0..map.len())
+        .map(|i| {
+            let means = of_colour.each_ref().map(|mean| mean[i]);
+            let with_map = [0, 1, 2].map(|c| products[c][i] - means[c] * of_map[i]);
+            let mut with_one_another = [0.0; 6];
+            for (covariance, (k, (a, b))) in with_one_another.iter_mut().zip(PAIRS.into_iter().enumerate()) {
+                *covariance = squares[k][i] - means[a] * means[b] + if a == b { flat } else { 0.0 };
+            }
+            let [r, g, b] = solve(with_one_another, with_map);
+            [r, g, b, of_map[i] - r * means[0] - g * means[1] - b * means[2]]
+        })
+        .collect();
+    let [r, g, b, one] = [0, 1, 2, 3].map(|k| mean(&|i| fits[i][k]));
+    (0..map.len()).map(|i| [r[i] / 255.0, g[i] / 255.0, b[i] / 255.0, one[i]]).collect()
+}
+
+/// The entries of a symmetric matrix, in the order in which they are kept.
+const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+/// x of `M x = y`, M symmetric and positive definite.
+fn solve([rr, rg, rb, gg, gb, bb]: [f32; 6], [r, g, b]: [f32; 3]) -> [f32; 3] {
+    // By cofactors: three unknowns need no pivots.
+    let (c_rr, c_rg, c_rb) = (gg * bb - gb * gb, gb * rb - rg * bb, rg * gb - gg * rb);
+    let (c_gg, c_gb, c_bb) = (rr * bb - rb * rb, rg * rb - rr * gb, rr * gg - rg * rg);
+    let scale = (rr * c_rr + rg * c_rg + rb * c_rb).recip();
+    [
+        scale * (c_rr * r + c_rg * g + c_rb * b),
+        scale * (c_rg * r + c_gg * g + c_gb * b),
+        scale * (c_rb * r + c_gb * g + c_bb * b),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_times_its_solution_is_the_right_side() {
+        let [x, y, z] = solve([2.0, 0.5, 0.25, 3.0, -0.5, 1.5], [1.0, -2.0, 0.5]);
+        let sides = [2.0 * x + 0.5 * y + 0.25 * z, 0.5 * x + 3.0 * y - 0.5 * z, 0.25 * x - 0.5 * y + 1.5 * z];
+        for (found, expected) in sides.into_iter().zip([1.0, -2.0, 0.5]) {
+            assert!((found - expected).abs() < 1e-5, "{found} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn a_map_that_is_an_edge_of_the_image_follows_it_within_a_cell() {
+        // Left dark things, right bright water; the map is known in cells, and a pixel of either colour in the middle
+        // cell is as its side.
+        let colours: Vec<[f32; 3]> =
+            (0..81).map(|i| if i % 9 < 4 { [0.1; 3] } else { [0.2, 0.5, 0.8] }).collect();
+        let map: Vec<f32> = (0..81).map(|i| if i % 9 < 4 { 0.0 } else { 1.0 }).collect();
+        let [r, g, b, one] = fit(9, &colours, &map, 1e-3)[4 * 9 + 4];
+        let at = |colour: [f32; 3]| 255.0 * (r * colour[0] + g * colour[1] + b * colour[2]) + one;
+        let [thing, water] = [at([0.1; 3]), at([0.2, 0.5, 0.8])];
+        assert!(water > 0.95 && water - thing > 0.5, "{thing} {water}");
+    }
+
+    #[test]
+    fn without_colours_to_guide_it_the_map_is_smoothed() {
+        let map: Vec<f32> = (0..49).map(|i| (i % 7) as f32 / 6.0).collect();
+        let [r, g, b, one] = fit(7, &[[0.5; 3]; 49], &map, 1e-3)[24];
+        assert!((127.5 * (r + g + b) + one - 0.5).abs() < 1e-3);
+    }
+}

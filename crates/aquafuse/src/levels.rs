@@ -23,7 +23,8 @@ const EXPONENTS: [f32; 2] = [0.4, 2.5];
 const RED_FROM_GREEN: f32 = 0.3;
 /// Colours become calmer where channels were treated apart: levels make noise colourful.
 const CALM: f32 = 0.87;
-/// Where red led the other channels by no more than this, it does not lead by more: a little less, since files round.
+/// Where red led the other channels by no more than this, it does not lead by more: a little less, since files round. Where it was
+/// behind by as much or more, it does not lead at all once distance has been undone.
 const LEAD: f32 = 20.0 / 255.0;
 const LEAD_MADE: f32 = 16.0 / 255.0;
 /// Where red led by more, its lead may grow so many times.
@@ -202,6 +203,10 @@ pub fn lightness<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> f32 {
 
 /// What becomes of a pixel before its levels are set. A trait and no closure, because its method can be `#[inline(always)]`.
 pub(crate) trait Before: Sync {
+    /// What part of its lead red may be made to have where it was far behind. A restoration gives red back by distance, and
+    /// there it would show where distance is wrong.
+    const LEAD_FROM_BEHIND: f32;
+
     /// The encoded value, not clipped, at a column and a row where the image has the value `raw`.
     fn at(&self, x: usize, y: usize, raw: [f32; 3]) -> [f32; 3];
 }
@@ -210,6 +215,8 @@ pub(crate) trait Before: Sync {
 struct AsItIs;
 
 impl Before for AsItIs {
+    const LEAD_FROM_BEHIND: f32 = 1.0;
+
     #[inline(always)]
     fn at(&self, _: usize, _: usize, raw: [f32; 3]) -> [f32; 3] {
         raw

@@ -58,7 +58,7 @@ pub(super) fn filter<T: Value>(
 /// Median of the 7x7 neighbourhood of each of `values`.
 pub(super) fn filtered<T: Value>(width: usize, values: &[T]) -> Vec<T> {
     filter(width, vec![T::default(); values.len()], |y, row| {
-        row.copy_from_slice(&values[y * width..][..width])
+        row.copy_from_slice(&values[y * width..][..width]);
     })
 }
 

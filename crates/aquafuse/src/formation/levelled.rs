@@ -77,6 +77,8 @@ struct Restored<'a, E, L> {
 }
 
 impl<E: Encoding, L: Fn(f32) -> Change + Sync> Before for Restored<'_, E, L> {
+    const LEAD_FROM_BEHIND: f32 = 0.0;
+
     #[inline(always)]
     fn at(&self, x: usize, y: usize, raw: [f32; 3]) -> [f32; 3] {
         let (gain, backscatter) = match &self.table {

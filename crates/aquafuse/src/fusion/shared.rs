@@ -124,7 +124,8 @@ impl Table {
     fn new<S: Stepped, E: Encoding>(law: &TransferLaw<E>) -> Option<Self> {
         let steps = |offset: f32| (255.0 * STEPS * offset).round();
         let water = law.in_share(PixelTransform::NONE, 1.0).offset.map(steps);
-        if water.iter().any(|shift| !(shift.abs() <= 255.0 * STEPS)) {
+        // A NaN is no such shift either.
+        if !water.iter().all(|shift| shift.abs() <= 255.0 * STEPS) {
             return None;
         }
         let mut less = Box::new([[0; 4]; TABLE]);

@@ -63,7 +63,7 @@ impl<T: Sample, B: Before> Work for Row<'_, T, B> {
             }
             stretch(levels, &mut planes);
             count(&planes, pixels.len(), &mut clipped);
-            finish(levels, &raw, &mut planes, |c, x| power(x, levels.exponent[c]));
+            finish::<B>(levels, &raw, &mut planes, |c, x| power(x, levels.exponent[c]));
             for (i, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = [0, 1, 2].map(|c| T::from_unit(planes[c][i]));
             }
@@ -127,7 +127,7 @@ impl<B: Before> Work for RowOfBytes<'_, B> {
             }
             stretch(levels, &mut planes);
             count(&planes, pixels.len(), &mut clipped);
-            finish(levels, &raw, &mut planes, |c, x| curves.at(c, x));
+            finish::<B>(levels, &raw, &mut planes, |c, x| curves.at(c, x));
             for c in 0..3 {
                 for (byte, &value) in bytes[c].iter_mut().zip(&planes[c]) {
                     *byte = (255.0 * unit(value) + ROUND).to_bits() as u8;
@@ -159,7 +159,7 @@ fn count(planes: &Planes, pixels: usize, clipped: &mut [u64; 3]) {
 }
 
 #[inline(always)]
-fn finish(
+fn finish<B: Before>(
     levels: &Levels,
     raw: &Planes,
     [reds, greens, blues]: &mut Planes,
@@ -174,9 +174,10 @@ fn finish(
         let lightness = LUMA[0] * red + LUMA[1] * green + LUMA[2] * blue;
         let calm = |value: f32| lightness + colour * (value - lightness);
         let (red, green, blue) = (calm(red), calm(green), calm(blue));
-        let lead = raw[0][i] - raw[1][i].max(raw[2][i]) - LEAD;
+        let lead = raw[0][i] - raw[1][i].max(raw[2][i]);
+        let made = LEAD_MADE * unit(1.0 + lead / LEAD).max(B::LEAD_FROM_BEHIND);
         // Where red is free to lead, nothing is below this bound.
-        let most = green.max(blue) + LEAD_MADE + growth * lead.max(f32::MIN_POSITIVE);
+        let most = green.max(blue) + made + growth * (lead - LEAD).max(f32::MIN_POSITIVE);
         let red = red.min(most);
         reds[i] = raw[0][i] + strength * (red - raw[0][i]);
         greens[i] = raw[1][i] + strength * (green - raw[1][i]);

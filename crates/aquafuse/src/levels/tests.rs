@@ -146,3 +146,29 @@ fn a_restoration_with_levels_that_set_nothing_is_equation_2() {
         assert!(alone.abs_diff(*in_one) <= 1, "{alone} is not {in_one}");
     }
 }
+
+#[test]
+fn where_red_was_far_behind_no_restoration_makes_it_lead() {
+    /// Red is given back and more.
+    struct Reddened;
+
+    impl Before for Reddened {
+        const LEAD_FROM_BEHIND: f32 = 0.0;
+
+        fn at(&self, _: usize, _: usize, [red, green, blue]: [f32; 3]) -> [f32; 3] {
+            [3.0 * red, green, blue]
+        }
+    }
+    let mut nearly_led = 0;
+    for water in 0..waters().len() {
+        let image = seen(water);
+        let mut restored = image.clone();
+        Levels::of_restored(image.view(), &LevelsOptions::default(), true, &Reddened)
+            .apply_restored(restored.view_mut(), &Reddened);
+        for (&before, &after) in image.pixels().iter().zip(restored.pixels()) {
+            assert!(lead(before) > -20 || lead(after) <= 1, "{before:?} became {after:?}");
+            nearly_led += usize::from(lead(before) <= -20 && lead(after) >= 0);
+        }
+    }
+    assert!(nearly_led > 100, "only {nearly_led} pixels put it to the test");
+}

@@ -19,7 +19,7 @@ pub(super) struct Statistics<E: Encoding> {
     /// z that 95 % of the pixels do not exceed, those beyond the steps of depth left out; the scale on which
     /// coefficients are bounded. Never 0.
     pub(super) z95: f32,
-    /// Share of all pixels at the nearest and at the farthest level.
+    /// Share of all pixels at the nearest and at the farthest levels.
     pub(super) at_ends: [f64; 2],
 }
 
@@ -38,13 +38,17 @@ pub(super) struct Dark {
     pub(super) spread: f32,
 }
 
+/// Levels that count as an end of the range: the mean over neighbours of which some are not at the end is not at it either.
+const AT_END: usize = 3;
+
 impl<E: Encoding> Statistics<E> {
     /// Counts `image` by its depth. What lies beyond the steps of depth gives the veiling light, but not how
     /// fast anything grows with distance: it joins no bin, unless there is nothing else.
     pub(super) fn gather(image: ImageRef<'_, u8>, depth: &Quantised<'_>) -> Self {
         let Quantised { levels, step, beyond } = depth;
         let mut counts = count(levels);
-        let at_ends = [counts[0], counts[LEVELS - 1]].map(|count| count as f64 / levels.len().max(1) as f64);
+        let at_end = |counts: &[u64]| counts.iter().sum::<u64>() as f64 / levels.len().max(1) as f64;
+        let at_ends = [at_end(&counts[..AT_END]), at_end(&counts[LEVELS - AT_END..])];
         if let Some(beyond) = beyond.map(usize::from)
             && counts[beyond] < levels.len() as u64
         {

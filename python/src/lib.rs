@@ -35,7 +35,7 @@ mod _native {
     #[pymodule_export]
     use crate::operations::{enhance, restore, simulate};
     #[pymodule_export]
-    use crate::threads::{get_threads, set_threads};
+    use crate::threads::{get_threads, panic, set_threads};
     #[pymodule_export]
     use crate::water::Water;
 

@@ -79,6 +79,12 @@ pub(crate) fn work<R: Send>(
     })
 }
 
+/// Panics within work, for the test that a panic becomes an exception.
+#[pyfunction]
+pub(crate) fn panic(py: Python<'_>, message: &str) -> Result<(), Fault> {
+    work(py, || panic!("{message}"))
+}
+
 /// The pool of this process; `None` for one thread, and where the system gives no more.
 fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
     if threads == 1 {

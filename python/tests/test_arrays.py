@@ -146,4 +146,6 @@ def test_out() -> None:
 
 
 def test_a_panic_is_an_exception() -> None:
-    assert issubclass(aquafuse.InternalError, aquafuse.AquaFuseError)
+    with pytest.raises(aquafuse.InternalError, match=r"asked for.*report"):
+        aquafuse._native.panic("asked for")
+    assert FUSER.fuse(scene(1)).shape == scene(1).shape

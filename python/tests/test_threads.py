@@ -48,7 +48,7 @@ def test_threads_of_python_share_a_fuser() -> None:
 
 def test_other_threads_run_meanwhile() -> None:
     """With the GIL held, a thread that counts would not move while an image is worked on."""
-    image = scene(1, 2000, 3000)
+    image = scene(1, 1000, 1500)
     counted, stop = [0], threading.Event()
 
     def count() -> None:

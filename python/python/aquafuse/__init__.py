@@ -55,6 +55,7 @@ def set_threads(threads: int) -> None:
 
     The default is one for each core, and one in worker processes of ``multiprocessing`` and of data loaders.
 
+    >>> import aquafuse
     >>> aquafuse.set_threads(1)
     >>> aquafuse.get_threads()
     1

@@ -37,11 +37,21 @@ pub(crate) fn take(object: &Bound<'_, PyAny>) -> PyResult<Taken> {
             Container::Array => "(height, width, 3)",
             Container::Tensor => "(3, height, width) as a tensor",
         };
-        let found = if container == Container::Tensor { object.getattr("shape")?.str()?.to_string() } else { listed(shape) };
-        return Err(Fault::array(format!("an image has the shape {expected}, not {found}; {}", remedy(shape))).into());
+        let found = if container == Container::Tensor {
+            object.getattr("shape")?.str()?.to_string()
+        } else {
+            listed(shape)
+        };
+        return Err(Fault::array(format!(
+            "an image has the shape {expected}, not {found}; {}",
+            remedy(shape)
+        ))
+        .into());
     };
     if height == 0 || width == 0 {
-        return Err(Fault::array(format!("the image has {width} columns and {height} rows: it is empty")).into());
+        return Err(
+            Fault::array(format!("the image has {width} columns and {height} rows: it is empty")).into()
+        );
     }
     let pixels = if let Ok(array) = array.cast::<PyArray3<u8>>() {
         Pixels::from(image::<u8>(width, height, samples(array.as_untyped())?)?)
@@ -83,13 +93,17 @@ fn remedy(shape: &[usize]) -> &'static str {
 /// The values of an array in order, copied once; twice if they lie in another order in memory.
 fn samples<T: Element + Copy>(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<T>> {
     let py = array.py();
-    let is_plain = array.is_c_contiguous() && array.getattr(intern!(py, "flags"))?.getattr(intern!(py, "aligned"))?.is_truthy()?;
+    let is_plain = array.is_c_contiguous()
+        && array.getattr(intern!(py, "flags"))?.getattr(intern!(py, "aligned"))?.is_truthy()?;
     let plain = match is_plain {
         true => array.clone().into_any(),
-        false => py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "require"), (array, py.None(), ["C", "A"]))?,
+        false => py
+            .import(intern!(py, "numpy"))?
+            .call_method1(intern!(py, "require"), (array, py.None(), ["C", "A"]))?,
     };
     let plain = plain.cast_into::<PyArrayDyn<T>>()?;
-    let values = plain.try_readonly().map_err(|error| Fault::array(format!("{error}: wait for the other call")))?;
+    let values =
+        plain.try_readonly().map_err(|error| Fault::array(format!("{error}: wait for the other call")))?;
     let values = values.as_slice().map_err(|error| Fault::array(error.to_string()))?;
     Ok(values.to_vec())
 }
@@ -101,13 +115,17 @@ fn shared<'py>(object: &Bound<'py, PyAny>, what: &str) -> PyResult<(Bound<'py, P
     }
     let py = object.py();
     if is_tensor(object)? {
-        let device = object.getattr(intern!(py, "device"))?.getattr(intern!(py, "type"))?.extract::<String>()?;
+        let device =
+            object.getattr(intern!(py, "device"))?.getattr(intern!(py, "type"))?.extract::<String>()?;
         if device != "cpu" {
-            let message = format!("this tensor is on {device}, and aquafuse works on the CPU; pass tensor.cpu()");
+            let message =
+                format!("this tensor is on {device}, and aquafuse works on the CPU; pass tensor.cpu()");
             return Err(Fault::array(message).into());
         }
         let plain = object.call_method0(intern!(py, "detach"))?.call_method0(intern!(py, "numpy"));
-        let plain = plain.map_err(|error| Fault::array(format!("cannot share the memory of this tensor: {error}; pass tensor.float()")))?;
+        let plain = plain.map_err(|error| {
+            Fault::array(format!("cannot share the memory of this tensor: {error}; pass tensor.float()"))
+        })?;
         let mut array = plain.cast_into::<PyUntypedArray>()?;
         if array.ndim() == 3 {
             array = array.call_method1(intern!(py, "transpose"), (1, 2, 0))?.cast_into()?;
@@ -116,16 +134,22 @@ fn shared<'py>(object: &Bound<'py, PyAny>, what: &str) -> PyResult<(Bound<'py, P
     }
     if object.hasattr(intern!(py, "__array_interface__"))? || object.hasattr(intern!(py, "__array__"))? {
         let array = py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "asarray"), (object,));
-        let array = array.map_err(|error| Fault::array(format!("cannot read this object as an array: {error}; pass a numpy array")))?;
+        let array = array.map_err(|error| {
+            Fault::array(format!("cannot read this object as an array: {error}; pass a numpy array"))
+        })?;
         return Ok((array.cast_into()?, Container::Array));
     }
     let name = object.get_type().qualname()?;
-    Err(Fault::array(format!("{what} is a numpy array or a tensor of torch on the CPU, not {name}; pass numpy.asarray(...)")).into())
+    Err(Fault::array(format!(
+        "{what} is a numpy array or a tensor of torch on the CPU, not {name}; pass numpy.asarray(...)"
+    ))
+    .into())
 }
 
 /// Whether an object is a tensor of torch, which is never imported for that.
 fn is_tensor(object: &Bound<'_, PyAny>) -> PyResult<bool> {
-    let modules = object.py().import(intern!(object.py(), "sys"))?.getattr(intern!(object.py(), "modules"))?;
+    let modules =
+        object.py().import(intern!(object.py(), "sys"))?.getattr(intern!(object.py(), "modules"))?;
     let torch = modules.call_method1(intern!(object.py(), "get"), ("torch",))?;
     match torch.is_none() || !torch.hasattr(intern!(object.py(), "Tensor"))? {
         true => Ok(false),
@@ -147,12 +171,14 @@ pub(crate) fn give<'py>(
     };
     match (out, container) {
         (Some(out), _) => {
-            py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "copyto"), (shared(out, "out")?.0, array))?;
+            py.import(intern!(py, "numpy"))?
+                .call_method1(intern!(py, "copyto"), (shared(out, "out")?.0, array))?;
             Ok(out.clone())
         }
         (None, Container::Array) => Ok(array),
         (None, Container::Tensor) => {
-            let tensor = py.import(intern!(py, "torch"))?.call_method1(intern!(py, "from_numpy"), (array,))?;
+            let tensor =
+                py.import(intern!(py, "torch"))?.call_method1(intern!(py, "from_numpy"), (array,))?;
             tensor.call_method1(intern!(py, "permute"), (2, 0, 1))
         }
     }
@@ -192,7 +218,11 @@ fn array_of<T: Sample + Element>(py: Python<'_>, image: Image<T>) -> PyResult<Bo
 }
 
 /// One value for each pixel as an array of shape (height, width).
-pub(crate) fn plane(py: Python<'_>, (width, height): (usize, usize), values: Vec<f32>) -> PyResult<Bound<'_, PyArray2<f32>>> {
+pub(crate) fn plane(
+    py: Python<'_>,
+    (width, height): (usize, usize),
+    values: Vec<f32>,
+) -> PyResult<Bound<'_, PyArray2<f32>>> {
     let array = Array2::from_shape_vec((height, width), values);
     Ok(PyArray2::from_owned_array(py, array.map_err(|error| Fault::array(error.to_string()))?))
 }
@@ -203,13 +233,19 @@ pub(crate) fn take_depth(object: &Bound<'_, PyAny>, kind: SuppliedKind) -> PyRes
     let (array, _) = shared(object, "depth")?;
     let &[height, width] = array.shape() else {
         let found = listed(array.shape());
-        return Err(Fault::array(format!("depth has the shape (height, width), not {found}; pass one value for each pixel")).into());
+        return Err(Fault::array(format!(
+            "depth has the shape (height, width), not {found}; pass one value for each pixel"
+        ))
+        .into());
     };
     let full_range = match array.dtype().kind() {
         b'f' => None,
         b'u' => Some(2_f32.powi(8 * i32::try_from(array.dtype().itemsize()).unwrap_or(1)) - 1.0),
         _ => {
-            let message = format!("depth is of float or unsigned whole numbers, not {}; convert it by .astype(numpy.float32)", array.dtype().str()?);
+            let message = format!(
+                "depth is of float or unsigned whole numbers, not {}; convert it by .astype(numpy.float32)",
+                array.dtype().str()?
+            );
             return Err(Fault::array(message).into());
         }
     };

@@ -3,7 +3,9 @@
 use aquafuse::depth::{DepthKind, DepthModel, Supplied, SuppliedKind};
 use aquafuse::image::TopEdge;
 use aquafuse_data::image_file::ImageFile;
-use aquafuse_data::pipeline::{Analysis, DepthSource, PixelEncoding, WaterEstimate, analyse_in, analyse_supplied};
+use aquafuse_data::pipeline::{
+    Analysis, DepthSource, PixelEncoding, WaterEstimate, analyse_in, analyse_supplied,
+};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -32,7 +34,11 @@ impl Depth {
     }
 
     /// Estimates depth and water of an image.
-    pub(crate) fn analyse(self, encoding: PixelEncoding, image: &ImageFile) -> Result<Analysis<WaterEstimate>, Fault> {
+    pub(crate) fn analyse(
+        self,
+        encoding: PixelEncoding,
+        image: &ImageFile,
+    ) -> Result<Analysis<WaterEstimate>, Fault> {
         Ok(match self {
             Self::Colour(model) => analyse_in(encoding, image, &DepthSource::Estimated(model))?,
             Self::Values(map) => analyse_supplied(encoding, image, map)?,
@@ -42,7 +48,10 @@ impl Depth {
 
 /// Depth from colour, as an array of shape (height, width).
 #[pyfunction]
-pub(crate) fn estimate_depth<'py>(image: &Bound<'py, PyAny>, model: &str) -> PyResult<Bound<'py, PyArray2<f32>>> {
+pub(crate) fn estimate_depth<'py>(
+    image: &Bound<'py, PyAny>,
+    model: &str,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (py, model) = (image.py(), depth_model(model)?);
     let pixels = take(image)?.pixels;
     let (size, values) = threads::work(py, || {

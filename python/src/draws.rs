@@ -27,7 +27,9 @@ impl Draws {
         }
         for (name, (low, high)) in [("theta_range", theta_range), ("alpha_range", alpha_range)] {
             if low > high {
-                return Err(Fault::argument(format!("{name} is ({low}, {high}); give the smaller number first")));
+                return Err(Fault::argument(format!(
+                    "{name} is ({low}, {high}); give the smaller number first"
+                )));
             }
         }
         Ok(Self(augment::Draws { seed, with_replacement, theta: theta_range, alpha: alpha_range }))

@@ -56,9 +56,11 @@ impl Fault {
     /// A panic: its message is what the person who mends it needs.
     pub(crate) fn panic(payload: &(dyn std::any::Any + Send)) -> Self {
         let text = payload.downcast_ref::<&str>().copied();
-        let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
-        let message =
-            format!("aquafuse panicked ({text}). This is a bug of aquafuse: please report it with the array's shape and dtype");
+        let text =
+            text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
+        let message = format!(
+            "aquafuse panicked ({text}). This is a bug of aquafuse: please report it with the array's shape and dtype"
+        );
         Self { kind: Kind::Internal, message }
     }
 }
@@ -97,7 +99,9 @@ impl From<SuppliedError> for Fault {
     fn from(error: SuppliedError) -> Self {
         let remedy = match error {
             SuppliedError::Size { .. } => "give one value for each pixel of the image",
-            SuppliedError::AboveOne { .. } => "divide the values by their largest one, or declare another depth_kind",
+            SuppliedError::AboveOne { .. } => {
+                "divide the values by their largest one, or declare another depth_kind"
+            }
             SuppliedError::TooFewValid { .. } => "leave depth out, and it is estimated from colour",
             _ => "leave depth out, or declare another depth_kind",
         };

@@ -114,8 +114,10 @@ impl Estimate {
         let figure = threads::work(py, || {
             let options = EstimateOptions::default();
             let evidence = waterbody::evidence::<Encoded>(&*self.image.bytes(), &self.found.depth, &options)?;
-            let [r, g, b] = self.found.estimate.water.veiling_light.rgb().map(|value| (255.0 * value).round() as u8);
-            let captions = Captions { name: &self.name, veiling_light: &format!("B∞ #{r:02x}{g:02x}{b:02x}") };
+            let [r, g, b] =
+                self.found.estimate.water.veiling_light.rgb().map(|value| (255.0 * value).round() as u8);
+            let captions =
+                Captions { name: &self.name, veiling_light: &format!("B∞ #{r:02x}{g:02x}{b:02x}") };
             drawing::estimates(captions, &self.image, &self.found, &evidence).map_err(Fault::array)
         })?;
         give(py, Pixels::from(figure), Container::Array, None)

@@ -40,9 +40,10 @@ pub(crate) fn ssim(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<Optio
 #[pyfunction]
 pub(crate) fn depth_rmse(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, model: &str) -> PyResult<f64> {
     let (first, second, model) = (take(a)?.pixels, take(b)?.pixels, depth_model(model)?);
-    let found = threads::work(a.py(), || {
-        both!(&first, &second, x, y => metrics::depth_rmse(&x.image, &y.image, model))
-    })?;
+    let found = threads::work(
+        a.py(),
+        || both!(&first, &second, x, y => metrics::depth_rmse(&x.image, &y.image, model)),
+    )?;
     Ok(found.percent())
 }
 

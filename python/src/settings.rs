@@ -73,7 +73,9 @@ pub(crate) fn depth_model(name: &str) -> Result<DepthModel, Fault> {
     }
     if model_file::check_name(Path::new(name)).is_err() {
         let names = DepthModel::ALL.iter().map(DepthModel::name).collect::<Vec<_>>().join(", ");
-        let message = format!("there is no depth model {name:?}; give one of {names}, or a FILE.toml from `aquafuse fit`");
+        let message = format!(
+            "there is no depth model {name:?}; give one of {names}, or a FILE.toml from `aquafuse fit`"
+        );
         return Err(Fault::argument(message));
     }
     let file = ModelFile::read(Path::new(name)).map_err(|error| Fault::argument(error.to_string()))?;
@@ -89,9 +91,12 @@ pub(crate) fn gain(alpha: f32) -> Result<Gain, Fault> {
 }
 
 pub(crate) fn scale(metres_at_one: Option<f32>) -> Result<RelativeScale, Fault> {
-    metres_at_one.map_or_else(|| Ok(RelativeScale::default()), |metres| {
-        RelativeScale::new(metres).map_err(|error| Fault::argument(format!("metres_at_one: {error}")))
-    })
+    metres_at_one.map_or_else(
+        || Ok(RelativeScale::default()),
+        |metres| {
+            RelativeScale::new(metres).map_err(|error| Fault::argument(format!("metres_at_one: {error}")))
+        },
+    )
 }
 
 /// How levels are set.

@@ -68,11 +68,14 @@ pub(crate) fn work<R: Send>(
     work: impl FnOnce() -> Result<R, Fault> + Send,
 ) -> Result<R, Fault> {
     py.detach(|| {
-        let guarded = || catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| Err(Fault::panic(&*cause)));
+        let guarded =
+            || catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| Err(Fault::panic(&*cause)));
         match pool(get_threads()) {
             Some(pool) => pool.install(guarded),
             None => ALONE.with(|alone| {
-                alone.get_or_init(|| ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().ok());
+                alone.get_or_init(|| {
+                    ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().ok()
+                });
                 guarded()
             }),
         }

@@ -34,7 +34,8 @@ fn rgb<T: Copy>([r, g, b]: [T; 3]) -> Rgb<T> {
 
 /// The reasons of a verdict as files name them.
 pub(crate) fn reason_names(quality: Quality) -> Vec<String> {
-    let name = |reason: Reason| serde_json::to_value(reason).ok().and_then(|name| name.as_str().map(str::to_owned));
+    let name =
+        |reason: Reason| serde_json::to_value(reason).ok().and_then(|name| name.as_str().map(str::to_owned));
     quality.reasons.iter().filter_map(name).collect()
 }
 
@@ -48,7 +49,12 @@ impl Water {
     }
 
     /// The water per unit of a kind of depth, with another visibility in metres if one is given.
-    pub(crate) fn per(&self, kind: DepthKind, scale: RelativeScale, visibility: Option<f32>) -> Result<WaterEstimate, Fault> {
+    pub(crate) fn per(
+        &self,
+        kind: DepthKind,
+        scale: RelativeScale,
+        visibility: Option<f32>,
+    ) -> Result<WaterEstimate, Fault> {
         let Some(metres) = visibility else { return Ok(self.file.per(kind, scale)?) };
         if !(0.1..=1000.0).contains(&metres) {
             return Err(Fault::argument(format!("visibility is {metres}; give 0.1 to 1000 metres")));
@@ -82,7 +88,11 @@ fn conditions(below_surface: f64, camera: &str) -> Result<Conditions, Fault> {
         "daylight" => White::Daylight,
         "at-depth" => White::AtDepth,
         "at-surface" => White::AtSurface,
-        _ => return Err(Fault::argument(format!("there is no camera {camera:?}; give daylight, at-depth or at-surface"))),
+        _ => {
+            return Err(Fault::argument(format!(
+                "there is no camera {camera:?}; give daylight, at-depth or at-surface"
+            )));
+        }
     };
     let conditions = Conditions::default().with_white(white);
     conditions.with_depth_below_surface(below_surface).map_err(Fault::argument)
@@ -147,7 +157,9 @@ impl Water {
         let kinds: Vec<_> = waters.iter().map(|water| water.file.depth_kind).collect();
         let kind = kinds.first().copied().filter(|first| kinds.iter().all(|kind| kind == first));
         let (Some(depth_kind), Some(estimate)) = (kind, WaterEstimate::pool(&estimates)) else {
-            return Err(Fault::argument("waters are pooled if there is one at least, and all are per one unit of depth and of one encoding"));
+            return Err(Fault::argument(
+                "waters are pooled if there is one at least, and all are per one unit of depth and of one encoding",
+            ));
         };
         let from = waters.iter().flat_map(|water| water.file.from.clone()).collect();
         Ok(Self { file: WaterFile { from, depth_kind, estimate }, preset: None })

@@ -88,7 +88,10 @@ class WaterSampler:
     ) -> None:
         if not 0.0 <= share <= 1.0:
             raise ArgumentError(f"share is {share}; give a number from 0 (none) to 1 (every sample)")
-        self.theta_range, self.alpha_range, self.share = tuple(theta_range), tuple(alpha_range), share
+        # A list where it was read from JSON.
+        self.theta_range = (theta_range[0], theta_range[1])
+        self.alpha_range = (alpha_range[0], alpha_range[1])
+        self.share = share
         self._seed = seed
         self._draws = self._make_draws()
         self.fusers = [
@@ -101,7 +104,7 @@ class WaterSampler:
     def _make_draws(self) -> tuple[_native.Draws, _native.Draws]:
         seed = self._seed % 2**64
         return (
-            _native.Draws(seed, self.theta_range, self.alpha_range, False),  # pyright: ignore[reportArgumentType]
+            _native.Draws(seed, self.theta_range, self.alpha_range, False),
             _native.Draws(seed, (0.0, 1.0), (0.0, 1.0), False),
         )
 
@@ -121,11 +124,11 @@ class WaterSampler:
         if at >= self.share:
             return Drawn(None, 0.0, 0.0)
 
-        def between(low: float, high: float, share: float) -> float:
-            return low + (high - low) * share
+        def between(range: tuple[float, float], share: float) -> float:
+            return range[0] + (range[1] - range[0]) * share
 
         water = min(int(which * len(self.fusers)), len(self.fusers) - 1)
-        return Drawn(water, between(*self.theta_range, theta), between(*self.alpha_range, alpha))
+        return Drawn(water, between(self.theta_range, theta), between(self.alpha_range, alpha))
 
     def __getstate__(self) -> dict[str, object]:
         return {name: value for name, value in self.__dict__.items() if name != "_draws"}

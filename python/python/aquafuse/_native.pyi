@@ -7,6 +7,27 @@ import numpy.typing as npt
 
 from aquafuse._options import Reading, Verdict
 
+__all__ = [
+    "Draws",
+    "Estimate",
+    "Fuser",
+    "Water",
+    "__version__",
+    "depth_rmse",
+    "enhance",
+    "estimate_depth",
+    "get_threads",
+    "inspect",
+    "main",
+    "panic",
+    "psnr",
+    "restore",
+    "scores",
+    "set_threads",
+    "simulate",
+    "ssim",
+]
+
 _T = TypeVar("_T")
 _Rgb = tuple[float, float, float]
 _Interval = tuple[float, float]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import Any, Literal, TypeAlias, final
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, cast, final
 
 from aquafuse import _native
 from aquafuse._errors import FileError
@@ -271,8 +272,8 @@ def as_water(
     if isinstance(source, str) and source.startswith("preset:"):
         return Water.preset(source.removeprefix("preset:"), linear=linear)
     if isinstance(source, (str, os.PathLike)):
-        path: str | os.PathLike[str] = source
-        if str(path) in Water.presets() and not os.path.exists(path):
+        path = Path(cast("str | os.PathLike[str]", source))
+        if str(path) in Water.presets() and not path.exists():
             raise FileError(f"there is no file {path}; did you mean preset:{path}?")
         return Water.open(path, depth_model=depth_model, border=border, linear=linear)
     return Water.from_image(source, depth_model=depth_model, border=border, linear=linear)

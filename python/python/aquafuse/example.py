@@ -21,4 +21,5 @@ def reef(height: int = 96, width: int = 128) -> npt.NDArray[np.uint8]:
     clear = np.stack([0.9 * texture, 0.7 * texture, 0.5 * texture], axis=-1)
     light = np.exp(-distance[..., None] * np.array([3.5, 1.6, 1.2]))
     water = np.array([0.08, 0.42, 0.55]) * (1.0 - np.exp(-4.0 * distance[..., None]))
-    return np.round(255.0 * np.clip(clear * light + water, 0.0, 1.0)).astype(np.uint8)
+    seen: npt.NDArray[np.float64] = np.minimum(clear * light + water, 1.0)
+    return np.round(255.0 * seen).astype(np.uint8)

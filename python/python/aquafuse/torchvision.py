@@ -90,16 +90,16 @@ class WaterFusion(v2.Transform):
         drawn = self.sampler.keyed(keys[0]) if keys else self.sampler.random(_TorchRandom())
         return {"drawn": drawn}
 
-    def transform(self, inpt: Any, params: dict[str, Any]) -> Any:
+    def transform(self, image: Any, params: dict[str, Any]) -> Any:
         """An image of the sample in the water that was drawn."""
         drawn: Drawn = params["drawn"]
-        if isinstance(inpt, Key) or drawn.water is None:
-            return inpt
+        if isinstance(image, Key) or drawn.water is None:
+            return image
         fuser = self.sampler.fusers[drawn.water]
-        if isinstance(inpt, PIL.Image.Image):
-            if inpt.mode != "RGB":
-                raise ArrayError(f'the image has the mode {inpt.mode}; convert it by image.convert("RGB")')
-            return PIL.Image.fromarray(fuser.fuse(np.asarray(inpt), theta=drawn.theta, alpha=drawn.alpha))
-        plain = inpt.as_subclass(torch.Tensor)
+        if isinstance(image, PIL.Image.Image):
+            if image.mode != "RGB":
+                raise ArrayError(f'the image has the mode {image.mode}; convert it by image.convert("RGB")')
+            return PIL.Image.fromarray(fuser.fuse(np.asarray(image), theta=drawn.theta, alpha=drawn.alpha))
+        plain = image.as_subclass(torch.Tensor)
         fused = fuser.fuse(plain, theta=drawn.theta, alpha=drawn.alpha).contiguous()
-        return tv_tensors.wrap(fused, like=inpt) if isinstance(inpt, tv_tensors.Image) else fused
+        return tv_tensors.wrap(fused, like=image) if isinstance(image, tv_tensors.Image) else fused

@@ -105,4 +105,5 @@ def transform(**options: Any) -> WaterFusion:
     """
     from aquafuse.albumentations import WaterFusion
 
-    return WaterFusion(**{"channels": "bgr", **options})
+    options.setdefault("channels", "bgr")
+    return WaterFusion(**options)

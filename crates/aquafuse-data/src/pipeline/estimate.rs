@@ -276,8 +276,7 @@ fn analyse_at<E: Encoding, M>(
     estimate: impl FnOnce(&Image<u8>, &DepthMap) -> Result<(Estimate<E>, WaterShare, M), ImageError>,
 ) -> (Analysis<Estimate<E>>, M) {
     count(Step::WaterEstimated);
-    let (mut estimate, share, more) =
-        estimate(bytes, &depth).expect("the depth map was made for this image");
+    let (mut estimate, share, more) = estimate(bytes, &depth).expect("the depth map was made for this image");
     if supplied.is_some_and(|report| report.looks_inverted()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }

@@ -19,6 +19,7 @@ pub(crate) enum Kind {
     Argument,
     Array,
     File,
+    Run,
     Internal,
 }
 
@@ -28,6 +29,7 @@ impl Kind {
             Self::Argument => "ArgumentError",
             Self::Array => "ArrayError",
             Self::File => "FileError",
+            Self::Run => "RunError",
             Self::Internal => "InternalError",
         }
     }
@@ -51,6 +53,10 @@ impl Fault {
 
     fn file(message: impl Display) -> Self {
         Self { kind: Kind::File, message: message.to_string() }
+    }
+
+    pub(crate) fn run(message: impl Display) -> Self {
+        Self { kind: Kind::Run, message: message.to_string() }
     }
 
     /// A panic: its message is what the person who mends it needs.

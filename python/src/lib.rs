@@ -3,6 +3,7 @@
 //! Names, defaults and documentation stand in the Python files beside this crate. Nothing here is physics.
 
 mod array;
+mod augment;
 mod command;
 mod depth;
 mod draws;
@@ -20,6 +21,8 @@ mod water;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::augment::augment;
     #[pymodule_export]
     use crate::command::main;
     #[pymodule_export]

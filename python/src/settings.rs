@@ -50,8 +50,7 @@ pub(crate) fn supplied(given: Option<&Bound<'_, PyAny>>, kind: Option<&str>) -> 
     match (given, kind) {
         (None, None) => Ok(None),
         (Some(map), Some(kind)) => {
-            let kind: SuppliedKind = kind.parse().map_err(Fault::from)?;
-            Ok(Some(Depth::Values(take_depth(map, kind)?)))
+            Ok(Some(Depth::Values(take_depth(map, self::kind(kind)?)?)))
         }
         (Some(_), None) => Err(Fault::argument(
             "an array does not state the kind of its values; add depth_kind=\"metres\", \"millimetres\" or \"relative\" \
@@ -60,6 +59,11 @@ pub(crate) fn supplied(given: Option<&Bound<'_, PyAny>>, kind: Option<&str>) -> 
         .into()),
         (None, Some(_)) => Err(Fault::argument("depth_kind has no effect without depth; pass depth=ARRAY").into()),
     }
+}
+
+/// A kind of depth by its name.
+pub(crate) fn kind(name: &str) -> Result<SuppliedKind, Fault> {
+    Ok(name.parse()?)
 }
 
 pub(crate) fn encoding(linear: bool) -> PixelEncoding {

@@ -63,6 +63,10 @@ impl Water {
         Ok(metric.per(DepthKind::Metres, kind, scale)?)
     }
 
+    pub(crate) fn file(&self) -> &WaterFile {
+        &self.file
+    }
+
     /// The light on the scene relative to daylight: that of a preset below the surface, else 1.
     pub(crate) fn light(&self) -> Result<[f32; 3], Fault> {
         match &self.preset {

@@ -65,7 +65,7 @@ def test_encodings_do_not_mix() -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"model": "phisical"}, "physical"),
+        ({"model": "fusion"}, "physical"),
         ({"theta": 91}, "90"),
         ({"alpha": -1}, "0 or more"),
         ({"smooth": "very"}, "bilateral"),

@@ -41,6 +41,7 @@ fn main() -> ExitCode {
         ["wheel"] => set_up()
             .and_then(|tools| steps.time("Python wheel", || wheel::test(&tools)))
             .and_then(|outcome| wheel::show(&outcome)),
+        ["api"] => api::renew(),
         ["bench", ref parts @ ..] => {
             let lab = ["run", "--quiet", "--release", "--package", "lab", "--", "bench"];
             call(cargo(&[&lab[..], parts].concat()))

@@ -18,6 +18,7 @@ from __future__ import annotations
 import sys
 
 from aquafuse import _native, example, metrics
+from aquafuse._augment import Event, Summary, augment
 from aquafuse._errors import AquaFuseError, ArgumentError, ArrayError, FileError, InternalError, RunError
 from aquafuse._estimate import Estimate, inspect
 from aquafuse._fuser import Fuser, Report, fuse
@@ -29,12 +30,15 @@ __all__ = [
     "ArgumentError",
     "ArrayError",
     "Estimate",
+    "Event",
     "FileError",
     "Fuser",
     "InternalError",
     "Report",
     "RunError",
+    "Summary",
     "Water",
+    "augment",
     "depth",
     "enhance",
     "example",

@@ -13,6 +13,7 @@ __all__ = [
     "Fuser",
     "Water",
     "__version__",
+    "augment",
     "depth_rmse",
     "enhance",
     "estimate_depth",
@@ -66,6 +67,14 @@ def psnr(a: Any, b: Any) -> float: ...
 def ssim(a: Any, b: Any) -> float | None: ...
 def depth_rmse(a: Any, b: Any, model: str) -> float: ...
 def scores(image: Any) -> tuple[float, float | None, float, float, float | None, float]: ...
+def augment(
+    dataset: str,
+    waters: list[tuple[str, Water, str | None]],
+    output: str,
+    reading: Reading,
+    settings: dict[str, Any],
+    listener: Any,
+) -> tuple[int, int, int, int]: ...
 @final
 class Draws:
     def __new__(

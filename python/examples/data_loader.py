@@ -1,15 +1,14 @@
 """Water fusion in a data loader of torch: the same images for any number of workers, other ones in each epoch.
 
-    pip install aquafuse[albumentations] torch
-    python data_loader.py
+pip install aquafuse[albumentations] torch
+python data_loader.py
 """
 
 import albumentations as A
-import torch
-from torch.utils.data import DataLoader, Dataset
-
 import aquafuse
+import torch
 from aquafuse.albumentations import Key, WaterFusion
+from torch.utils.data import DataLoader, Dataset
 
 
 class Reefs(Dataset):

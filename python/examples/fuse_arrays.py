@@ -7,10 +7,9 @@ Needs pillow.
 
 import sys
 
+import aquafuse
 import numpy as np
 from PIL import Image
-
-import aquafuse
 
 image = np.asarray(Image.open(sys.argv[1]).convert("RGB")) if len(sys.argv) > 1 else aquafuse.example.reef(240, 320)
 out = sys.argv[2] if len(sys.argv) > 2 else "waters.png"

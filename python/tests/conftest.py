@@ -6,10 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import aquafuse
 import numpy as np
 import pytest
-
-import aquafuse
 
 
 def scene(number: int, height: int = 120, width: int = 160) -> np.ndarray:

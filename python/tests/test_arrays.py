@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 
+import aquafuse
 import numpy as np
 import pytest
 from conftest import scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-
-import aquafuse
 
 EXAMPLES = int(os.environ.get("AQUAFUSE_EXAMPLES", "1000"))
 FUSER = aquafuse.Fuser("preset:jerlov-3C", model="exchange", border="none")

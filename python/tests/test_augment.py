@@ -7,11 +7,10 @@ import multiprocessing
 import shutil
 from pathlib import Path
 
+import aquafuse
 import cv2
 import pytest
 from conftest import command, scene, succeed
-
-import aquafuse
 
 
 def dataset(folder: Path, images: int = 4) -> Path:

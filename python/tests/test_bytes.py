@@ -6,12 +6,11 @@ import itertools
 import os
 from pathlib import Path
 
+import aquafuse
 import cv2
 import numpy as np
 import pytest
 from conftest import scene, succeed
-
-import aquafuse
 
 BORDERED = np.pad(scene(5), ((20, 20), (0, 0), (0, 0)))
 
@@ -118,9 +117,7 @@ def test_simulate(tmp_path: Path) -> None:
         flags = ["--linear"] * linear + ["--keep-light"] * keep
         words = ["simulate", content, tmp_path / "z.npy", "preset:jerlov-3C", "-o", output, "--overwrite"]
         succeed(*words, "--depth-kind", "metres", *flags)
-        made = aquafuse.simulate(
-            scene(2), depth, "preset:jerlov-3C", depth_kind="metres", linear=linear, keep_light=keep
-        )
+        made = aquafuse.simulate(scene(2), depth, "preset:jerlov-3C", depth_kind="metres", linear=linear, keep_light=keep)
         np.testing.assert_array_equal(made, read(output))
 
 

@@ -10,11 +10,10 @@ import sys
 import time
 from pathlib import Path
 
+import aquafuse
 import cv2
 import pytest
 from conftest import command, scene
-
-import aquafuse
 
 
 def test_version_help_and_exit_codes() -> None:

@@ -5,12 +5,17 @@ from __future__ import annotations
 import doctest
 import importlib
 import pkgutil
-
-import pytest
+import re
+from pathlib import Path
 
 import aquafuse
+import pytest
 
-OPTIONAL = {"aquafuse.albumentations": "albumentations", "aquafuse.torchvision": "torchvision", "aquafuse.ultralytics": "ultralytics"}
+OPTIONAL = {
+    "aquafuse.albumentations": "albumentations",
+    "aquafuse.torchvision": "torchvision",
+    "aquafuse.ultralytics": "ultralytics",
+}
 NAMES = [f"aquafuse.{module.name}" for module in pkgutil.iter_modules(aquafuse.__path__)]
 
 
@@ -23,3 +28,15 @@ def test_examples(name: str) -> None:
         assert doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS).failed == 0
     finally:
         aquafuse.set_threads(threads)
+
+
+def test_the_page_about_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = Path(__file__).parents[2] / "docs" / "python.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    assert len(blocks) >= 6
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks:
+        if "albumentations" in block:
+            pytest.importorskip("albumentations")
+        exec(compile(block, page.name, "exec"), names)

@@ -6,12 +6,11 @@ import copy
 import pickle
 from pathlib import Path
 
+import aquafuse
 import numpy as np
 import pytest
-from conftest import scene
-
-import aquafuse
 from aquafuse import Fuser, Water
+from conftest import scene
 
 WATERS = [
     Water.from_image(scene(1)),

@@ -7,11 +7,10 @@ import multiprocessing
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
+import aquafuse
 import numpy as np
 import pytest
 from conftest import scene
-
-import aquafuse
 
 FUSER = aquafuse.Fuser("preset:jerlov-3C")
 

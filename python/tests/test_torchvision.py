@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import pickle
 
+import aquafuse
 import numpy as np
 import pytest
 from conftest import scene
 
-import aquafuse
-
 torch = pytest.importorskip("torch")
 pytest.importorskip("torchvision")
 
+from aquafuse.torchvision import Key, WaterFusion  # noqa: E402
 from torchvision import tv_tensors  # noqa: E402
 from torchvision.transforms import v2  # noqa: E402
-
-from aquafuse.torchvision import Key, WaterFusion  # noqa: E402
 
 FUSER = aquafuse.Fuser("preset:jerlov-3C")
 
@@ -79,7 +77,9 @@ def test_draws_are_equal_for_any_workers_of_a_data_loader(method: str) -> None:
             loader = torch.utils.data.DataLoader(
                 Samples(epoch), batch_size=2, shuffle=True, num_workers=workers, multiprocessing_context=context
             )
-            found.append({int(i): x.numpy().tobytes() for numbers, images in loader for i, x in zip(numbers, images, strict=True)})
+            found.append(
+                {int(i): x.numpy().tobytes() for numbers, images in loader for i, x in zip(numbers, images, strict=True)}
+            )
         assert found[0] == found[1] == found[2]
 
 

@@ -10,9 +10,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import scene
-
 from aquafuse.ultralytics import SourceWaters, add_to
+from conftest import scene
 
 OPTIONS = {"waters": ("preset:jerlov-3C", "preset:jerlov-I"), "seed": 3}
 

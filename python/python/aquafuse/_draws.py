@@ -95,9 +95,7 @@ class WaterSampler:
         self._seed = seed
         self._draws = self._make_draws()
         self.fusers = [
-            Fuser(
-                water, model=model, smooth=smooth, depth_model=depth_model, border=border, linear=linear
-            )
+            Fuser(water, model=model, smooth=smooth, depth_model=depth_model, border=border, linear=linear)
             for water in library(waters)
         ]
 

@@ -23,9 +23,7 @@ def _curves(water: Water) -> str:
     distances = [far * step / _STEPS for step in range(_STEPS + 1)]
     lines: list[str] = []
     for channel, stroke in enumerate(_STROKES):
-        points = " ".join(
-            f"{_WIDTH * z / far:.1f},{_HEIGHT * (1 - water.illumination(z)[channel]):.1f}" for z in distances
-        )
+        points = " ".join(f"{_WIDTH * z / far:.1f},{_HEIGHT * (1 - water.illumination(z)[channel]):.1f}" for z in distances)
         lines.append(f'<polyline points="{points}" fill="none" stroke="{stroke}"/>')
     unit = "m" if water.depth_kind == "metres" else "of relative depth"
     title = f"<title>illumination E from 0 to {far:g} {unit}</title>"

@@ -75,11 +75,10 @@ def augment(
     settings: dict[str, Any],
     listener: Any,
 ) -> tuple[int, int, int, int]: ...
+
 @final
 class Draws:
-    def __new__(
-        cls, seed: int, theta_range: _Interval, alpha_range: _Interval, with_replacement: bool
-    ) -> Draws: ...
+    def __new__(cls, seed: int, theta_range: _Interval, alpha_range: _Interval, with_replacement: bool) -> Draws: ...
     def draw(self, key: str, number: int, waters: int) -> tuple[int, float, float]: ...
 
 @final
@@ -122,9 +121,7 @@ class Estimate:
 @final
 class Water:
     @staticmethod
-    def of_array(
-        image: Any, depth: Any, depth_kind: str | None, reading: Reading, name: str
-    ) -> Water: ...
+    def of_array(image: Any, depth: Any, depth_kind: str | None, reading: Reading, name: str) -> Water: ...
     @staticmethod
     def of_file(path: str, reading: Reading) -> Water: ...
     @staticmethod

@@ -20,8 +20,8 @@ Camera: TypeAlias = Literal["daylight", "at-depth", "at-surface"]
 class Water:
     """A waterbody: veiling light, backscatter and attenuation, with intervals and a verdict.
 
-    Make one by :meth:`from_image`, :meth:`open`, :meth:`preset`, :meth:`from_json` or :meth:`pool`. A water cannot be changed. Two
-    waters are equal if their files are. Waters pickle as their JSON text.
+    Make one by :meth:`from_image`, :meth:`open`, :meth:`preset`, :meth:`from_json` or :meth:`pool`. A water cannot be changed.
+    Two waters are equal if their files are. Waters pickle as their JSON text.
 
     >>> water = Water.preset("jerlov-3C")
     >>> water.depth_kind, water.verdict
@@ -94,9 +94,7 @@ class Water:
         return cls._of(_native.Water.of_file(os.fspath(path), settings))
 
     @classmethod
-    def preset(
-        cls, name: str, *, below_surface: float = 5.0, camera: Camera = "daylight", linear: bool = False
-    ) -> Water:
+    def preset(cls, name: str, *, below_surface: float = 5.0, camera: Camera = "daylight", linear: bool = False) -> Water:
         """A water of a published table, per metre.
 
         Args:
@@ -263,9 +261,7 @@ def _preset(name: str, below_surface: float, camera: Camera, linear: bool) -> Wa
 WaterSource: TypeAlias = Water | str | os.PathLike[str] | Any
 
 
-def as_water(
-    source: WaterSource, *, depth_model: str = "eq3", border: Border = "auto", linear: bool = False
-) -> Water:
+def as_water(source: WaterSource, *, depth_model: str = "eq3", border: Border = "auto", linear: bool = False) -> Water:
     """A water, ``preset:NAME``, the path of an image or of a ``*.water.json``, or an image, as a water."""
     if isinstance(source, Water):
         return source

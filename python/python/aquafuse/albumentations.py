@@ -27,8 +27,8 @@ class WaterFusion(A.ImageOnlyTransform):
     """Puts an image into another water. Boxes, masks and key points stay as they are.
 
     Args:
-        waters: Waters to draw from: ``presets`` (all of them), ``preset:NAME``, images, ``*.water.json`` files, and folders of both.
-            They are read once, when the transform is made.
+        waters: Waters to draw from: ``presets`` (all of them), ``preset:NAME``, images, ``*.water.json`` files, and folders of
+            both. They are read once, when the transform is made.
         model: As in :class:`aquafuse.Fuser`.
         theta_range: Least and greatest angle in degrees; 0 is the whole change, 90 none.
         alpha_range: Least and greatest gain on the colour of the water.

@@ -38,8 +38,8 @@ class _TorchRandom:
 class WaterFusion(v2.Transform):
     """Puts an image into another water: a tensor of shape (3, height, width), uint8 or float32, or a PIL image in RGB.
 
-    Draws come from torch's generator. If the sample holds a :class:`Key`, anywhere in it, they depend on it and on ``seed`` alone:
-    neither workers nor order change them. The key passes through.
+    Draws come from torch's generator. If the sample holds a :class:`Key`, anywhere in it, they depend on it and on ``seed``
+    alone: neither workers nor order change them. The key passes through.
 
     Args:
         waters: As in :class:`aquafuse.albumentations.WaterFusion`.

@@ -118,13 +118,15 @@ class WaterFusion(A.ImageOnlyTransform):
 
         def sample_parameters(self, params: Any, data: Any, targets: Any, sampling: Any) -> Any:
             """What is drawn for an image."""
+            from albumentations.core.transform_params import SampledParams
+
             drawn = self._draw(data, sampling.py_random)
             if drawn["water"] is not None:
                 # So that the applied configuration is one that makes the same image again.
                 overrides = sampling.applied_overrides
                 overrides["theta_range"] = (drawn["theta"],) * 2
                 overrides["alpha_range"] = (drawn["alpha"],) * 2
-            return drawn
+            return SampledParams(params=drawn)
 
     else:
 

@@ -2,7 +2,7 @@
 
 use aquafuse::depth::{Supplied, SuppliedKind};
 use aquafuse::image::{Image, Sample};
-use aquafuse_data::image_file::Pixels;
+use aquafuse_data::image_file::{Pixels, ReadOptions};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{
     Element, PyArray2, PyArray3, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
@@ -33,26 +33,24 @@ pub(crate) fn take(object: &Bound<'_, PyAny>) -> PyResult<Taken> {
     let (array, container) = shared(object, "an image")?;
     let shape = array.shape();
     let &[height, width, 3] = shape else {
-        let expected = match container {
-            Container::Array => "(height, width, 3)",
-            Container::Tensor => "(3, height, width) as a tensor",
+        let message = match container {
+            Container::Array => {
+                format!("an image has the shape (height, width, 3), not {}; {}", listed(shape), remedy(shape))
+            }
+            Container::Tensor => format!(
+                "an image as a tensor has the shape (3, height, width), not {}; move its channels by \
+                 tensor.permute(2, 0, 1), and give one image of a batch at a time",
+                listed(&object.getattr("shape")?.extract::<Vec<usize>>()?)
+            ),
         };
-        let found = if container == Container::Tensor {
-            object.getattr("shape")?.str()?.to_string()
-        } else {
-            listed(shape)
-        };
-        return Err(Fault::array(format!(
-            "an image has the shape {expected}, not {found}; {}",
-            remedy(shape)
-        ))
-        .into());
+        return Err(Fault::array(message).into());
     };
     if height == 0 || width == 0 {
         return Err(
             Fault::array(format!("the image has {width} columns and {height} rows: it is empty")).into()
         );
     }
+    check_pixels("image", width, height)?;
     let pixels = if let Ok(array) = array.cast::<PyArray3<u8>>() {
         Pixels::from(image::<u8>(width, height, samples(array.as_untyped())?)?)
     } else if let Ok(array) = array.cast::<PyArray3<u16>>() {
@@ -68,6 +66,17 @@ pub(crate) fn take(object: &Bound<'_, PyAny>) -> PyResult<Taken> {
         return Err(Fault::array(message).into());
     };
     Ok(Taken { pixels, container })
+}
+
+/// Refuses what is too large before memory is taken: an array may repeat one value at a thousand million places.
+fn check_pixels(what: &str, width: usize, height: usize) -> Result<(), Fault> {
+    let (pixels, most) = (height.saturating_mul(width) as u64, ReadOptions::default().max_pixels);
+    match pixels <= most {
+        true => Ok(()),
+        false => Err(Fault::array(format!(
+            "the {what} has {pixels} pixels, and {most} are the limit; give a part of it, or a smaller one"
+        ))),
+    }
 }
 
 fn image<T: Sample>(width: usize, height: usize, samples: Vec<T>) -> Result<Image<T>, Fault> {
@@ -238,6 +247,7 @@ pub(crate) fn take_depth(object: &Bound<'_, PyAny>, kind: SuppliedKind) -> PyRes
         ))
         .into());
     };
+    check_pixels("depth map", width, height)?;
     let full_range = match array.dtype().kind() {
         b'f' => None,
         b'u' => Some(2_f32.powi(8 * i32::try_from(array.dtype().itemsize()).unwrap_or(1)) - 1.0),

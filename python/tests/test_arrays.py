@@ -120,10 +120,13 @@ def test_a_refusal_says_what_to_do() -> None:
         (image[None], "one image of the batch"),
         (image.astype(float), "astype(numpy.float32)"),
         (image[:0], "empty"),
+        (np.broadcast_to(image[:1, :1], (100_000, 100_000, 3)), "limit"),
     ]
     for array, said in cases:
         with pytest.raises(aquafuse.ArrayError, match=said.replace("(", r"\(").replace(")", r"\)")):
             FUSER.fuse(array)
+    with pytest.raises(aquafuse.ArrayError, match="limit"):
+        FUSER.fuse(image, depth=np.broadcast_to(np.float32(1), (100_000, 100_000)), depth_kind="metres")
     with pytest.raises(ValueError, match="depth_kind"):
         FUSER.fuse(image, depth=image[..., 0])
 

@@ -10,10 +10,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+import aquafuse
 import cv2
 import ray
-
-import aquafuse
 
 WATERS = ["presets"]
 SETTINGS = {"per_image": 2, "theta_range": (0.0, 60.0), "seed": 7, "progress": False}

@@ -49,3 +49,8 @@ def test_a_signal_ends_it_and_no_half_file_is_left(tmp_path: Path, number: signa
     assert not list((tmp_path / "out").glob("*.part"))
     for path in (tmp_path / "out").glob("*.png"):
         assert cv2.imread(str(path)) is not None
+
+
+def test_the_command_starts_without_numpy() -> None:
+    script = "import sys, aquafuse._command; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0

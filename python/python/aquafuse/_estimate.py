@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, final
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any, Literal, final
 
 from aquafuse import _native
 from aquafuse._options import Border, DepthKind, Verdict, reading
 from aquafuse._water import Interval, Water
+
+# The command starts without numpy, which takes longer to import than a small image takes to fuse.
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 
 @final

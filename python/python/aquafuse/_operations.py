@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any
 
 from aquafuse import _native
 from aquafuse._errors import ArgumentError
 from aquafuse._fuser import Fuser, ImageT
 from aquafuse._options import Border, DepthKind, Model, Setting, border_text, levels, reading
 from aquafuse._water import WaterSource, as_water
+
+# The command starts without numpy, which takes longer to import than a small image takes to fuse.
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 
 def depth(image: Any, *, model: str = "eq3") -> npt.NDArray[np.float32]:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 __all__ = ["reef"]
 
@@ -15,6 +18,8 @@ def reef(height: int = 96, width: int = 128) -> npt.NDArray[np.uint8]:
     >>> example.reef().shape
     (96, 128, 3)
     """
+    import numpy as np
+
     rows, columns = np.mgrid[0:height, 0:width]
     distance = 1.0 - rows / max(height - 1, 1)
     texture = 0.5 + 0.3 * np.sin(columns / 3.0) * np.cos(rows / 4.0)

@@ -54,7 +54,7 @@ class WaterFusion(v2.Transform):
         linear: As in :class:`aquafuse.Fuser`.
     """
 
-    _transformed_types = (tv_tensors.Image, PIL.Image.Image, v2._utils.is_pure_tensor, Key)
+    _transformed_types = (tv_tensors.Image, PIL.Image.Image, v2.functional.is_pure_tensor, Key)
 
     def __init__(
         self,

@@ -4,6 +4,7 @@ pub(crate) mod apart;
 mod footprint;
 mod ours;
 mod published;
+mod python;
 mod rivals;
 mod turns;
 
@@ -38,7 +39,7 @@ const CASES: [(&str, &str, &str); 3] = [
 const STAGES: [&str; 4] = ["depth", "waterbody", "fusion", "bilateral"];
 
 /// What can be measured by itself.
-pub(crate) const PARTS: [&str; 5] = ["frames", "others", "scaling", "footprint", "arm64"];
+pub(crate) const PARTS: [&str; 6] = ["frames", "others", "scaling", "python", "footprint", "arm64"];
 
 /// Measures these of [`PARTS`].
 pub(crate) fn run(parts: &[&str]) -> Result<()> {
@@ -48,6 +49,7 @@ pub(crate) fn run(parts: &[&str]) -> Result<()> {
             "frames" => frames(&setup::python()?)?,
             "others" => others()?,
             "scaling" => scaling()?,
+            "python" => python::write()?,
             "footprint" => footprint::write(PAGE)?,
             _ => crate::arm64::write_instructions(PAGE, &images((256, 256))?, &published()?)?,
         }

@@ -3,6 +3,7 @@
 mod api;
 mod check;
 mod test;
+mod wheel;
 
 use std::process::ExitCode;
 
@@ -18,6 +19,7 @@ cargo xtask COMMAND
           we are root, a Python environment under target/, cargo-deny
   check   format, spelling, lints, documentation, public items, licences, packages: what a reviewer would say first
   test    `setup`, `check` and every test: what CI runs
+  wheel   builds, installs and tests the Python package alone
   api     writes the public items of each library into its api.txt
   bench   [PART...] speed beside OpenCV and others, into BENCHMARKS.md; the same as `cargo lab bench`
 
@@ -36,6 +38,9 @@ fn main() -> ExitCode {
         ["setup"] => install_system_packages().and_then(|()| set_up()).map(drop),
         ["check"] => check(&mut steps),
         ["test"] => test::run(&mut steps),
+        ["wheel"] => set_up()
+            .and_then(|tools| steps.time("Python wheel", || wheel::test(&tools)))
+            .and_then(|outcome| wheel::show(&outcome)),
         ["api"] => api::renew(),
         ["bench", ref parts @ ..] => {
             let lab = ["run", "--quiet", "--release", "--package", "lab", "--", "bench"];
@@ -50,7 +55,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    if matches!(words[..], ["check" | "test"]) {
+    if matches!(words[..], ["check" | "test" | "wheel"]) {
         eprint!("\n{}", steps.table());
     }
     match result {

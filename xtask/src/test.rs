@@ -31,6 +31,16 @@ pub(crate) fn run(steps: &mut Steps) -> Result<()> {
     for (name, arguments) in parts {
         total.add(&steps.time(name, || test(&tools, arguments))?);
     }
+    let wheel = steps.time("Python wheel: built, installed and tested", || crate::wheel::test(&tools))?;
+    total.add(&Tally {
+        passed: wheel.passed,
+        failed: wheel.failed,
+        broken: wheel.failed > 0,
+        ..Tally::default()
+    });
+    for skipped in wheel.skipped {
+        total.guarded(&format!("skipped: {skipped}"));
+    }
     for line in steps.time("Guards of the laboratory: 64-bit Arm, instructions", guards)?.lines() {
         total.guarded(line);
     }

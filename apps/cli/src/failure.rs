@@ -1,7 +1,6 @@
 //! Why the command ends without success, and with which exit code.
 
 use std::fmt;
-use std::process::ExitCode;
 
 /// What went wrong; `main` prints it, once.
 #[derive(Debug)]
@@ -23,10 +22,10 @@ impl Failure {
         Self::Work(cause.into())
     }
 
-    pub(crate) fn exit_code(&self) -> ExitCode {
+    pub(crate) fn exit_code(&self) -> u8 {
         match self {
-            Self::Work(_) | Self::Reported => ExitCode::from(1),
-            Self::Usage(_) => ExitCode::from(2),
+            Self::Work(_) | Self::Reported => 1,
+            Self::Usage(_) => 2,
         }
     }
 }

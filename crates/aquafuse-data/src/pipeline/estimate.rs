@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
+use aquafuse::depth::{
+    DepthMap, DepthModel, Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport,
+};
 use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason, WaterShare};
 
@@ -18,7 +20,8 @@ pub enum DepthSource {
     Estimated(DepthModel),
     /// From a file.
     Supplied {
-        /// The file, of the whole image's size in stored order.
+        /// The file, of the whole image's size in stored order; empty for values that came from memory
+        /// ([`analyse_supplied`]).
         path: PathBuf,
         /// The kind of its values.
         kind: SuppliedKind,
@@ -138,11 +141,16 @@ fn analyse_typed<E: Encoding>(
     image: &ImageFile,
     source: &DepthSource,
 ) -> Result<Analysis<Estimate<E>>, FileError> {
-    analyse_by(image, source, |bytes, depth| {
-        let (estimate, share) = waterbody::estimate_with_share(bytes, depth, &options(image))?;
-        Ok((estimate, share, ()))
-    })
-    .map(|(found, ())| found)
+    analyse_by(image, source, |bytes, depth| estimated(image, bytes, depth)).map(|(found, ())| found)
+}
+
+fn estimated<E: Encoding>(
+    image: &ImageFile,
+    bytes: &Image<u8>,
+    depth: &DepthMap,
+) -> Result<(Estimate<E>, WaterShare, ()), ImageError> {
+    let (estimate, share) = waterbody::estimate_with_share(bytes, depth, &options(image))?;
+    Ok((estimate, share, ()))
 }
 
 /// As [`analyse`], with what the estimate was fitted to; both come of one pass.
@@ -185,12 +193,65 @@ pub(crate) fn depth_of(
                     FileError::UnfitDepth { error, .. } => unfit(error),
                     other => other,
                 })?;
-            let map = match image.area() {
-                Some(area) => map.cut(area).expect("the map has the size of the whole image"),
-                None => map,
-            };
-            let found = map.seen_with(bytes, top).map_err(unfit)?;
+            let found = supplied_depth(image, bytes, map).map_err(unfit)?;
             (found.depth, Some(found.report))
+        }
+    })
+}
+
+/// The depth of an image, whose pixels as bytes are `bytes`, from a map of the whole image's size.
+fn supplied_depth(
+    image: &ImageFile,
+    bytes: &Image<u8>,
+    map: Supplied,
+) -> Result<SuppliedDepth, SuppliedError> {
+    let whole = image.whole_size();
+    if map.size() != whole {
+        return Err(SuppliedError::Size { map: map.size(), image: whole });
+    }
+    let map = match image.area() {
+        Some(area) => map.cut(area).expect("the map has the size of the whole image"),
+        None => map,
+    };
+    map.seen_with(bytes, image.top_edge())
+}
+
+/// As [`analyse_in`], with depth that is in memory already, of the whole image's size.
+///
+/// # Errors
+///
+/// [`SuppliedError`] when the map does not fit the image or its kind.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::depth::{Supplied, SuppliedKind};
+/// use aquafuse::image::Image;
+/// use aquafuse_data::image_file::ImageFile;
+/// use aquafuse_data::pipeline::{PixelEncoding, analyse_supplied};
+///
+/// let image = ImageFile::new(Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
+/// let map = Supplied::new(2, 1, vec![2.0, 3.0], SuppliedKind::Metres)?;
+/// let found = analyse_supplied(PixelEncoding::Encoded, &image, map)?;
+/// assert_eq!(found.depth.distances(), [2.0, 3.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn analyse_supplied(
+    encoding: PixelEncoding,
+    image: &ImageFile,
+    map: Supplied,
+) -> Result<Analysis<WaterEstimate>, SuppliedError> {
+    let source = DepthSource::Supplied { path: PathBuf::new(), kind: map.kind() };
+    let bytes = image.bytes();
+    let SuppliedDepth { depth, report, .. } = supplied_depth(image, &bytes, map)?;
+    Ok(match encoding {
+        PixelEncoding::Encoded => {
+            let estimate = |bytes: &Image<u8>, depth: &DepthMap| estimated(image, bytes, depth);
+            wrapped::<Encoded>(analyse_at(&bytes, (depth, Some(report)), &source, estimate).0)
+        }
+        PixelEncoding::Linear => {
+            let estimate = |bytes: &Image<u8>, depth: &DepthMap| estimated(image, bytes, depth);
+            wrapped::<Linear>(analyse_at(&bytes, (depth, Some(report)), &source, estimate).0)
         }
     })
 }
@@ -203,14 +264,23 @@ fn analyse_by<E: Encoding, M>(
 ) -> Result<(Analysis<Estimate<E>>, M), FileError> {
     // Estimators count in 256 steps: what lies between is of no use to them.
     let bytes = image.bytes();
-    let (depth, supplied) = depth_of(image, &bytes, source)?;
+    let depth = depth_of(image, &bytes, source)?;
+    Ok(analyse_at(&bytes, depth, source, estimate))
+}
+
+/// Obtains the water at a known depth.
+fn analyse_at<E: Encoding, M>(
+    bytes: &Image<u8>,
+    (depth, supplied): (DepthMap, Option<SuppliedReport>),
+    source: &DepthSource,
+    estimate: impl FnOnce(&Image<u8>, &DepthMap) -> Result<(Estimate<E>, WaterShare, M), ImageError>,
+) -> (Analysis<Estimate<E>>, M) {
     count(Step::WaterEstimated);
-    let (mut estimate, share, more) =
-        estimate(&bytes, &depth).expect("the depth map was made for this image");
+    let (mut estimate, share, more) = estimate(bytes, &depth).expect("the depth map was made for this image");
     if supplied.is_some_and(|report| report.looks_inverted()) {
         estimate.quality = estimate.quality.with(Reason::InvertedDepth);
     }
-    Ok((Analysis { depth, depth_source: source.clone(), supplied, share, estimate }, more))
+    (Analysis { depth, depth_source: source.clone(), supplied, share, estimate }, more)
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {

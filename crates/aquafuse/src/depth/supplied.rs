@@ -167,6 +167,11 @@ impl Supplied {
         self.kind
     }
 
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
     /// The depth map of `image`, of which `top` is the edge that is up as seen.
     ///
     /// Valid values are converted by their kind. Where there is none, depth comes from colour

@@ -1,0 +1,201 @@
+"""Datasets multiplied: each image in other waters, with its annotations."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from aquafuse import _native
+from aquafuse._draws import library
+from aquafuse._options import Border, DepthKind, Model, Smoothing, reading
+from aquafuse._water import as_water
+
+Kind = Literal["started", "done", "skipped", "failed"]
+Layout = Literal["folder", "coco", "yolo", "voc", "masks", "shards"]
+
+
+class Event(NamedTuple):
+    """What a run reports."""
+
+    kind: Kind
+    """``started``, then for each image ``done``, ``skipped`` (a run before this one made it) or ``failed``."""
+    item: str
+    """The image, by its path within the dataset."""
+    message: str
+    """Of a failure: the file, the cause, and what to do."""
+    total: int
+    """Of the start: how many images there are."""
+
+
+class Summary(NamedTuple):
+    """How a run ended."""
+
+    done: int
+    """Images whose variants were made."""
+    skipped: int
+    """Images whose variants a run before this one made."""
+    failed: int
+    """Images that failed."""
+    left: int
+    """Images that were not tried."""
+    failures: list[str]
+    """The messages of the failures."""
+
+
+class _Listener:
+    """Passes events on, counts, and shows progress by tqdm if it is installed."""
+
+    def __init__(self, on_event: Callable[[Event], object] | None, progress: bool) -> None:
+        self.on_event = on_event
+        self.failures: list[str] = []
+        self._bar: Any = None
+        self._progress = progress
+
+    def __call__(self, kind: Kind, item: str, message: str, total: int) -> None:
+        if kind == "started" and self._progress:
+            try:
+                from tqdm.auto import tqdm
+            except ImportError:
+                pass
+            else:
+                self._bar = tqdm(total=total, unit="image")
+        if kind == "failed":
+            self.failures.append(message)
+        if kind != "started" and self._bar is not None:
+            self._bar.update(1)
+        if self.on_event is not None:
+            self.on_event(Event(kind, item, message, total))
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+
+def augment(
+    dataset: str | os.PathLike[str],
+    waters: Sequence[str | os.PathLike[str]] | str,
+    output: str | os.PathLike[str],
+    *,
+    per_image: int = 1,
+    keep_originals: bool = False,
+    seed: int = 0,
+    with_replacement: bool = False,
+    theta_range: tuple[float, float] | None = None,
+    alpha_range: tuple[float, float] | None = None,
+    on_doubtful: str = "flag",
+    on_bad_annotation: Literal["refuse", "skip", "keep"] = "refuse",
+    layout: Layout | None = None,
+    shard: tuple[int, int] = (1, 1),
+    overwrite: bool = False,
+    quality: int = 95,
+    threads: int | None = None,
+    max_errors: int | None = None,
+    depth: str | os.PathLike[str] | None = None,
+    depth_kind: DepthKind | None = None,
+    model: Model = "physical",
+    theta: float | None = None,
+    alpha: float | None = None,
+    smooth: Smoothing = "none",
+    depth_model: str = "eq3",
+    border: Border = "auto",
+    linear: bool = False,
+    metres_at_one: float | None = None,
+    visibility: float | None = None,
+    on_event: Callable[[Event], object] | None = None,
+    progress: bool = True,
+) -> Summary:
+    """Multiplies a dataset; the files are those of ``aquafuse augment``, byte for byte.
+
+    Ctrl-C, or an exception of ``on_event``, stops the run: all written files are complete, and the same call continues it.
+
+    Args:
+        dataset: Its folder: images, COCO, YOLO, VOC, masks or WebDataset shards; see ``aquafuse augment --help``.
+        waters: ``presets``, ``preset:NAME``, images, ``*.water.json`` files, and folders of both.
+        output: A folder that is new, empty, or of a run to continue.
+        per_image: Number of variants of each image, 1 to 10,000.
+        keep_originals: Also copy the original images.
+        seed: Draws depend only on it, the image's path and the number of the variant.
+        with_replacement: One image may get one water twice.
+        theta_range: Least and greatest angle in degrees, instead of ``theta``.
+        alpha_range: Least and greatest gain, instead of ``alpha``.
+        on_doubtful: ``flag``, ``skip`` or ``preset:NAME``, for doubtful estimates.
+        on_bad_annotation: What to do about bad annotations.
+        layout: The layout of the dataset; by default it is detected.
+        shard: Part I of N, as (I, N), for several machines.
+        overwrite: Delete what a run with other settings wrote, and start over.
+        quality: JPEG quality, 1 to 100.
+        threads: Number of threads; by default one for each core.
+        max_errors: Stop when more images than this have failed.
+        depth: A folder of depth maps with the same stems.
+        depth_kind: What the values of those maps are.
+        on_event: Called with an :class:`Event` for each image, in this thread.
+        progress: Show progress by ``tqdm``, if it is installed.
+
+    The other options are those of :class:`Fuser`.
+
+    Raises:
+        RunError: The run cannot begin: the dataset, the waters or the output do not fit.
+        ArgumentError: An option has a value that it cannot have.
+
+    >>> import tempfile
+    >>> import aquafuse
+    >>> with tempfile.TemporaryDirectory() as empty:
+    ...     aquafuse.augment(empty, "presets", empty + "/more")
+    Traceback (most recent call last):
+    ...
+    aquafuse._errors.RunError: ...
+    """
+    how = reading(depth_model, border, linear)
+    named = [_named(name, depth_model, border, linear) for name in _library(waters)]
+    instead = _named(on_doubtful, depth_model, border, linear) if on_doubtful.startswith("preset:") else None
+    _native.Draws(seed, theta_range or (0.0, 0.0), alpha_range or (0.0, 0.0), with_replacement)
+    listener = _Listener(on_event, progress)
+    try:
+        counts = _native.augment(
+            os.fspath(dataset),
+            named,
+            os.fspath(output),
+            how,
+            {
+                "layout": layout,
+                "per_image": per_image,
+                "keep_originals": keep_originals,
+                "seed": seed,
+                "with_replacement": with_replacement,
+                "theta_range": theta_range,
+                "alpha_range": alpha_range,
+                "on_doubtful": on_doubtful,
+                "instead": instead,
+                "on_bad_annotation": on_bad_annotation,
+                "shard": shard,
+                "overwrite": overwrite,
+                "quality": quality,
+                "threads": threads,
+                "max_errors": max_errors,
+                "depth": None if depth is None else os.fspath(depth),
+                "depth_kind": depth_kind,
+                "model": model,
+                "theta": theta,
+                "alpha": alpha,
+                "smooth": smooth,
+                "metres_at_one": metres_at_one,
+                "visibility": visibility,
+            },
+            listener,
+        )
+    finally:
+        listener.close()
+    return Summary(*counts, listener.failures)
+
+
+def _library(waters: Sequence[str | os.PathLike[str]] | str) -> list[str]:
+    return library(waters if isinstance(waters, str) else [os.fspath(name) for name in waters])
+
+
+def _named(name: str, depth_model: str, border: Border, linear: bool) -> tuple[str, _native.Water, str | None]:
+    """A water by its name, and its file if it has one."""
+    water = as_water(name, depth_model=depth_model, border=border, linear=linear)
+    path = None if name.startswith("preset:") else str(Path(name))
+    return name, water._water, path  # pyright: ignore[reportPrivateUsage]

@@ -1,0 +1,50 @@
+//! What the Python package `aquafuse` calls: arrays in and out, one topic a file.
+//!
+//! Names, defaults and documentation stand in the Python files beside this crate. Nothing here is physics.
+
+mod array;
+mod augment;
+mod command;
+mod depth;
+mod draws;
+mod error;
+mod estimate;
+mod fuser;
+mod metrics;
+mod operations;
+mod settings;
+mod threads;
+mod water;
+
+/// The compiled part of `aquafuse`. Use the package `aquafuse` itself; names in here may change.
+#[pyo3::pymodule]
+mod _native {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::augment::augment;
+    #[pymodule_export]
+    use crate::command::main;
+    #[pymodule_export]
+    use crate::depth::estimate_depth;
+    #[pymodule_export]
+    use crate::draws::Draws;
+    #[pymodule_export]
+    use crate::estimate::{Estimate, inspect};
+    #[pymodule_export]
+    use crate::fuser::Fuser;
+    #[pymodule_export]
+    use crate::metrics::{depth_rmse, psnr, scores, ssim};
+    #[pymodule_export]
+    use crate::operations::{enhance, restore, simulate};
+    #[pymodule_export]
+    use crate::threads::{get_threads, panic, set_threads};
+    #[pymodule_export]
+    use crate::water::Water;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::threads::remember_process();
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,124 @@
+//! Names and numbers of options, as the Python side passes them.
+
+use std::path::Path;
+
+use aquafuse::depth::{DepthModel, RelativeScale, SuppliedKind};
+use aquafuse::fusion::{Gain, Incidence};
+use aquafuse::levels::{LevelsOptions, Setting};
+use aquafuse::scene_area::Border;
+use aquafuse_data::model_file::{self, ModelFile};
+use aquafuse_data::pipeline::PixelEncoding;
+use pyo3::prelude::*;
+
+use crate::array::take_depth;
+use crate::depth::Depth;
+use crate::error::Fault;
+
+/// How depth and water of an image are estimated.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Reading {
+    depth_model: String,
+    border: String,
+    linear: bool,
+}
+
+impl Reading {
+    pub(crate) fn border(&self) -> Result<Border, Fault> {
+        Ok(self.border.parse()?)
+    }
+
+    pub(crate) fn encoding(&self) -> PixelEncoding {
+        encoding(self.linear)
+    }
+
+    pub(crate) fn depth_model(&self) -> Result<DepthModel, Fault> {
+        depth_model(&self.depth_model)
+    }
+
+    /// The depth of an image: an array of a declared kind, or from colour.
+    pub(crate) fn depth(&self, given: Option<&Bound<'_, PyAny>>, kind: Option<&str>) -> PyResult<Depth> {
+        match supplied(given, kind)? {
+            Some(depth) => Ok(depth),
+            None => Ok(Depth::Colour(self.depth_model()?)),
+        }
+    }
+}
+
+/// A depth map and the kind of its values, which need each other.
+pub(crate) fn supplied(given: Option<&Bound<'_, PyAny>>, kind: Option<&str>) -> PyResult<Option<Depth>> {
+    match (given, kind) {
+        (None, None) => Ok(None),
+        (Some(map), Some(kind)) => {
+            Ok(Some(Depth::Values(take_depth(map, self::kind(kind)?)?)))
+        }
+        (Some(_), None) => Err(Fault::argument(
+            "an array does not state the kind of its values; add depth_kind=\"metres\", \"millimetres\" or \"relative\" \
+             (larger is farther), \"inverse\" (larger is nearer, as from monocular networks) or \"disparity\"",
+        )
+        .into()),
+        (None, Some(_)) => Err(Fault::argument("depth_kind has no effect without depth; pass depth=ARRAY").into()),
+    }
+}
+
+/// A kind of depth by its name.
+pub(crate) fn kind(name: &str) -> Result<SuppliedKind, Fault> {
+    Ok(name.parse()?)
+}
+
+pub(crate) fn encoding(linear: bool) -> PixelEncoding {
+    if linear { PixelEncoding::Linear } else { PixelEncoding::Encoded }
+}
+
+/// A depth model by its name, or from a file of `aquafuse fit`.
+pub(crate) fn depth_model(name: &str) -> Result<DepthModel, Fault> {
+    if let Ok(model) = name.parse() {
+        return Ok(model);
+    }
+    if model_file::check_name(Path::new(name)).is_err() {
+        let names = DepthModel::ALL.iter().map(DepthModel::name).collect::<Vec<_>>().join(", ");
+        let message = format!(
+            "there is no depth model {name:?}; give one of {names}, or a FILE.toml from `aquafuse fit`"
+        );
+        return Err(Fault::argument(message));
+    }
+    let file = ModelFile::read(Path::new(name)).map_err(|error| Fault::argument(error.to_string()))?;
+    Ok(DepthModel::Eq3(file.eq3))
+}
+
+pub(crate) fn incidence(degrees: f32) -> Result<Incidence, Fault> {
+    Ok(Incidence::from_degrees(degrees)?)
+}
+
+pub(crate) fn gain(alpha: f32) -> Result<Gain, Fault> {
+    Ok(Gain::new(alpha)?)
+}
+
+pub(crate) fn scale(metres_at_one: Option<f32>) -> Result<RelativeScale, Fault> {
+    metres_at_one.map_or_else(
+        || Ok(RelativeScale::default()),
+        |metres| {
+            RelativeScale::new(metres).map_err(|error| Fault::argument(format!("metres_at_one: {error}")))
+        },
+    )
+}
+
+/// How levels are set.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Levels {
+    white: String,
+    exposure: String,
+    strength: f32,
+}
+
+impl Levels {
+    pub(crate) fn options(&self) -> Result<LevelsOptions, Fault> {
+        if !(0.0..=1.0).contains(&self.strength) {
+            return Err(Fault::argument(format!("strength is {}; give a number from 0 to 1", self.strength)));
+        }
+        let (white, exposure) = (self.white.parse::<Setting>()?, self.exposure.parse::<Setting>()?);
+        let options = LevelsOptions::default().with_white(white).with_exposure(exposure);
+        Ok(options.with_strength(self.strength))
+    }
+}

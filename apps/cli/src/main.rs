@@ -82,7 +82,10 @@ exists, value out of range), nothing was written; 129, 130, 143 stopped by SIGHU
 SIGTERM, all written files are complete.";
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(refusal) => return said(&refusal),
+    };
     aquafuse_data::files::silence_decoder_panics();
     let ended = run(&cli);
     if cli.common.verbose {
@@ -96,6 +99,17 @@ fn main() -> ExitCode {
             }
             failure.exit_code()
         }
+    }
+}
+
+/// Prints why the arguments are refused, or the help that was asked for. A reader that has gone away is no failure.
+fn said(refusal: &clap::Error) -> ExitCode {
+    match refusal.print() {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            output::complain(&format_args!("cannot write: {error}"));
+            ExitCode::from(1)
+        }
+        _ => ExitCode::from(u8::try_from(refusal.exit_code()).unwrap_or(2)),
     }
 }
 

@@ -241,7 +241,7 @@ impl Work<'_> {
         let sources = self.record.as_ref().map(|record| record.sources(item)).transpose()?;
         let opened = ImageFile::open(&item.input, &options.reading)?;
         let format = Format::written(&item.output).unwrap_or(Format::Png);
-        let room = self.budget.reserve(opened.memory_until_written(format, self.beside(item, &opened))?);
+        let room = self.budget.reserve_for(&opened, format, self.beside(item, &opened))?;
         options.stop.check(&item.output)?;
         let mut image = opened.decode()?;
         options.stop.check(&item.output)?;

@@ -24,8 +24,7 @@ pub use folder::DepthFolder;
 
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
-use crate::files::catch_panic;
-use crate::files::{FileError, one_line, write_atomically};
+use crate::files::{FileError, Patient, catch_panic, one_line, write_atomically};
 use crate::image_file::{WriteOptions, open_file, whole};
 
 /// Values of a file, row by row from the top, in its own unit.
@@ -134,7 +133,7 @@ pub fn read_for(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result
 
 fn read_wanted(path: &Path, kind: SuppliedKind, wanted: Wanted) -> Result<Supplied, FileError> {
     let (file, _) = open_file(path)?;
-    supplied(path, decode(BufReader::new(file), wanted), kind)
+    supplied(path, decode(BufReader::new(Patient(file)), wanted), kind)
 }
 
 /// Reads a depth map whose file is in memory already; errors call it `name`.

@@ -67,7 +67,7 @@ impl Recipe {
         };
         let light = opened.pixels().saturating_mul(self.encoding.bytes_a_pixel());
         let beside = beside.saturating_add(supplied).saturating_add(light);
-        let room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
+        let room = budget.reserve_for(&opened, Format::Png, beside)?;
         let mut source = Source { bytes: 0, sha256: String::new(), depth_sha256: None };
         let image = opened.decode_seeing(|bytes| {
             source.bytes = bytes.len() as u64;

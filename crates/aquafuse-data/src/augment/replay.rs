@@ -77,14 +77,16 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
                 path: manifest.to_owned(),
                 cause: format!("{}: {cause}", variant.output),
             };
-            let key = inside(&variant.key).map_err(named)?;
-            let within = inside(&variant.output).map_err(named)?;
+            let named_inside =
+                |name: &str| inside(name).map_err(|cause| named(&format!("{name:?} is {cause}")));
+            let key = named_inside(&variant.key)?;
+            let within = named_inside(&variant.output)?;
             let path = output.join(&within);
             let water = recipe
                 .waters
                 .get(variant.water)
                 .ok_or_else(|| named("it refers to a water that it does not contain"))?;
-            let source = root.join(container.map_or(Ok(key.clone()), inside).map_err(named)?);
+            let source = root.join(container.map_or_else(|| Ok(key.clone()), named_inside)?);
             if source.exists() && !stays_within(&root, &source) {
                 return Err(FileError::LeadsOut { path: source });
             }
@@ -113,10 +115,6 @@ impl Header {
     fn recipe(&self, manifest: &Path, wanted: PixelEncoding) -> Result<Recipe, AugmentError> {
         let settings = &self.settings;
         let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
-        let is_gain = settings.most_gain.is_finite() && settings.most_gain >= 1.0;
-        if !(is_gain && (1..=100).contains(&settings.quality)) {
-            return Err(unknown());
-        }
         let encoding: PixelEncoding = self.encoding.parse().map_err(|_| unknown())?;
         if encoding != wanted {
             return Err(

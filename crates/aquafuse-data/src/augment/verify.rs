@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::AugmentError;
 use super::journal::manifests;
-use super::line::Listed;
+use super::line::{Listed, Source};
 use super::manifest::Manifest;
 use crate::dataset::{Tree, inside};
 use crate::files::{FileError, sha256_of, stays_within};
@@ -59,8 +59,14 @@ pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> R
             })
             .collect();
         if let Some(root) = dataset {
-            let sources = sources(&found, root).into_iter();
-            files.extend(sources.map(|(path, written)| (path, Ok((root, written)))));
+            let sources = sources(&found).into_iter().map(|(key, source)| match inside(key) {
+                Ok(within) => {
+                    let written = Listed { output: key, bytes: source.bytes, sha256: &source.sha256 };
+                    (root.join(within), Ok((root, written)))
+                }
+                Err(cause) => (path.clone(), Err(format!("{key:?} is {cause}"))),
+            });
+            files.extend(sources);
         }
         check.files = check.files.saturating_add(files.len());
         listed.extend(files.iter().map(|(path, _)| path.clone()));
@@ -80,16 +86,16 @@ pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> R
 /// The folder of a file, and what is recorded of it.
 type Expected<'a> = (&'a Path, Listed<'a>);
 
-/// The sources of the variants.
-fn sources<'a>(found: &'a Manifest, root: &Path) -> Vec<(PathBuf, Listed<'a>)> {
-    let of = |(key, entry): (&'a String, &'a super::manifest::Entry)| {
+/// The keys of the images that variants were made from, and what is recorded of those.
+fn sources(found: &Manifest) -> Vec<(&String, &Source)> {
+    let mut sources = Vec::new();
+    for (key, entry) in &found.entries {
         let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
-        let source = entry.container.as_ref().map(|container| &container.source).or(variant)?;
-        let within = inside(key).ok()?;
-        let written = Listed { output: key, bytes: source.bytes, sha256: &source.sha256 };
-        Some((root.join(within), written))
-    };
-    found.entries.iter().filter_map(of).collect()
+        sources.extend(
+            entry.container.as_ref().map(|held| &held.source).or(variant).map(|source| (key, source)),
+        );
+    }
+    sources
 }
 
 /// Compares a file of a folder with its record.

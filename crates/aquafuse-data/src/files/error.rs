@@ -142,6 +142,19 @@ pub enum FileError {
         /// What the decoder said.
         cause: String,
     },
+    /// The system has less memory than the file needs.
+    #[error(
+        "cannot decode {}: it may need {} MiB of memory, and the system has less to give. Close other programs, raise the \
+         limit of the system, or scale or split the file",
+        display(path),
+        bytes.div_ceil(1 << 20)
+    )]
+    NoMemory {
+        /// The file.
+        path: PathBuf,
+        /// What it needs.
+        bytes: u64,
+    },
     /// The extension of the output names no supported format.
     #[error("cannot write {}: its name must end in {expected}", display(path))]
     UnknownExtension {

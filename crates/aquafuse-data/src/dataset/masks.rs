@@ -1,4 +1,4 @@
-//! Masks, and other images about images: each is called as its image, in a folder that is called as masks are.
+//! Masks, and other images about images: each has the name of its image and stands in a folder whose name says masks.
 //!
 //! `images/a.jpg` has `masks/a.png` or `masks/a_mask.png`; with a mask for each class, `masks/CLASS/a.png` too;
 //! `train/a.jpg` has `train_labels/a.png`.

@@ -20,7 +20,7 @@ pub use digest::sha256;
 pub(crate) use digest::{Hashed, hexadecimal, sha256_of};
 pub use display::{display, one_line};
 pub use error::FileError;
-pub use folders::{holds_files, make_folder, make_folder_of, make_work_folder, place_of};
+pub use folders::{holds_files, make_folder, make_folder_of, make_work_folder, place_of, refuse_inputs};
 pub(crate) use folders::{make_folder_within, stays_within};
 pub(crate) use lock::lock;
 pub(crate) use memory::is_memory;

@@ -80,6 +80,7 @@ impl BatchArguments {
             overwrite: self.overwrite,
         });
         let plan = plan.map_err(Failure::usage)?;
+        plan.refuse_taken(self.report.as_deref())?;
         match &self.report {
             Some(report) if !self.overwrite && report.symlink_metadata().is_ok() => {
                 Err(FileError::Exists { path: report.clone() }.into())

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
 use aquafuse::image::Linear;
-use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
+use aquafuse_data::files::{FileError, display, make_folder_of, refuse_inputs, remove_stale_parts};
 use aquafuse_data::image_file::{Format, ImageFile, WRITTEN, WriteOptions};
 use aquafuse_data::pipeline::{DepthSource, SIMULATED, analyse_in, simulate};
 use clap::Args;
@@ -66,6 +66,8 @@ impl Simulate {
             return Err(FileError::Exists { path: self.output.clone() }.into());
         }
         let water = WaterSource::parse(&self.water)?;
+        let inputs = [Some(self.image.as_path()), Some(self.depth.as_path()), water.path()];
+        refuse_inputs([self.output.as_path()], inputs.into_iter().flatten())?;
         let opened = ImageFile::open(&self.image, &common.reading.options())?;
         opened.memory_until_written(format, opened.pixels().saturating_mul(SIMULATED))?;
         let mut image_file = opened.decode()?;

@@ -49,6 +49,44 @@ fn a_scene_is_not_fused_into_itself() {
 }
 
 #[test]
+fn no_output_replaces_what_is_read_or_another_output() {
+    let run = photos();
+    run.ok(&["depth", "photos/a.png", "-o", "a.depth.png"]);
+    let depth = ["--depth", "a.depth.png", "--depth-kind", "inverse"];
+    let before: Vec<_> = ["photos/a.png", "green.png", "a.depth.png"]
+        .map(|name| (name, run.bytes(name)))
+        .into_iter()
+        .collect();
+    let commands: [&[&str]; 8] = [
+        &["fuse", "photos", "green.png", "-o", "out", "--report", "green.png"],
+        &["fuse", "photos", "green.png", "-o", "out", "--report", "out/../photos/a.png"],
+        &["fuse", "photos/a.png", "green.png", "-o", "out/b.png", "--report", "out/b.png"],
+        &[&["fuse", "photos/a.png", "green.png", "-o", "b.png", "--maps", "."][..], &depth].concat(),
+        &["depth", "photos/a.png", "-o", "photos/../photos/a.png"],
+        &["fuse", "photos/a.png", "green.png", "-o", "./green.png"],
+        &[&["restore", "photos/a.png", "-o", "a.depth.png"][..], &depth].concat(),
+        &[
+            "simulate",
+            "photos/a.png",
+            "a.depth.png",
+            "green.png",
+            "-o",
+            "a.depth.png",
+            "--depth-kind",
+            "metres",
+        ],
+    ];
+    std::fs::create_dir(run.path("out")).unwrap();
+    for command in commands {
+        let said = run.fails(2, &[command, &["--overwrite"]].concat()).stderr;
+        assert!(said.contains("give another output"), "{command:?}: {said}");
+        for (name, bytes) in &before {
+            assert_eq!(run.bytes(name), *bytes, "{command:?}");
+        }
+    }
+}
+
+#[test]
 fn no_folder_of_the_output_is_entered_through_a_link_that_leads_out() {
     let run = fish();
     run.ok(&AUGMENT);

@@ -10,8 +10,7 @@ use super::line::Variant;
 use super::manifest::Manifest;
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::{Layout, inside, split};
-use crate::files::sha256;
-use crate::files::{FileError, make_folder_within, stays_within, write_bytes};
+use crate::files::{FileError, make_folder_within, refuse_inputs, sha256, stays_within, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
 use crate::pipeline::PixelEncoding;
 use crate::run::Budget;
@@ -90,6 +89,7 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
             if source.exists() && !stays_within(&root, &source) {
                 return Err(FileError::LeadsOut { path: source });
             }
+            refuse_inputs([path.as_path()], [source.as_path()])?;
             let opened = match container {
                 None => ImageFile::open(&source, &reading)?,
                 Some(_) => super::containers::image_of(layout, &source, &key, &reading)?,

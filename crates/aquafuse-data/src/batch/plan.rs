@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::{Item, RECORD, Record, State};
-use crate::files::{FileError, display};
+use crate::files::{FileError, display, refuse_inputs};
 use crate::image_file::{self, Format, LISTED, WRITTEN};
 use crate::pipeline::{DepthSource, DepthSupply, Operation, maps};
 
@@ -41,6 +41,8 @@ pub struct Plan {
     items: Vec<Item>,
     is_folder: bool,
     unread: Vec<PathBuf>,
+    /// What is read beside the images.
+    inputs: Vec<PathBuf>,
     maps: Option<PathBuf>,
     scores: bool,
     overwrite: bool,
@@ -144,7 +146,8 @@ impl Plan {
             Ok(Item { input, output, depth })
         };
         let items = files.into_iter().map(item).collect::<Result<_, _>>()?;
-        let plan = Self { items, is_folder, unread, maps: maps.map(Path::to_owned), scores, overwrite };
+        let plan =
+            Self { items, is_folder, unread, inputs, maps: maps.map(Path::to_owned), scores, overwrite };
         plan.refuse_unrecorded()?;
         Ok(plan)
     }
@@ -162,6 +165,22 @@ impl Plan {
     /// The pictures of the folder that are in formats that are not read.
     pub fn unread(&self) -> &[PathBuf] {
         &self.unread
+    }
+
+    /// Refuses further outputs that stand where something is read, or where an image is written.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::IsInput`] for the first that does.
+    pub fn refuse_taken<'a>(&self, outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
+        let taken = self.items.iter().flat_map(|Item { input, output, depth }| {
+            let map = match depth {
+                DepthSource::Supplied { path, .. } => Some(path),
+                DepthSource::Estimated(_) => None,
+            };
+            [Some(input), Some(output), map].into_iter().flatten()
+        });
+        refuse_inputs(outputs, taken.chain(&self.inputs).map(PathBuf::as_path))
     }
 
     pub(super) fn maps(&self) -> Option<&Path> {
@@ -197,6 +216,9 @@ impl Plan {
         operation: &Operation,
         record: Option<&Record>,
     ) -> Result<(), PlanError> {
+        let all = self.items.iter().flat_map(|item| maps::paths(folder, &item.input, operation));
+        let all: Vec<PathBuf> = all.collect();
+        self.refuse_taken(all.iter().map(PathBuf::as_path))?;
         let mut taken = HashMap::new();
         for item in &self.items {
             let is_new = record.is_none_or(|record| record.state(item, self.overwrite) == State::Missing);

@@ -172,6 +172,15 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
+    /// An output would replace a file that is read, or another output.
+    #[error(
+        "{} is read or written by this command already, and would be replaced; give another output",
+        display(path)
+    )]
+    IsInput {
+        /// The file.
+        path: PathBuf,
+    },
     /// A folder for outputs cannot be made.
     #[error("cannot create the folder {}: {cause}. Give another output", display(path))]
     Folder {

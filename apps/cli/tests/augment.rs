@@ -37,7 +37,8 @@ fn fish(image_files: usize) -> Run {
     run
 }
 
-const AUGMENT: [&str; 7] = ["augment", "fish", "waters", "-o", "more", "--per-image", "2"];
+const AUGMENT: [&str; 11] =
+    ["augment", "fish", "waters", "-o", "more", "--per-image", "2", "--splits", "all", "--preview", "0"];
 
 fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&AUGMENT[..], more].concat()
@@ -64,6 +65,7 @@ fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
 fn a_data_set_is_multiplied_checked_and_made_again() {
     let run = fish(4);
     let dry = run.ok(&with(&["--dry-run", "--keep-originals"]));
+    assert!(dry.stdout.contains("splits: train 3, val 1"), "{}", dry.stdout);
     assert!(dry.stdout.contains("would make 8 variants of 4 images"), "{}", dry.stdout);
     assert!(!run.path("more").exists());
     let said = run.ok(&with(&["--keep-originals"]));
@@ -295,6 +297,7 @@ fn real_fish_and_real_masks_six_times() {
         let (before, after) = (data.join(folder), run.path(layout));
         let mut command =
             run.command(&["augment", "--format", layout, "--per-image", "5", "--keep-originals", "--quiet"]);
+        command.args(["--splits", "all", "--preview", "0"]);
         command.arg("-o").arg(&after).arg(&before).args(&waters);
         let output = command.output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

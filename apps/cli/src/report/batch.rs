@@ -47,6 +47,12 @@ pub(crate) fn run(
     if !plan.unread().is_empty() {
         output::complain(&unread(plan.unread()));
     }
+    if plan.folders_left_out() > 0 && !common.quiet {
+        output::complain(&format_args!(
+            "left out: {} folders in the content; --recursive enters them",
+            plan.folders_left_out()
+        ));
+    }
     let progress = Progress::new(common.quiet || plan.items().len() == 1);
     let (reports, records) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
     let ended = plan.run(recipe, &options, &|event| {

@@ -33,6 +33,7 @@ impl Augmentation {
             },
             on_bad_annotation: recipe.on_bad_annotation.to_owned(),
             keep_originals: recipe.keep_originals,
+            splits: recipe.splits.to_string(),
             quality: recipe.quality,
             lenient: self.run_options.reading.lenient,
             border: self.run_options.reading.border.to_string(),
@@ -64,6 +65,7 @@ impl Augmentation {
             variants: &variants,
             per_image: self.recipe.per_image,
             originals: self.recipe.keep_originals,
+            splits: &self.recipe.splits,
         };
         let write = |index: &crate::dataset::Index| {
             let bytes = index.read(&self.dataset.root, &self.run_options.reading)?;
@@ -104,6 +106,7 @@ impl Augmentation {
             let entries = plan.indices().iter().map(|&place| journal.entry(place));
             written.push(super::manifest_table::write(&self.output, name, &header, entries)?);
         }
+        written.extend(self.write_preview(plan, journal)?);
         written.sort_by(|a, b| a.output.cmp(&b.output));
         Ok(written)
     }

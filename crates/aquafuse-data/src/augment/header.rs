@@ -6,6 +6,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::water::StoredWater;
+use crate::dataset::Splits;
 
 /// It changes when a field changes its meaning or goes.
 pub(super) const SCHEMA: u32 = 1;
@@ -43,12 +44,19 @@ pub(super) struct Settings {
     pub(super) on_doubtful: String,
     pub(super) on_bad_annotation: String,
     pub(super) keep_originals: bool,
+    /// Manifests of earlier versions have none: every image was multiplied.
+    #[serde(default = "all_splits")]
+    pub(super) splits: String,
     #[serde(deserialize_with = "quality")]
     pub(super) quality: u8,
     pub(super) lenient: bool,
     /// Manifests of earlier versions have none: every pixel was taken for scene.
     #[serde(default = "no_border")]
     pub(super) border: String,
+}
+
+fn all_splits() -> String {
+    Splits::All.to_string()
 }
 
 fn no_border() -> String {

@@ -63,6 +63,9 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
     let variants: Vec<(&Variant, Option<&str>)> =
         found.variants().filter(|(variant, _)| wanted(variant)).collect();
     if let (true, Some(only)) = (variants.is_empty(), only) {
+        if found.is_carried(only) {
+            return Err(AugmentError::Carried { path: manifest.to_owned(), key: only.to_owned() });
+        }
         return Err(AugmentError::NoSuchKey { path: manifest.to_owned(), key: only.to_owned() });
     }
     let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|(variant, _)| variant.key.as_str()))?;
@@ -141,6 +144,7 @@ impl Header {
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
             keep_originals: settings.keep_originals,
+            splits: settings.splits.parse().map_err(|_| unknown())?,
             quality: settings.quality,
         })
     }

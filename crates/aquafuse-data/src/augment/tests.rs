@@ -57,11 +57,13 @@ fn job(root: &Path, output: &Path) -> Augmentation {
             on_doubtful: OnDoubtful::Flag,
             on_bad_annotation: "refuse",
             keep_originals: true,
+            splits: Splits::All,
             quality: 95,
         },
         shard: Shard::default(),
         overwrite: false,
         manifest_table: false,
+        preview: 0,
         run_options: RunOptions::default(),
     }
 }

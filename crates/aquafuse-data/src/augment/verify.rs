@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::AugmentError;
 use super::journal::manifests;
-use super::line::{Listed, Source};
+use super::line::Listed;
 use super::manifest::Manifest;
 use crate::dataset::{Tree, inside};
 use crate::files::{FileError, sha256_of, stays_within};
@@ -59,9 +59,9 @@ pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> R
             })
             .collect();
         if let Some(root) = dataset {
-            let sources = sources(&found).into_iter().map(|(key, source)| match inside(key) {
+            let sources = sources(&found).into_iter().map(|(key, bytes, sha256)| match inside(key) {
                 Ok(within) => {
-                    let written = Listed { output: key, bytes: source.bytes, sha256: &source.sha256 };
+                    let written = Listed { output: key, bytes, sha256 };
                     (root.join(within), Ok((root, written)))
                 }
                 Err(cause) => (path.clone(), Err(format!("{key:?} is {cause}"))),
@@ -87,13 +87,15 @@ pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> R
 type Expected<'a> = (&'a Path, Listed<'a>);
 
 /// The keys of the images that variants were made from, and what is recorded of those.
-fn sources(found: &Manifest) -> Vec<(&String, &Source)> {
+fn sources(found: &Manifest) -> Vec<(&String, u64, &str)> {
     let mut sources = Vec::new();
     for (key, entry) in &found.entries {
         let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
-        sources.extend(
-            entry.container.as_ref().map(|held| &held.source).or(variant).map(|source| (key, source)),
-        );
+        let source = entry.container.as_ref().map(|held| &held.source).or(variant);
+        // What was copied unchanged has the digest of its source.
+        let own = || entry.original.as_ref().map(|own| (own.bytes, own.sha256.as_str()));
+        let source = source.map(|source| (source.bytes, source.sha256.as_str())).or_else(own);
+        sources.extend(source.map(|(bytes, sha256)| (key, bytes, sha256)));
     }
     sources
 }

@@ -14,7 +14,7 @@ use super::{split, stem};
 use crate::files::{Patient, catch_panic};
 use crate::image_file::{Format, open_file};
 
-/// Images that stand where masks do; and those of another one's name that are called as masks are, have no colours, or
+/// Images that stand where masks do; and those of another one's name that have the name of a mask, have no colours, or
 /// stand beside a JPEG.
 pub(super) fn suspects(tree: &Tree) -> BTreeSet<String> {
     let mut by_name: BTreeMap<String, Vec<&String>> = BTreeMap::new();

@@ -2,12 +2,15 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::{Fault, Faults};
 use crate::files::{FileError, display, text_of};
 use crate::image_file::{Format, ReadOptions, read_beside};
 
+/// The sheet of a few images and their variants that `augment` draws.
+pub(crate) const PREVIEW: &str = "preview.jpg";
 /// The fault of a text file that is not UTF-8.
 pub(super) const NO_TEXT: &str = "it is not UTF-8 text; save it as UTF-8";
 
@@ -21,19 +24,27 @@ pub(crate) struct Tree {
     pub(crate) files: BTreeSet<String>,
     /// The paths with capitals, by what they are in small letters.
     capitals: HashMap<String, String>,
+    /// Hidden files: their names, or those of a folder that they are in, begin with a dot. Those of programs are not among
+    /// them.
+    pub(super) hidden: BTreeSet<String>,
     /// Files that are skipped, and why.
     pub(super) faults: Faults,
     pub(super) reading: ReadOptions,
 }
 
 impl Tree {
-    /// Lists the files, to be read with these options; hidden ones are passed over. Links are followed to files that stand
+    /// Lists the files, to be read with these options; hidden ones apart. Links are followed to files that stand
     /// in the folder too.
     pub(crate) fn of(root: &Path, reading: &ReadOptions) -> Result<Self, FileError> {
         let home = root.canonicalize().map_err(|error| FileError::Read { path: root.to_owned(), error })?;
         let mut tree = Self::holding(root.to_owned(), BTreeSet::new(), reading);
         tree.enter(&home, "", 0)?;
-        Ok(Self::holding(tree.root, tree.files, reading).with(tree.faults))
+        // The sheet that `augment` draws is no image of the dataset that it made.
+        if tree.files.contains(PREVIEW) && tree.files.iter().any(|path| is_manifest(&tree.root.join(path))) {
+            tree.files.remove(PREVIEW);
+        }
+        let Self { root, files, hidden, faults, .. } = tree;
+        Ok(Self { hidden, faults, ..Self::holding(root, files, reading) })
     }
 
     /// A tree of these files.
@@ -41,11 +52,7 @@ impl Tree {
         let small = files.iter().map(|path| (path.to_lowercase(), path));
         let capitals = small.filter(|(small, path)| small != *path);
         let capitals = capitals.map(|(small, path)| (small, path.clone())).collect();
-        Self { root, files, capitals, faults: Faults::default(), reading: *reading }
-    }
-
-    fn with(self, faults: Faults) -> Self {
-        Self { faults, ..self }
+        Self { root, files, capitals, hidden: BTreeSet::new(), faults: Faults::default(), reading: *reading }
     }
 
     fn enter(&mut self, home: &Path, within: &str, depth: usize) -> Result<(), FileError> {
@@ -57,12 +64,15 @@ impl Tree {
                 self.faults.add(Fault::new(display(&entry.path()).to_string(), "the name is not UTF-8"));
                 continue;
             };
-            if name.starts_with('.') {
-                continue;
-            }
             let path = super::join(within, &name);
             let kind = entry.file_type().map_err(failed)?;
-            if kind.is_dir() && depth < DEEPEST {
+            let is_hidden = within.split('/').chain([name.as_str()]).any(|part| part.starts_with('.'));
+            if is_hidden && (kind.is_symlink() || is_of_program(&name)) {
+                continue;
+            }
+            if is_hidden && kind.is_file() {
+                self.hidden.insert(path);
+            } else if kind.is_dir() && depth < DEEPEST {
                 self.enter(home, &path, depth.saturating_add(1))?;
             } else if kind.is_file() {
                 self.files.insert(path);
@@ -128,6 +138,43 @@ impl Tree {
     pub(super) fn read(&self, path: &str) -> Result<Option<String>, FileError> {
         Ok(text_of(&self.bytes(path)?).map(Cow::into_owned))
     }
+}
+
+/// Whether a file is a manifest of `augment`, by its name and its first bytes.
+pub(super) fn is_manifest(path: &Path) -> bool {
+    const BEGINS: &[u8] = b"{\"line\":\"job\",";
+    let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+    let mut begin = Vec::new();
+    name.starts_with(b"manifest")
+        && name.ends_with(b".jsonl")
+        && std::fs::File::open(path)
+            .is_ok_and(|file| file.take(BEGINS.len() as u64).read_to_end(&mut begin).is_ok())
+        && begin == BEGINS
+}
+
+/// Whether a hidden file or folder is a program's, and no user's.
+fn is_of_program(name: &str) -> bool {
+    const NAMES: [&str; 13] = [
+        ".git",
+        ".svn",
+        ".hg",
+        ".dvc",
+        ".cache",
+        ".idea",
+        ".vscode",
+        ".venv",
+        ".ds_store",
+        ".thumbnails",
+        ".ipynb_checkpoints",
+        ".directory",
+        ".picasa.ini",
+    ];
+    let small = name.to_lowercase();
+    // `._NAME` is what macOS writes beside each file on other disks.
+    small.starts_with("._")
+        || small.starts_with(".aquafuse-")
+        || small.starts_with(".trash")
+        || NAMES.contains(&small.as_str())
 }
 
 /// A name as a path within the dataset; why it is none otherwise.

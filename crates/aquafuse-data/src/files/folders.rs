@@ -28,10 +28,10 @@ pub fn make_folder(folder: &Path) -> Result<(), FileError> {
 }
 
 /// Makes a folder of an output folder, and those between: through no link that leads out.
-pub(crate) fn make_folder_within(root: &Path, folder: &str) -> Result<PathBuf, FileError> {
+pub(crate) fn make_folder_within(root: &Path, folder: impl AsRef<Path>) -> Result<PathBuf, FileError> {
     make_folder(root)?;
     let mut path = root.to_owned();
-    for part in folder.split('/').filter(|part| !part.is_empty()) {
+    for part in folder.as_ref().components() {
         path.push(part);
         if path.is_symlink() && !stays_within(root, &path) {
             let cause = "it is a link that is broken or leads out of the output; remove it".into();

@@ -31,6 +31,20 @@ impl DepthSupply {
         }
     }
 
+    /// The depth of the images in a folder within a content: maps in a folder stand in a folder of the same name.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::Read`] when the folder of maps cannot be listed.
+    pub fn within(&self, folder: &Path) -> Result<Self, FileError> {
+        match self {
+            Self::Folder(maps, kind) if !folder.as_os_str().is_empty() => {
+                Ok(Self::Folder(DepthFolder::list(&maps.path().join(folder))?, *kind))
+            }
+            other => Ok(other.clone()),
+        }
+    }
+
     /// The depth of one image.
     ///
     /// # Errors

@@ -54,6 +54,10 @@ pub(super) struct Annotation {
 }
 
 impl Annotation {
+    pub(super) fn into_boxes(self) -> Vec<[f64; 4]> {
+        self.boxes
+    }
+
     /// What is wrong with its boxes, in words.
     pub(super) fn faults(&self) -> impl Iterator<Item = String> {
         let [width, height] = self.size;

@@ -97,7 +97,7 @@ fn with_splits(how: &str) -> Run {
                     write(&run, "set/data.yaml", "train: one.txt\nval: two.txt\nnames: [fish]\n");
                 }
                 _ => {
-                    write(&run, "set/data.yaml", &format!("train: ../{train}\nval: {val}/\nnames: [fish]\n"))
+                    write(&run, "set/data.yaml", &format!("train: ../{train}\nval: {val}/\nnames: [fish]\n"));
                 }
             }
         }

@@ -5,11 +5,13 @@
 //! | PNG | grey, 8 and 16 bits | 16 bits: relative 65535 = 1, metres in millimetres |
 //! | TIFF | grey, 8 and 16 bits, 32- and 64-bit float; plain, LZW, deflate | 32-bit float |
 //! | OpenEXR | channel Z, Y, R or the only one; half, float | 32-bit float, channel Z |
-//! | NPY | two-dimensional `u1`, `u2`, `f4`, `f8`, either byte and memory order | `<f4` |
+//! | NPY | two-dimensional `u1`, `u2`, `i2`, `i4`, `f2`, `f4`, `f8`, either byte and memory order | `<f4` |
+//! | COLMAP | `IMAGE.geometric.bin`, 32-bit float; 0 is no depth | not |
 //! | PFM | `Pf`, either byte order; the size of its scale is not applied | little-endian |
 //!
 //! What the numbers mean is not in the file: see [`SuppliedKind`].
 
+mod colmap;
 mod exr;
 mod folder;
 mod npy;
@@ -131,6 +133,43 @@ pub fn read_for(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result
     read_wanted(path, kind, Some(size))
 }
 
+/// Reads the depth map of an image of `size` columns and rows, and scales it to that size by the nearest value, which
+/// mixes no near and far ones.
+///
+/// # Errors
+///
+/// [`FileError`] as for [`read`], and when the map has other proportions than the image.
+pub fn read_scaled(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result<Supplied, FileError> {
+    let (file, _) = open_file(path)?;
+    let raster = decode(BufReader::new(Patient(file)), None).and_then(|raster| scaled(raster, size));
+    supplied(path, raster, kind)
+}
+
+/// The nearest value for each pixel of an image of this size, if the proportions are the same but for rounding.
+fn scaled(raster: Raster, image @ (width, height): (usize, usize)) -> Result<Raster, Fault> {
+    let map = (raster.width, raster.height);
+    let (wide, high) = (map.0 as f64 * height as f64, map.1 as f64 * width as f64);
+    if (wide - high).abs() > PROPORTIONS * wide.max(high) {
+        return Err(Fault::Unfit(SuppliedError::Size { map, image }));
+    }
+    let nearest = |at: usize, from: usize, to: usize| {
+        // The middle of a pixel, in the other grid.
+        let at = at.saturating_mul(2).saturating_add(1).saturating_mul(from);
+        at.checked_div(to.saturating_mul(2)).unwrap_or(0).min(from.saturating_sub(1))
+    };
+    let columns: Vec<usize> = (0..width).map(|x| nearest(x, map.0, width)).collect();
+    let mut values = Vec::with_capacity(width.saturating_mul(height));
+    for y in 0..height {
+        let begin = nearest(y, map.1, height).saturating_mul(map.0);
+        let row = raster.values.get(begin..begin.saturating_add(map.0)).unwrap_or_default();
+        values.extend(columns.iter().filter_map(|x| row.get(*x)));
+    }
+    Ok(Raster { width, height, values, full_range: raster.full_range })
+}
+
+/// Proportions that differ by more than this share are of another image, or of a part of it.
+const PROPORTIONS: f64 = 0.02;
+
 fn read_wanted(path: &Path, kind: SuppliedKind, wanted: Wanted) -> Result<Supplied, FileError> {
     let (file, _) = open_file(path)?;
     supplied(path, decode(BufReader::new(Patient(file)), wanted), kind)
@@ -163,6 +202,7 @@ fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fau
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode,
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::decode,
         [b'P', b'f' | b'F', b' ' | b'\t' | b'\r' | b'\n', ..] => pfm::decode,
+        head if colmap::begins(head) => colmap::decode,
         _ => return Err(Fault::UnknownFormat),
     };
     catch_panic(|| decoder(reader, wanted))

@@ -361,8 +361,10 @@ impl DepthArguments {
         use aquafuse_data::pipeline::DepthSupply;
         Ok(match self.supply(true, model)? {
             DepthSupply::Estimated(model) => DepthPlan::Estimated(model),
-            DepthSupply::File(folder, kind) => DepthPlan::Maps { folder, kind },
-            DepthSupply::Folder(maps, kind) => DepthPlan::Maps { folder: maps.path().to_owned(), kind },
+            DepthSupply::File(folder, kind, size) => DepthPlan::Maps { folder, kind, size },
+            DepthSupply::Folder(maps, kind, size) => {
+                DepthPlan::Maps { folder: maps.path().to_owned(), kind, size }
+            }
         })
     }
 }

@@ -59,7 +59,7 @@ impl Fuse {
         let water = WaterSource::parse(&self.water)?;
         let water_depth = self.water_depth.source(&water, depth_model).map_err(Failure::usage)?;
         let map = match &water_depth {
-            DepthSource::Supplied { path, kind } => Some((path.as_path(), *kind)),
+            DepthSource::Supplied { path, kind, .. } => Some((path.as_path(), *kind)),
             DepthSource::Estimated(_) => None,
         };
         let inputs: Vec<_> = water.path().into_iter().chain(map.map(|(path, _)| path)).collect();

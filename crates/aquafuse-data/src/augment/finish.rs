@@ -10,6 +10,7 @@ use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Water};
 use crate::dataset::{join, split};
 use crate::files::Hashed;
 use crate::files::{FileError, make_folder_within, write_atomically};
+use crate::pipeline::MapSize;
 
 impl Augmentation {
     /// The first line of the manifest.
@@ -118,9 +119,11 @@ impl StoredDepth {
         match plan {
             DepthPlan::Estimated(DepthModel::Eq3(fitted)) => Self::Eq3(fitted.mu),
             DepthPlan::Estimated(model) => Self::Model(model.name().to_owned()),
-            DepthPlan::Maps { folder, kind } => {
-                Self::Maps { folder: folder.to_string_lossy().into_owned(), kind: kind.name().to_owned() }
-            }
+            DepthPlan::Maps { folder, kind, size } => Self::Maps {
+                folder: folder.to_string_lossy().into_owned(),
+                kind: kind.name().to_owned(),
+                is_scaled: *size == MapSize::Scaled,
+            },
         }
     }
 }

@@ -104,7 +104,13 @@ pub(super) enum StoredDepth {
     /// From colour by Eq. 3, with these coefficients.
     Eq3([f64; 5]),
     /// From a folder of maps.
-    Maps { folder: String, kind: String },
+    Maps {
+        folder: String,
+        kind: String,
+        /// Whether maps are scaled to the size of their images; it is not said where they are not.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        is_scaled: bool,
+    },
 }
 
 impl Header {

@@ -12,7 +12,7 @@ use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, dep
 use crate::dataset::{Layout, inside, split};
 use crate::files::{FileError, make_folder_within, refuse_inputs, sha256, stays_within, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
-use crate::pipeline::PixelEncoding;
+use crate::pipeline::{MapSize, PixelEncoding};
 use crate::run::Budget;
 use crate::water_file::WaterFileError;
 
@@ -155,9 +155,11 @@ impl StoredDepth {
         Some(match self {
             Self::Eq3(mu) => DepthPlan::Estimated(DepthModel::Eq3(Eq3::new(*mu).ok()?)),
             Self::Model(name) => DepthPlan::Estimated(name.parse::<DepthModel>().ok()?),
-            Self::Maps { folder, kind } => {
-                DepthPlan::Maps { folder: folder.into(), kind: kind.parse::<SuppliedKind>().ok()? }
-            }
+            Self::Maps { folder, kind, is_scaled } => DepthPlan::Maps {
+                folder: folder.into(),
+                kind: kind.parse::<SuppliedKind>().ok()?,
+                size: if *is_scaled { MapSize::Scaled } else { MapSize::Exact },
+            },
         })
     }
 }

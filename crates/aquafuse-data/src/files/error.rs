@@ -63,7 +63,7 @@ pub enum FileError {
     },
     /// The content has no supported format of depth maps.
     #[error(
-        "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY or PFM. Convert it first, best to a float \
+        "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY, PFM or COLMAP's format. Convert it first, best to a float \
          format; JPEG alters the values",
         display(path)
     )]
@@ -101,8 +101,8 @@ pub enum FileError {
     },
     /// No file, or more than one, is the depth map of an image.
     #[error(
-        "{} holds {found} depth maps with the stem of {}; it needs exactly one (.png, .tif, .tiff, .exr, .npy or \
-         .pfm)",
+        "{} holds {found} depth maps with the stem of {}; it needs exactly one (.png, .tif, .tiff, .exr, .npy, \
+         .pfm or .geometric.bin)",
         display(folder),
         display(image)
     )]
@@ -261,7 +261,9 @@ fn unfit_remedy(error: &SuppliedError, turned: bool) -> &'static str {
             "The map was made for the image as rotated by its EXIF orientation: rotate the map back to the stored order \
              of the pixels"
         }
-        SuppliedError::Size { .. } => "Scale the map to the size of the image, by nearest neighbour",
+        SuppliedError::Size { .. } => {
+            "If it shows the whole image, add --depth-resize, which scales it by nearest neighbour"
+        }
         SuppliedError::AboveOne { .. } => {
             "Divide the map by its largest distance, or declare another kind: metres, millimetres, inverse or disparity"
         }

@@ -93,6 +93,7 @@ enum Trainer {
 
 impl Train {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        super::say_model(&self.scene, common);
         let plan = Plan::new(self.request())?;
         let brush = self.brush()?;
         let options = common.run_options();

@@ -13,6 +13,7 @@ use std::time::Instant;
 use run::{Chance, Run, killed_after, kills, scene};
 
 const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_datasets.py");
+const MATRIX: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/round_trip.py");
 const WRITER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/write_tables.py");
 
 /// A dataset of YOLO with `image_files` images in two splits, and two waters beside it.
@@ -275,6 +276,22 @@ fn the_readers_of_others_find_the_same_annotations() {
         run.ok(&["verify", &output]);
         assert!(compare(layout, &run.path(layout), &run.path(&output)));
     }
+}
+
+#[test]
+fn ten_layouts_come_back_equal_to_the_readers_of_others() {
+    let Some(python) = std::env::var_os("AQUAFUSE_PYTHON") else {
+        println!("skipped: AQUAFUSE_PYTHON names no Python with pycocotools, supervision and webdataset");
+        return;
+    };
+    let run = Run::new();
+    let mut matrix = Command::new(python);
+    let ended = matrix.args([MATRIX, env!("CARGO_BIN_EXE_aquafuse")]).arg(run.path("work")).output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stdout);
+    assert!(ended.status.success(), "{said}{}", String::from_utf8_lossy(&ended.stderr));
+    let rows = said.lines().filter(|line| line.starts_with('|')).skip(2);
+    let different: Vec<&str> = rows.filter_map(|row| row.trim_end_matches(" |").rsplit("| ").next()).collect();
+    assert_eq!(different, ["0"; 10], "{said}");
 }
 
 #[test]

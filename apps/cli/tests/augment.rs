@@ -290,7 +290,8 @@ fn ten_layouts_come_back_equal_to_the_readers_of_others() {
     let said = String::from_utf8_lossy(&ended.stdout);
     assert!(ended.status.success(), "{said}{}", String::from_utf8_lossy(&ended.stderr));
     let rows = said.lines().filter(|line| line.starts_with('|')).skip(2);
-    let different: Vec<&str> = rows.filter_map(|row| row.trim_end_matches(" |").rsplit("| ").next()).collect();
+    let different: Vec<&str> =
+        rows.filter_map(|row| row.trim_end_matches(" |").rsplit("| ").next()).collect();
     assert_eq!(different, ["0"; 10], "{said}");
 }
 

@@ -273,6 +273,15 @@ fn hidden_labels_are_named_and_never_lost_in_silence() {
     }
     let said = run.ok(&AUGMENT).stdout;
     assert!(!said.contains("left out"), "{said}");
+    #[cfg(unix)]
+    {
+        // Neither is what cannot be read, or is no file.
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::create_dir(run.path("set/.locked")).unwrap();
+        std::fs::set_permissions(run.path("set/.locked"), std::fs::Permissions::from_mode(0)).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(run.path("set/.pipe")).status().unwrap().success());
+        run.ok(&[&AUGMENT[..], &["--overwrite"]].concat());
+    }
     image(&run, "set/images/.b.png");
     let said = run.ok(&[&AUGMENT[..], &["--overwrite"]].concat());
     assert!(
@@ -352,4 +361,9 @@ fn the_preview_shows_boxes_outlines_and_masks_on_images_and_variants() {
     let run = with_splits("folders");
     run.ok(&[&AUGMENT[..], &["--preview", "0"]].concat());
     assert!(!run.path("out/preview.jpg").exists());
+    // An image of the dataset keeps its name.
+    scene(&run.path("set/preview.jpg"), 3, "blue");
+    run.ok(&[&AUGMENT[..], &["--keep-originals", "--overwrite"]].concat());
+    assert_eq!(run.bytes("out/preview.jpg"), run.bytes("set/preview.jpg"));
+    run.ok(&["verify", "out"]);
 }

@@ -48,7 +48,7 @@ use serde_json::{Value, json};
 
 use crate::files::{FileError, make_folder, make_folder_of, make_folder_within, remove_stale_parts};
 use crate::image_file::{Format, ImageFile, Opened, ReadOptions, WriteOptions};
-use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, WaterEstimate, analyse_in, maps};
+use crate::pipeline::{DepthSource, Operation, Outcome, Scores, WaterEstimate, analyse_in, maps};
 use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::Numbers;
 
@@ -299,10 +299,7 @@ impl Work<'_> {
 
     /// Memory that an item takes beside its image.
     fn beside(&self, item: &Item, opened: &Opened) -> u64 {
-        let supplied = match &item.depth {
-            DepthSource::Supplied { .. } => SUPPLIED,
-            DepthSource::Estimated(_) => 0,
-        };
+        let supplied = item.depth.bytes_a_pixel();
         let scores = if self.plan.scores() { SCORED } else { 0 };
         let maps = if self.plan.maps().is_some() { maps::BYTES_A_PIXEL } else { 0 };
         let a_pixel = [supplied, scores, maps, self.recipe.operation.bytes_a_pixel()];

@@ -26,7 +26,7 @@ pub use folder::DepthFolder;
 
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
-use crate::files::{FileError, Patient, catch_panic, one_line, write_atomically};
+use crate::files::{FileError, Patient, catch_panic, is_memory, one_line, write_atomically};
 use crate::image_file::{WriteOptions, open_file, whole};
 
 /// Values of a file, row by row from the top, in its own unit.
@@ -66,8 +66,19 @@ impl From<std::io::Error> for Fault {
 /// What a decoded file may take, as for images.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// Columns and rows a map must have, where that is known.
-type Wanted = Option<(usize, usize)>;
+/// The sizes that a map may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    /// Any.
+    Any,
+    /// These columns and rows.
+    Exact((usize, usize)),
+    /// So many values at most, to be scaled to an image of this size.
+    AtMost(u64, (usize, usize)),
+}
+
+/// A map may have so many times the values of its image, if it is scaled to it: it takes memory too.
+const LARGER: u64 = 4;
 
 /// Refuses, from the header, sizes that are not wanted, would take more memory than allowed, or none at all.
 fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Result<(usize, usize), Fault> {
@@ -75,11 +86,18 @@ fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Re
     if bytes.is_none_or(|bytes| bytes > MOST_BYTES) {
         return Err(Fault::TooLarge(format!("{width}x{height} values exceed the limit")));
     }
+    let places = width.saturating_mul(height);
+    if !is_memory(places.saturating_mul(bytes_a_place.max(4).saturating_add(4))) {
+        return Err(Fault::TooLarge(format!("the system has not the memory for {width}x{height} values")));
+    }
     match (usize::try_from(width), usize::try_from(height)) {
         (Ok(width @ 1..), Ok(height @ 1..)) => match wanted {
-            Some(image) if image != (width, height) => {
+            Wanted::Exact(image) if image != (width, height) => {
                 Err(Fault::Unfit(SuppliedError::Size { map: (width, height), image }))
             }
+            Wanted::AtMost(most, (columns, rows)) if places > most => Err(Fault::TooLarge(format!(
+                "its {width}x{height} values are more than {LARGER} times the {columns}x{rows} pixels of its image"
+            ))),
             _ => Ok((width, height)),
         },
         _ => Err(Fault::Damaged(format!("it declares {width}x{height} values"))),
@@ -121,7 +139,7 @@ fn narrowed(value: f64) -> f32 {
 /// [`FileError`] when the file cannot be opened, is damaged, takes more than 512 MiB, or holds another format or
 /// kind of values.
 pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
-    read_wanted(path, kind, None)
+    read_wanted(path, kind, Wanted::Any)
 }
 
 /// Reads the depth map of an image of `size` columns and rows; another size is refused from the header.
@@ -130,7 +148,7 @@ pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
 ///
 /// [`FileError`] as for [`read`], and when the map has another size than the image.
 pub fn read_for(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result<Supplied, FileError> {
-    read_wanted(path, kind, Some(size))
+    read_wanted(path, kind, Wanted::Exact(size))
 }
 
 /// Reads the depth map of an image of `size` columns and rows, and scales it to that size by the nearest value, which
@@ -138,10 +156,13 @@ pub fn read_for(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result
 ///
 /// # Errors
 ///
-/// [`FileError`] as for [`read`], and when the map has other proportions than the image.
+/// [`FileError`] as for [`read`], and when the map has other proportions than the image, or more than four times its
+/// values.
 pub fn read_scaled(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result<Supplied, FileError> {
     let (file, _) = open_file(path)?;
-    let raster = decode(BufReader::new(Patient(file)), None).and_then(|raster| scaled(raster, size));
+    let pixels = u64::try_from(size.0.saturating_mul(size.1)).unwrap_or(u64::MAX);
+    let wanted = Wanted::AtMost(pixels.saturating_mul(LARGER), size);
+    let raster = decode(BufReader::new(Patient(file)), wanted).and_then(|raster| scaled(raster, size));
     supplied(path, raster, kind)
 }
 
@@ -181,7 +202,7 @@ fn read_wanted(path: &Path, kind: SuppliedKind, wanted: Wanted) -> Result<Suppli
 ///
 /// [`FileError`] as for [`read`].
 pub fn from_bytes(name: &Path, bytes: &[u8], kind: SuppliedKind) -> Result<Supplied, FileError> {
-    supplied(name, decode(Cursor::new(bytes), None), kind)
+    supplied(name, decode(Cursor::new(bytes), Wanted::Any), kind)
 }
 
 fn supplied(path: &Path, raster: Result<Raster, Fault>, kind: SuppliedKind) -> Result<Supplied, FileError> {

@@ -18,7 +18,7 @@ pub(crate) use catch_panic::catch_panic;
 pub use catch_panic::silence_decoder_panics;
 pub use digest::sha256;
 pub(crate) use digest::{Hashed, hexadecimal, sha256_of};
-pub use display::{display, one_line};
+pub use display::{display, one_line, plain_json};
 pub use error::FileError;
 pub use folders::{holds_files, make_folder, make_folder_of, make_work_folder, place_of, refuse_inputs};
 pub(crate) use folders::{make_folder_within, stays_within};

@@ -254,7 +254,7 @@ impl Augment {
             if let Event::Done { item, result } = &event {
                 if self.json {
                     // A reader that has gone away does not stop the work.
-                    let _ = output::print(&result.lines);
+                    let _ = output::print_json(&result.lines);
                 }
                 if let Ok(mut tally) = tally.lock() {
                     tally.add(item, result);

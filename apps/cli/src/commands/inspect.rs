@@ -116,7 +116,7 @@ impl Inspect {
                     named.to_string()
                 }
             };
-            return output::print(&format!("{json}\n"));
+            return output::print_json(&format!("{json}\n"));
         }
         let name = match self.images.len() {
             1 => String::new(),

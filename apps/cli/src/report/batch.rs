@@ -61,7 +61,7 @@ pub(crate) fn run(
         {
             if arguments.json {
                 // A reader that has gone away does not stop the work.
-                let _ = output::print(&format!("{record}\n"));
+                let _ = output::print_json(&format!("{record}\n"));
             }
             if let Ok(mut records) = records.lock() {
                 records.push(record);

@@ -43,6 +43,29 @@ fn no_name_of_a_stranger_moves_the_terminal() {
 }
 
 #[test]
+fn no_name_in_json_moves_the_terminal_and_each_is_still_itself() {
+    for name in ["a\u{202e}gpj.png", "a\u{9b}31m.png", "a\u{2066}.png"] {
+        let run = Run::new();
+        std::fs::create_dir(run.path("photos")).unwrap();
+        scene(&run.path("one.png"), 1, "blue");
+        std::fs::rename(run.path("one.png"), run.path("photos").join(name)).unwrap();
+        scene(&run.path("green.png"), 9, "green");
+        for command in [
+            &["fuse", "photos", "green.png", "-o", "out", "--json"][..],
+            &["augment", "photos", "green.png", "-o", "more", "--json"],
+        ] {
+            let said = run.ok(command).stdout;
+            assert!(is_plain(&said), "{said:?}");
+            let stem = name.trim_end_matches(".png");
+            let has = |line: &str| {
+                serde_json::from_str::<serde_json::Value>(line).unwrap().to_string().contains(stem)
+            };
+            assert!(said.lines().all(has), "{said:?}");
+        }
+    }
+}
+
+#[test]
 fn names_in_a_report_are_no_markup_and_no_formulas() {
     let run = Run::new();
     for (seed, group) in

@@ -13,7 +13,7 @@ use super::line::{Line, Listed, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
 use super::{Augmentation, Draw, Multiplied, OnDoubtful, Recipe, Water};
 use crate::dataset::Companion;
-use crate::files::{FileError, Hashed, Patient, one_line, sha256, write_atomically, write_bytes};
+use crate::files::{FileError, Hashed, Patient, one_line, sha256, sha256_of, write_atomically, write_bytes};
 use crate::image_file::{Format, ImageFile, Opened, open_file, read_beside};
 use crate::pipeline::{Analysis, DepthSource, analyse_in};
 use crate::pipeline::{Operation, Outcome, WaterEstimate};
@@ -61,10 +61,7 @@ impl Recipe {
     ) -> Result<Read<'a>, FileError> {
         // A variant beside its image, what surrounds its scene, and as it is encoded.
         let beside = opened.memory_of_pixels().saturating_mul(3);
-        let supplied = match depth {
-            DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::pipeline::SUPPLIED),
-            DepthSource::Estimated(_) => 0,
-        };
+        let supplied = opened.pixels().saturating_mul(depth.bytes_a_pixel());
         let light = opened.pixels().saturating_mul(self.encoding.bytes_a_pixel());
         let beside = beside.saturating_add(supplied).saturating_add(light);
         let room = budget.reserve_for(&opened, Format::Png, beside)?;
@@ -73,11 +70,11 @@ impl Recipe {
             source.bytes = bytes.len() as u64;
             source.sha256 = sha256(bytes);
         })?;
-        if let DepthSource::Supplied { path, .. } = depth {
-            let failed = |error| FileError::Read { path: path.clone(), error };
-            source.depth_sha256 = Some(sha256(&std::fs::read(path).map_err(failed)?));
-        }
         let mut found = analyse_in(self.encoding, &image, depth)?;
+        // Now that it is known to be a file.
+        if let DepthSource::Supplied { path, .. } = depth {
+            source.depth_sha256 = Some(sha256_of(path)?);
+        }
         let quality = found.estimate.quality();
         let doubtful = quality.verdict != Verdict::Good;
         let instead = match &self.on_doubtful {

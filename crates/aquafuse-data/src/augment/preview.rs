@@ -10,7 +10,7 @@ use super::journal::{Journal, Slot};
 use super::line::Written;
 use super::plan::Planned;
 use super::{Augmentation, Plan};
-use crate::dataset::{Companion, Index, Outline, PREVIEW, marks_of_coco, marks_of_companion, split};
+use crate::dataset::{Companion, Index, Outline, PREVIEW, Sample, marks_of_coco, marks_of_companion, split};
 use crate::drawing::{Cell, contact_sheet, outlined};
 use crate::files::{FileError, sha256, text_of, write_bytes};
 use crate::image_file::{Format, ImageFile, ReadOptions, read_beside};
@@ -36,7 +36,7 @@ impl Augmentation {
         plan: &Plan<'_>,
         journal: &Journal,
     ) -> Result<Option<Written>, FileError> {
-        if self.preview == 0 || self.shard.of > 1 || self.dataset.layout.holds_many() {
+        if self.preview == 0 || self.shard.of > 1 || self.dataset.layout.holds_many() || self.is_taken() {
             return Ok(None);
         }
         let has_variants =
@@ -78,6 +78,15 @@ impl Augmentation {
         let bytes = ImageFile::new(sheet).encode(&path, QUALITY)?;
         write_bytes(&path, &bytes, true)?;
         Ok(Some(Written { output: PREVIEW.to_owned(), bytes: bytes.len() as u64, sha256: sha256(&bytes) }))
+    }
+
+    /// Whether the dataset has a file of the sheet's name, which the output has too.
+    fn is_taken(&self) -> bool {
+        let of_sample = |sample: &Sample| {
+            sample.key == PREVIEW || sample.companions.iter().any(|companion| companion.path == PREVIEW)
+        };
+        self.dataset.samples.iter().any(of_sample)
+            || self.dataset.indices.iter().any(|index| index.path() == PREVIEW)
     }
 
     /// The boxes in files about all images, of the images that are shown or of their variants.

@@ -36,6 +36,10 @@ pub(super) fn attach(tree: &Tree, extensions: &[String], dataset: &mut Dataset) 
 /// A file with the file name of a variant wherever it had that of the image. Pixels that labelme puts into its files are
 /// those of the image: they are left out, so that labelme reads the variant.
 pub(super) fn renamed(bytes: &[u8], image: &str, variant: &str) -> Vec<u8> {
+    // Of files that are no text, the bytes that look like the name may be anything.
+    if bytes.contains(&0) {
+        return bytes.to_owned();
+    }
     let mut out = Vec::with_capacity(bytes.len());
     let is_part = |byte: Option<&u8>| {
         byte.is_some_and(|byte| {
@@ -85,6 +89,7 @@ mod tests {
         let expected = br#"{"imagePath": "..\\img\\a__w__0.jpg", "of": "a__w__0.jpg.", "not": "aa.jpg a.jpg2 b_a.jpg", "imageData": null}"#;
         assert_eq!(renamed(text, "a.jpg", "a__w__0.jpg"), expected);
         assert_eq!(renamed(b"\xff\xfe a.jpg", "a.jpg", "b.jpg"), b"\xff\xfe b.jpg");
+        assert_eq!(renamed(b"\0 a.jpg", "a.jpg", "b.jpg"), b"\0 a.jpg");
         assert_eq!(renamed(br#"{"imageData": null}"#, "a.jpg", "b.jpg"), br#"{"imageData": null}"#);
     }
 }

@@ -58,21 +58,35 @@ impl Tree {
     fn enter(&mut self, home: &Path, within: &str, depth: usize) -> Result<(), FileError> {
         let folder = self.root.join(within);
         let failed = |error| FileError::Read { path: folder.clone(), error };
-        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+        let is_hidden_folder = is_hidden(within);
+        let entries = match std::fs::read_dir(&folder) {
+            // Nobody asked for what is hidden: what cannot be listed is passed over.
+            Err(_) if is_hidden_folder => return Ok(()),
+            entries => entries.map_err(failed)?,
+        };
+        for entry in entries {
             let entry = entry.map_err(failed)?;
-            let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
+            let name = entry.file_name();
+            let is_hidden = is_hidden_folder || name.as_encoded_bytes().starts_with(b".");
+            let Some(name) = name.to_str().map(str::to_owned) else {
+                if is_hidden {
+                    continue;
+                }
                 self.faults.add(Fault::new(display(&entry.path()).to_string(), "the name is not UTF-8"));
                 continue;
             };
             let path = super::join(within, &name);
             let kind = entry.file_type().map_err(failed)?;
-            let is_hidden = within.split('/').chain([name.as_str()]).any(|part| part.starts_with('.'));
-            if is_hidden && (kind.is_symlink() || is_of_program(&name)) {
+            if is_hidden {
+                let is_of_user = !is_of_program(&name);
+                if is_of_user && kind.is_file() {
+                    self.hidden.insert(path);
+                } else if is_of_user && kind.is_dir() && depth < DEEPEST {
+                    self.enter(home, &path, depth.saturating_add(1))?;
+                }
                 continue;
             }
-            if is_hidden && kind.is_file() {
-                self.hidden.insert(path);
-            } else if kind.is_dir() && depth < DEEPEST {
+            if kind.is_dir() && depth < DEEPEST {
                 self.enter(home, &path, depth.saturating_add(1))?;
             } else if kind.is_file() {
                 self.files.insert(path);
@@ -150,6 +164,11 @@ pub(super) fn is_manifest(path: &Path) -> bool {
         && std::fs::File::open(path)
             .is_ok_and(|file| file.take(BEGINS.len() as u64).read_to_end(&mut begin).is_ok())
         && begin == BEGINS
+}
+
+/// Whether a folder in a path is hidden.
+fn is_hidden(path: &str) -> bool {
+    path.split('/').any(|part| part.starts_with('.'))
 }
 
 /// Whether a hidden file or folder is a program's, and no user's.

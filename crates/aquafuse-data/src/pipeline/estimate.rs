@@ -6,6 +6,7 @@ use aquafuse::depth::{DepthMap, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason, WaterShare};
 
+use super::SUPPLIED;
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
 use crate::depth_file;
 use crate::files::{FileError, Step, count};
@@ -45,6 +46,16 @@ impl Default for DepthSource {
 }
 
 impl DepthSource {
+    /// What it takes in bytes a pixel of its image.
+    pub(crate) fn bytes_a_pixel(&self) -> u64 {
+        match self {
+            Self::Estimated(_) => 0,
+            Self::Supplied { size: MapSize::Exact, .. } => SUPPLIED,
+            // A map may have four times the pixels of its image, which take 8 bytes each until it is scaled.
+            Self::Supplied { size: MapSize::Scaled, .. } => SUPPLIED.saturating_mul(3),
+        }
+    }
+
     /// The name used in reports: the model, or `supplied`.
     pub fn name(&self) -> &'static str {
         match self {

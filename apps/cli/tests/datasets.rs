@@ -252,9 +252,13 @@ fn a_shard_of_another_split_is_copied_byte_for_byte() {
 
 #[test]
 fn hidden_labels_are_named_and_never_lost_in_silence() {
-    for hidden in
-        ["set/.labels/a.txt", "set/labels/.a.txt", "set/.hidden/labels/a.txt", "set/.annotations/a.json"]
-    {
+    for hidden in [
+        "set/.labels/a.txt",
+        "set/labels/.a.txt",
+        "set/.hidden/labels/a.txt",
+        "set/.annotations/a.json",
+        "set/labels/._a.txt",
+    ] {
         let run = with_water();
         image(&run, "set/images/a.png");
         write(&run, hidden, BOX);
@@ -268,7 +272,8 @@ fn hidden_labels_are_named_and_never_lost_in_silence() {
     // Those of programs are nobody's labels.
     let run = with_water();
     image(&run, "set/images/a.png");
-    for name in ["._a.txt", ".DS_Store", ".git/a.txt", ".ipynb_checkpoints/a.json", ".gitattributes"] {
+    write(&run, "set/._a.txt", "\0\u{5}\u{16}\u{7}of macOS");
+    for name in [".DS_Store", ".git/a.txt", ".ipynb_checkpoints/a.json", ".gitattributes"] {
         write(&run, &format!("set/{name}"), "x");
     }
     let said = run.ok(&AUGMENT).stdout;
@@ -278,7 +283,7 @@ fn hidden_labels_are_named_and_never_lost_in_silence() {
         // Neither is what cannot be read, or is no file.
         use std::os::unix::fs::PermissionsExt;
         std::fs::create_dir(run.path("set/.locked")).unwrap();
-        std::fs::set_permissions(run.path("set/.locked"), std::fs::Permissions::from_mode(0)).unwrap();
+        std::fs::set_permissions(run.path("set/.locked"), std::fs::Permissions::from_mode(0o0)).unwrap();
         assert!(std::process::Command::new("mkfifo").arg(run.path("set/.pipe")).status().unwrap().success());
         run.ok(&[&AUGMENT[..], &["--overwrite"]].concat());
     }
@@ -289,6 +294,27 @@ fn hidden_labels_are_named_and_never_lost_in_silence() {
         "{}",
         said.stdout
     );
+}
+
+#[test]
+fn annotations_are_known_by_their_content_where_their_names_say_nothing() {
+    for (name, text) in [
+        ("set/instances_train", "{\"images\": [], \"annotations\": []}"),
+        ("set/export.label2", "\u{feff} [{\"box\": [1, 2]}]"),
+        ("set/all.out", "<?xml version=\"1.0\"?><annotations></annotations>"),
+    ] {
+        let run = with_water();
+        image(&run, "set/images/a.png");
+        write(&run, name, text);
+        let said = run.fails(2, &AUGMENT).stderr;
+        assert!(said.contains(name.strip_prefix("set/").unwrap()), "{name}: {said}");
+    }
+    let run = with_water();
+    image(&run, "set/images/a.png");
+    for (name, text) in [("README.md", "[a link](b)"), ("notes", "[1] two fish"), ("run.sh", "{ true; }")] {
+        write(&run, &format!("set/{name}"), text);
+    }
+    run.ok(&AUGMENT);
 }
 
 #[test]

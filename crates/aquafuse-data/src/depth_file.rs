@@ -162,12 +162,12 @@ pub fn read_scaled(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Res
     let (file, _) = open_file(path)?;
     let pixels = u64::try_from(size.0.saturating_mul(size.1)).unwrap_or(u64::MAX);
     let wanted = Wanted::AtMost(pixels.saturating_mul(LARGER), size);
-    let raster = decode(BufReader::new(Patient(file)), wanted).and_then(|raster| scaled(raster, size));
+    let raster = decode(BufReader::new(Patient(file)), wanted).and_then(|raster| scaled(&raster, size));
     supplied(path, raster, kind)
 }
 
 /// The nearest value for each pixel of an image of this size, if the proportions are the same but for rounding.
-fn scaled(raster: Raster, image @ (width, height): (usize, usize)) -> Result<Raster, Fault> {
+fn scaled(raster: &Raster, image @ (width, height): (usize, usize)) -> Result<Raster, Fault> {
     let map = (raster.width, raster.height);
     let (wide, high) = (map.0 as f64 * height as f64, map.1 as f64 * width as f64);
     if (wide - high).abs() > PROPORTIONS * wide.max(high) {

@@ -221,14 +221,25 @@ fn kind(tree: &Tree, path: &str, stems: &BTreeSet<String>) -> Kind {
     match extension.as_str() {
         "gif" if is_about_image && is_mask(path) => Kind::Mask,
         "gif" => Kind::Picture,
-        extension if OF_LABELS.contains(&extension) => Kind::Labels,
-        extension if OF_CAMERAS.contains(&extension) => Kind::Other,
+        known if OF_LABELS.contains(&known) => Kind::Labels,
+        known if OF_CAMERAS.contains(&known) => Kind::Other,
         // A file with the name of an image is about that image, whatever it is.
         _ if is_about_image || stems.contains(stem(&own)) => Kind::Labels,
         _ if name.to_lowercase().contains(".tfrecord") => Kind::Labels,
         "txt" if is_mask(path) || foreign::is_table_of_images(tree, path) => Kind::Labels,
+        // JSON or XML whatever it is called.
+        _ if !is_of_text(&extension) && foreign::is_marked_up(tree, path) => Kind::Labels,
         _ => Kind::Other,
     }
+}
+
+/// Whether files of this extension are for people or programs, and may begin with any sign.
+fn is_of_text(extension: &str) -> bool {
+    const TEXTS: [&str; 16] = [
+        "txt", "md", "rst", "html", "htm", "svg", "py", "ipynb", "sh", "m", "r", "js", "ts", "css", "yaml",
+        "yml",
+    ];
+    TEXTS.contains(&extension)
 }
 
 /// Why a text is no JSON, if it is none.

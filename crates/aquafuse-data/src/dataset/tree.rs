@@ -78,7 +78,8 @@ impl Tree {
             let path = super::join(within, &name);
             let kind = entry.file_type().map_err(failed)?;
             if is_hidden {
-                let is_of_user = !is_of_program(&name);
+                let is_of_macos = kind.is_file() && is_apple_double(&entry.path());
+                let is_of_user = !is_of_program(&name) && !is_of_macos;
                 if is_of_user && kind.is_file() {
                     self.hidden.insert(path);
                 } else if is_of_user && kind.is_dir() && depth < DEEPEST {
@@ -158,12 +159,7 @@ impl Tree {
 pub(super) fn is_manifest(path: &Path) -> bool {
     const BEGINS: &[u8] = b"{\"line\":\"job\",";
     let name = path.file_name().unwrap_or_default().as_encoded_bytes();
-    let mut begin = Vec::new();
-    name.starts_with(b"manifest")
-        && name.ends_with(b".jsonl")
-        && std::fs::File::open(path)
-            .is_ok_and(|file| file.take(BEGINS.len() as u64).read_to_end(&mut begin).is_ok())
-        && begin == BEGINS
+    name.starts_with(b"manifest") && name.ends_with(b".jsonl") && begins_with(path, BEGINS)
 }
 
 /// Whether a folder in a path is hidden.
@@ -189,11 +185,20 @@ fn is_of_program(name: &str) -> bool {
         ".picasa.ini",
     ];
     let small = name.to_lowercase();
-    // `._NAME` is what macOS writes beside each file on other disks.
-    small.starts_with("._")
-        || small.starts_with(".aquafuse-")
-        || small.starts_with(".trash")
-        || NAMES.contains(&small.as_str())
+    small.starts_with(".aquafuse-") || small.starts_with(".trash") || NAMES.contains(&small.as_str())
+}
+
+/// Whether a file is one of those that macOS writes beside each file on other disks, as `._NAME`.
+fn is_apple_double(path: &Path) -> bool {
+    begins_with(path, &[0, 5, 0x16, 7])
+        && path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"._"))
+}
+
+/// Whether a regular file begins with these bytes.
+pub(super) fn begins_with(path: &Path, bytes: &[u8]) -> bool {
+    let mut begin = Vec::new();
+    let file = std::fs::File::open(path);
+    file.is_ok_and(|file| file.take(bytes.len() as u64).read_to_end(&mut begin).is_ok()) && begin == bytes
 }
 
 /// A name as a path within the dataset; why it is none otherwise.

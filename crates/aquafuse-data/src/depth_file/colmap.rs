@@ -9,18 +9,18 @@ use super::{Fault, Raster, Wanted, check_size, read_values};
 /// stand in the same folder, and are not taken for a second map.
 pub(super) const END: &str = ".geometric.bin";
 /// A number of the header has no more digits.
-const DIGITS: u64 = 10;
+const DIGITS: u8 = 10;
 
 /// Whether a file begins as such a map does.
 pub(super) fn begins(head: &[u8]) -> bool {
     let digits = head.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    (1..=DIGITS as usize).contains(&digits) && head.get(digits) == Some(&b'&')
+    (1..=usize::from(DIGITS)).contains(&digits) && head.get(digits) == Some(&b'&')
 }
 
 pub(super) fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fault> {
     let mut number = || -> Result<u64, Fault> {
         let mut text = Vec::new();
-        reader.by_ref().take(DIGITS.saturating_add(1)).read_until(b'&', &mut text)?;
+        reader.by_ref().take(u64::from(DIGITS).saturating_add(1)).read_until(b'&', &mut text)?;
         let digits = text.strip_suffix(b"&").and_then(|digits| std::str::from_utf8(digits).ok());
         let number = digits.and_then(|digits| digits.parse().ok());
         number.ok_or_else(|| Fault::Damaged("its header is not three numbers with & behind each".into()))

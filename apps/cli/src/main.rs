@@ -143,9 +143,26 @@ fn run(cli: &Cli) -> Result<(), Failure> {
 /// would have no bounds. Where the system gives no threads, this one does the work.
 fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads);
-    let started = pool(threads.map_or_else(cores, usize::from)).build_global();
-    started.or_else(|_| pool(1).use_current_thread().build_global()).map_err(Failure::work)
+    let threads = threads.map_or_else(cores, usize::from);
+    // A pool that could not be started cannot be started again: whether there are threads is tried before.
+    let pool = match can_start(threads) {
+        true => rayon::ThreadPoolBuilder::new().num_threads(threads),
+        false => rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread(),
+    };
+    let no_threads = |_| anyhow::anyhow!("the system gives no more threads; end other programs");
+    pool.build_global().map_err(no_threads).map_err(Failure::work)
+}
+
+/// Whether the system gives so many threads at once.
+fn can_start(threads: usize) -> bool {
+    let gate = std::sync::Mutex::new(());
+    std::thread::scope(|scope| {
+        let closed = gate.lock();
+        let wait = || drop(gate.lock());
+        let can_start = (0..threads).all(|_| std::thread::Builder::new().spawn_scoped(scope, wait).is_ok());
+        drop(closed);
+        can_start
+    })
 }
 
 #[cfg(test)]

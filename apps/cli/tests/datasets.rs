@@ -7,7 +7,7 @@ mod run;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use aquafuse_data::image_file::ImageFile;
+use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use run::{Run, scene};
 
 /// Writes a file, with the folders above it.
@@ -102,11 +102,9 @@ fn with_splits(how: &str) -> Run {
             }
         }
         "coco" | "coco, a file beside the images" => {
-            let (one, two, names) = match how {
-                "coco" => {
-                    ("annotations/instances_train2017.json", "annotations/instances_val2017.json", "images/")
-                }
-                _ => ("train/_annotations.coco.json", "valid/_annotations.coco.json", ""),
+            let (one, two) = match how {
+                "coco" => ("annotations/instances_train2017.json", "annotations/instances_val2017.json"),
+                _ => ("train/_annotations.coco.json", "valid/_annotations.coco.json"),
             };
             for name in ["a", "b", "c"] {
                 let folder = match (how, name) {
@@ -116,7 +114,6 @@ fn with_splits(how: &str) -> Run {
                 };
                 image(&run, &format!("set/{folder}/{name}.png"));
             }
-            let _ = names;
             write(&run, &format!("set/{one}"), &coco(&["a.png", "b.png"]));
             write(&run, &format!("set/{two}"), &coco(&["c.png"]));
         }
@@ -315,6 +312,20 @@ fn annotations_are_known_by_their_content_where_their_names_say_nothing() {
         write(&run, &format!("set/{name}"), text);
     }
     run.ok(&AUGMENT);
+}
+
+#[test]
+fn the_summary_counts_what_has_no_variants() {
+    let run = with_water();
+    image(&run, "set/images/a.png");
+    let flat = aquafuse::image::Image::<u8>::from_raw(96, 64, vec![120; 3 * 96 * 64]).unwrap();
+    ImageFile::new(flat).write(&run.path("set/images/flat.png"), &WriteOptions::default()).unwrap();
+    let skip = ["augment", "set", "preset:jerlov-3C", "-o", "out", "--on-doubtful", "skip"];
+    let said = run.ok(&skip).stdout;
+    assert!(said.contains("without variants, because their estimate is not good: "), "{said}");
+    std::fs::write(run.path("set/images/bad.png"), "no image").unwrap();
+    let said = run.fails(1, &skip).stdout;
+    assert!(said.contains("failed: 1"), "{said}");
 }
 
 #[test]

@@ -165,13 +165,13 @@ pub(super) fn find(tree: &Tree, dataset: &mut Dataset) {
     let configured: Vec<(Split, String)> = configs.flat_map(|text| splits_of_config(&text)).collect();
     for index in &dataset.indices {
         let path = index.path();
-        let told = configured.iter().find(|(_, place)| named(place, |name| name == path).is_some());
+        let in_config = configured.iter().find(|(_, place)| named(place, |name| name == path).is_some());
         // The name of a file, and for COCO that of its folder: `train/_annotations.coco.json`.
         let of_name = || {
             let (folder, name) = split(path);
             Split::of_name(stem(name)).or_else(|| Split::of_name(split(folder).1))
         };
-        let Some(of) = told.map(|(split, _)| *split).or_else(of_name) else { continue };
+        let Some(of) = in_config.map(|(split, _)| *split).or_else(of_name) else { continue };
         match index {
             Index::Coco(file) => file.keys.iter().for_each(|key| add(key, of)),
             Index::Paths { .. } => {

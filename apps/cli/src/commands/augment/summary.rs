@@ -18,6 +18,8 @@ pub(super) struct Tally {
     /// Images that were copied unchanged, because their split is not multiplied.
     carried: usize,
     vanished: usize,
+    /// Images that have no variants, because their estimate is not good.
+    skipped: usize,
     /// Images whose own water is estimated well.
     good: usize,
     /// The keys of the other images.
@@ -28,6 +30,8 @@ impl Tally {
     pub(super) fn add(&mut self, key: &str, made: &Multiplied) {
         self.variants += made.variants;
         self.carried += usize::from(made.is_carried);
+        let is_skipped = made.variants == 0 && made.verdict.is_some_and(|verdict| verdict != Verdict::Good);
+        self.skipped += usize::from(is_skipped);
         self.vanished += made.vanished;
         match made.verdict {
             Some(Verdict::Good) => self.good += 1,
@@ -108,6 +112,9 @@ pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize,
         tally.verdicts()
     );
     unchanged(&mut text, "copied unchanged", tally.carried, job);
+    if tally.skipped > 0 {
+        let _ = writeln!(text, "  without variants, because their estimate is not good: {}", tally.skipped);
+    }
     if ended.failed > 0 {
         let _ = writeln!(text, "  failed: {}", ended.failed);
     }

@@ -15,6 +15,7 @@ mod multiply;
 mod pages;
 mod programs;
 mod readings;
+mod roundtrip;
 mod runner;
 mod scene;
 mod soak;
@@ -41,6 +42,7 @@ docs/results.md
   hostile             over a thousand bad files, given to `aquafuse` and to a rival
   memory [IMAGES]     peak memory of a run over 1,000 images of 24 megapixels
   multiply [IMAGES]   a dataset of 10,000 small images multiplied; a run killed 50 times and resumed
+  roundtrip           annotations of ten layouts before and after augment, by the readers that people use
   helps               whether a small network learns more from a dataset that was multiplied
   scene [FOLDER]      splats trained on a synthetic scene and on fused scenes; FOLDER is for images to look at
   soak [MINUTES] [PARSER...]
@@ -100,6 +102,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["memory", images] => memory::run(images.parse().ok().filter(|&count| count > 0)?),
         ["multiply"] => multiply::run(multiply::IMAGES),
         ["multiply", images] => multiply::run(images.parse().ok().filter(|&count| count >= 10)?),
+        ["roundtrip"] => roundtrip::run(),
         ["helps"] => helps::run(),
         ["scene"] => scene::run(None),
         ["scene", folder] => scene::run(Some(Path::new(folder))),

@@ -54,7 +54,7 @@ pub(crate) fn run(image_files: usize) -> Result<()> {
 fn augment(runner: &mut Runner, program: &Path, folder: &Path) -> Result<Outcome> {
     let (set, waters, more) = (folder.join("set"), folder.join("waters"), folder.join("more"));
     clear(&more)?;
-    let options = ["--per-image", TIMES, "--quiet"].map(Path::new);
+    let options = ["--per-image", TIMES, "--quiet", "--preview", "0"].map(Path::new);
     let paths = [Path::new("augment"), &set, &waters, Path::new("-o"), &more];
     finished(runner.run(program, &[&paths[..], &options].concat())?)
 }

@@ -45,7 +45,8 @@ impl From<aquafuse_data::files::FileError> for Failure {
     /// error is a failure of the work.
     fn from(error: aquafuse_data::files::FileError) -> Self {
         use aquafuse_data::files::FileError::{
-            Busy, DamagedRecord, Exists, Folder, ForeignRecord, OtherSettings, Read, UnknownExtension,
+            Busy, DamagedRecord, Exists, Folder, ForeignRecord, IsInput, OtherSettings, Read,
+            UnknownExtension,
         };
         use std::io::ErrorKind::{IsADirectory, NotFound};
         match &error {
@@ -54,6 +55,7 @@ impl From<aquafuse_data::files::FileError> for Failure {
             | Exists { .. }
             | Folder { .. }
             | ForeignRecord { .. }
+            | IsInput { .. }
             | OtherSettings { .. }
             | UnknownExtension { .. } => Self::usage(error),
             Read { error: cause, .. } if matches!(cause.kind(), NotFound | IsADirectory) => {

@@ -88,11 +88,7 @@ SIGTERM, all written files are complete.";
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) => {
-            // Nobody is left to hear that it cannot be printed.
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
-        }
+        Err(refusal) => return said(&refusal),
     };
     aquafuse_data::files::silence_decoder_panics();
     let ended = run_command(&cli);
@@ -107,6 +103,17 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             }
             failure.exit_code()
         }
+    }
+}
+
+/// Prints why the arguments are refused, or the help that was asked for. A reader that has gone away is no failure.
+fn said(refusal: &clap::Error) -> u8 {
+    match refusal.print() {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            output::complain(&format_args!("cannot write: {error}"));
+            1
+        }
+        _ => u8::try_from(refusal.exit_code()).unwrap_or(2),
     }
 }
 
@@ -140,9 +147,26 @@ fn run_command(cli: &Cli) -> Result<(), Failure> {
 /// would have no bounds. Where the system gives no threads, this one does the work.
 fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads);
-    let started = pool(threads.map_or_else(cores, usize::from)).build_global();
-    started.or_else(|_| pool(1).use_current_thread().build_global()).map_err(Failure::work)
+    let threads = threads.map_or_else(cores, usize::from);
+    // A pool that could not be started cannot be started again: whether there are threads is tried before.
+    let pool = match can_start(threads) {
+        true => rayon::ThreadPoolBuilder::new().num_threads(threads),
+        false => rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread(),
+    };
+    let no_threads = |_| anyhow::anyhow!("the system gives no more threads; end other programs");
+    pool.build_global().map_err(no_threads).map_err(Failure::work)
+}
+
+/// Whether the system gives so many threads at once.
+fn can_start(threads: usize) -> bool {
+    let gate = std::sync::Mutex::new(());
+    std::thread::scope(|scope| {
+        let closed = gate.lock();
+        let wait = || drop(gate.lock());
+        let can_start = (0..threads).all(|_| std::thread::Builder::new().spawn_scoped(scope, wait).is_ok());
+        drop(closed);
+        can_start
+    })
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use std::time::Instant;
 use run::{Chance, Run, killed_after, kills, scene};
 
 const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_datasets.py");
+const MATRIX: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/round_trip.py");
 const WRITER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/write_tables.py");
 
 /// A dataset of YOLO with `image_files` images in two splits, and two waters beside it.
@@ -37,7 +38,8 @@ fn fish(image_files: usize) -> Run {
     run
 }
 
-const AUGMENT: [&str; 7] = ["augment", "fish", "waters", "-o", "more", "--per-image", "2"];
+const AUGMENT: [&str; 11] =
+    ["augment", "fish", "waters", "-o", "more", "--per-image", "2", "--splits", "all", "--preview", "0"];
 
 fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&AUGMENT[..], more].concat()
@@ -64,6 +66,7 @@ fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
 fn a_data_set_is_multiplied_checked_and_made_again() {
     let run = fish(4);
     let dry = run.ok(&with(&["--dry-run", "--keep-originals"]));
+    assert!(dry.stdout.contains("splits: train 3, val 1"), "{}", dry.stdout);
     assert!(dry.stdout.contains("would make 8 variants of 4 images"), "{}", dry.stdout);
     assert!(!run.path("more").exists());
     let said = run.ok(&with(&["--keep-originals"]));
@@ -276,6 +279,23 @@ fn the_readers_of_others_find_the_same_annotations() {
 }
 
 #[test]
+fn ten_layouts_come_back_equal_to_the_readers_of_others() {
+    let Some(python) = std::env::var_os("AQUAFUSE_PYTHON") else {
+        println!("skipped: AQUAFUSE_PYTHON names no Python with pycocotools, supervision and webdataset");
+        return;
+    };
+    let run = Run::new();
+    let mut matrix = Command::new(python);
+    let ended = matrix.args([MATRIX, env!("CARGO_BIN_EXE_aquafuse")]).arg(run.path("work")).output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stdout);
+    assert!(ended.status.success(), "{said}{}", String::from_utf8_lossy(&ended.stderr));
+    let rows = said.lines().filter(|line| line.starts_with('|')).skip(2);
+    let different: Vec<&str> =
+        rows.filter_map(|row| row.trim_end_matches(" |").rsplit("| ").next()).collect();
+    assert_eq!(different, ["0"; 10], "{said}");
+}
+
+#[test]
 fn real_fish_and_real_masks_six_times() {
     let Some(data) = std::env::var_os("AQUAFUSE_TEST_DATA").map(PathBuf::from) else {
         println!("skipped: AQUAFUSE_TEST_DATA names no folder of real images");
@@ -295,6 +315,7 @@ fn real_fish_and_real_masks_six_times() {
         let (before, after) = (data.join(folder), run.path(layout));
         let mut command =
             run.command(&["augment", "--format", layout, "--per-image", "5", "--keep-originals", "--quiet"]);
+        command.args(["--splits", "all", "--preview", "0"]);
         command.arg("-o").arg(&after).arg(&before).args(&waters);
         let output = command.output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -116,6 +116,25 @@ fn a_rendering_that_was_stopped_goes_on() {
 }
 
 #[test]
+fn of_several_models_the_one_with_the_most_images_is_used_and_said() {
+    let run = Run::new();
+    reef(&run);
+    // What a mapper could not join: four of the nine images.
+    std::fs::create_dir(run.path("reef/sparse/1")).unwrap();
+    for name in ["cameras.txt", "points3D.txt", "images.txt"] {
+        std::fs::copy(run.path("reef/sparse/0").join(name), run.path("reef/sparse/1").join(name)).unwrap();
+    }
+    let images = std::fs::read_to_string(run.path("reef/sparse/0/images.txt")).unwrap();
+    let lines: Vec<&str> = images.lines().filter(|line| !line.starts_with('#')).take(8).collect();
+    std::fs::write(run.path("reef/sparse/0/images.txt"), lines.join("\n") + "\n").unwrap();
+    let train = ["scene", "train", "reef", "-o", "reef.ply", "--iterations", "1", "--longest", "32"];
+    let said = run.ok(&train).stderr;
+    assert!(said.contains("reef: sparse/1 is used, with 9 images; 1 other models have no more"), "{said}");
+    run.ok(&["scene", "render", "reef.ply", "reef", "-o", "views", "--longest", "32"]);
+    assert!(run.path("views/view_008.png").exists());
+}
+
+#[test]
 fn images_that_are_missing_are_counted_and_left_out_on_request() {
     let run = Run::new();
     reef(&run);

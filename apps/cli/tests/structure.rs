@@ -1,4 +1,4 @@
-//! How the command's source is laid out.
+//! How the command's source is laid out, and what it is built from.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
@@ -41,5 +41,30 @@ fn no_command_uses_another_command() {
         // Within a file, its tests climb to it.
         let code = text.split("#[cfg(test)]").next().unwrap();
         assert!(!code.contains(&climbs), "{} reaches the other commands by `{climbs}`", file.display());
+    }
+}
+
+/// Crates that nobody maintains any more, and the only crate that may bring each of them, as deny.toml says.
+const UNMAINTAINED: [(&str, &str); 2] = [("paste", "pulp"), ("ttf-parser", "owned_ttf_parser")];
+
+#[test]
+fn crates_that_nobody_maintains_come_no_other_way_than_deny_toml_says() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let read = |name: &str| std::fs::read_to_string(root.join(name)).unwrap();
+    let (lock, deny) = (read("Cargo.lock"), read("deny.toml"));
+    assert_eq!(
+        deny.matches("id = \"RUSTSEC-").count(),
+        UNMAINTAINED.len(),
+        "an advisory is ignored that is not here"
+    );
+    for (unmaintained, by) in UNMAINTAINED {
+        assert!(deny.contains(&format!("`{unmaintained}`")), "deny.toml says why {unmaintained} is there");
+        let dependents = lock.split("[[package]]").filter(|package| {
+            let mut lines = package.lines().map(str::trim);
+            lines.any(|line| line.trim_matches(['"', ',']).split(' ').next() == Some(unmaintained))
+        });
+        let names: Vec<&str> =
+            dependents.filter_map(|package| package.split("name = \"").nth(1)?.split('"').next()).collect();
+        assert_eq!(names, [by], "what depends on {unmaintained}");
     }
 }

@@ -57,6 +57,65 @@ fn supplied_depth_is_used_and_reported() {
 }
 
 #[test]
+fn a_map_of_another_size_is_scaled_on_request_if_it_shows_the_whole_image() {
+    let run = Run::new();
+    scene(&run.path("a.png"), 5, "green");
+    let z = Scene::new(5, Size { width: 96, height: 64 }).depth;
+    let half = |width: usize, height: usize| {
+        let values = z.distances();
+        let at = |x: usize, y: usize| values[2 * y * 96 + 2 * x];
+        let known =
+            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect();
+        DepthMap::from_distances(width, height, DepthKind::Metres, known).unwrap()
+    };
+    depth_file::write(&run.path("half.npy"), &half(48, 32), &WriteOptions::default()).unwrap();
+    depth_file::write(&run.path("part.npy"), &half(48, 24), &WriteOptions::default()).unwrap();
+    let inspect = ["inspect", "a.png", "--json", "--depth-kind", "metres", "--depth"];
+    let said = run.fails(1, &[&inspect[..], &["half.npy"]].concat()).stderr;
+    assert!(said.contains("--depth-resize"), "{said}");
+    let said = run.fails(1, &[&inspect[..], &["part.npy", "--depth-resize"]].concat()).stderr;
+    assert!(said.contains("part.npy") && said.contains("48x24"), "{said}");
+    let scaled = json(&run.ok(&[&inspect[..], &["half.npy", "--depth-resize"]].concat()).stdout);
+    depth_file::write(&run.path("whole.npy"), &z, &WriteOptions::default()).unwrap();
+    let whole = json(&run.ok(&[&inspect[..], &["whole.npy"]].concat()).stdout);
+    let far = |report: &Value| report["depth"]["p95"].as_f64().unwrap();
+    assert!((far(&scaled) - far(&whole)).abs() < 0.1 * far(&whole), "{} {}", far(&scaled), far(&whole));
+    // A map of the image's own size is the same with it and without.
+    assert_eq!(json(&run.ok(&[&inspect[..], &["whole.npy", "--depth-resize"]].concat()).stdout), whole);
+}
+
+#[test]
+fn maps_of_colmap_belong_to_the_images_that_they_are_called_after() {
+    let run = Run::new();
+    for folder in ["photos", "depth_maps"] {
+        std::fs::create_dir(run.path(folder)).unwrap();
+    }
+    scene(&run.path("photos/a.jpg"), 5, "green");
+    let z = Scene::new(5, Size { width: 96, height: 64 }).depth;
+    depth_file::write(&run.path("z.npy"), &z, &WriteOptions::default()).unwrap();
+    let floats: Vec<u8> = z.distances().into_iter().flat_map(f32::to_le_bytes).collect();
+    let map = [&b"96&64&1&"[..], &floats].concat();
+    std::fs::write(run.path("depth_maps/a.jpg.geometric.bin"), &map).unwrap();
+    std::fs::write(run.path("depth_maps/a.jpg.photometric.bin"), &map).unwrap();
+    let kind = ["--depth-kind", "metres", "--depth"];
+    run.ok(&[&["restore", "photos", "-o", "out"][..], &kind, &["depth_maps"]].concat());
+    run.ok(&[&["restore", "photos/a.jpg", "-o", "one.jpg"][..], &kind, &["z.npy"]].concat());
+    assert_eq!(run.bytes("out/a.jpg"), run.bytes("one.jpg"));
+    for (bytes, cause) in [
+        ([&b"96&64&3&"[..], &floats].concat(), "3 channels"),
+        (map[..400].to_vec(), "it ends too early"),
+        (b"99999999999&1&1&".to_vec(), "no depth map"),
+        (b"96&x&1&".to_vec(), "header"),
+        (b"96&64&".to_vec(), "header"),
+    ] {
+        std::fs::write(run.path("bad.bin"), bytes).unwrap();
+        let restore = ["restore", "photos/a.jpg", "-o", "bad.jpg"];
+        let said = run.fails(1, &[&restore[..], &kind, &["bad.bin"]].concat()).stderr;
+        assert!(said.contains("bad.bin") && said.contains(cause), "{said}");
+    }
+}
+
+#[test]
 fn metres_taken_for_millimetres_are_doubted() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");

@@ -15,6 +15,7 @@ mod manifest;
 #[cfg(feature = "parquet")]
 mod manifest_table;
 mod plan;
+mod preview;
 mod replay;
 mod verify;
 mod water;
@@ -33,7 +34,7 @@ pub use replay::{Again, Replayed, replay};
 pub use verify::{Check, verify};
 pub use water::{OnDoubtful, Water};
 
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, Splits};
 use crate::files::{FileError, display, make_folder_within, remove_stale_parts};
 
 use crate::pipeline::PixelEncoding;
@@ -57,6 +58,9 @@ pub struct Augmentation {
     pub overwrite: bool,
     /// Also write the manifest as a Parquet table; needs the feature `parquet`.
     pub manifest_table: bool,
+    /// Images on the sheet `preview.jpg`, each with its first variants and its annotations; 0: no sheet. Files that hold many
+    /// images have none, nor have parts of a dataset.
+    pub preview: usize,
     /// How to run.
     pub run_options: RunOptions,
 }
@@ -84,6 +88,8 @@ pub struct Recipe {
     pub on_bad_annotation: &'static str,
     /// Also copy the original images.
     pub keep_originals: bool,
+    /// Which splits are multiplied; images of the others are copied unchanged.
+    pub splits: Splits,
     /// JPEG quality.
     pub quality: u8,
 }
@@ -130,6 +136,8 @@ impl Shard {
 pub struct Multiplied {
     /// Variants that were made.
     pub variants: usize,
+    /// Whether it was carried over unchanged, because its split is not multiplied.
+    pub is_carried: bool,
     /// Variants in which the water hides the scene.
     pub vanished: usize,
     /// The verdict on its estimate.
@@ -162,6 +170,17 @@ pub enum AugmentError {
         path: PathBuf,
         /// The line.
         line: usize,
+    },
+    /// An image has no variants that could be made again.
+    #[error(
+        "cannot replay {key} from {}: it was copied unchanged, because its split was not multiplied; copy it from the dataset",
+        display(path)
+    )]
+    Carried {
+        /// The manifest.
+        path: PathBuf,
+        /// The image.
+        key: String,
     },
     /// There is no manifest.
     #[error("{} holds no manifest.jsonl; it was not made by `aquafuse augment`", display(folder))]

@@ -21,7 +21,8 @@
 //! let reference = analyse(&reference, &DepthSource::default())?.estimate;
 //! let recipe = Recipe::new(Operation::Fuse { reference: reference.into(), options: Options::default() });
 //! let depth = DepthSupply::Estimated(Default::default());
-//! let plan = Plan::new(&Request::new(&path("content.png"), &path("fused.png"), &depth))?;
+//! let contents = [path("content.png")];
+//! let plan = Plan::new(&Request::new(&contents, &path("fused.png"), &depth))?;
 //! let summary = plan.run(&recipe, &RunOptions::default(), &|event| {
 //!     if let Event::Done { item, result } = event {
 //!         println!("{}: {:?}", item.output.display(), result.quality);
@@ -31,9 +32,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod contents;
 mod plan;
 mod record;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use aquafuse::depth::SuppliedReport;
@@ -43,9 +46,9 @@ use aquafuse::smooth::Smoothing;
 use aquafuse::waterbody::Quality;
 use serde_json::{Value, json};
 
-use crate::files::{FileError, make_folder, make_folder_of, remove_stale_parts};
+use crate::files::{FileError, make_folder, make_folder_of, make_folder_within, remove_stale_parts};
 use crate::image_file::{Format, ImageFile, Opened, ReadOptions, WriteOptions};
-use crate::pipeline::{DepthSource, Operation, Outcome, SUPPLIED, Scores, WaterEstimate, analyse_in, maps};
+use crate::pipeline::{DepthSource, Operation, Outcome, Scores, WaterEstimate, analyse_in, maps};
 use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::Numbers;
 
@@ -181,18 +184,24 @@ impl Plan {
 
     /// Makes the folders of the outputs ready, and opens the record of a folder's run.
     fn prepare(&self, recipe: &Recipe, options: &RunOptions) -> Result<Option<Record>, PlanError> {
-        // All outputs of a run are in one folder.
         let Some(first) = self.items().first() else { return Ok(None) };
-        let folder = make_folder_of(&first.output)?;
-        remove_stale_parts(folder);
-        let record = match self.is_folder() {
-            true => {
+        let record = match self.folder() {
+            Some(folder) => {
+                make_folder(folder)?;
                 let settings = recipe.fingerprint(&options.reading);
                 let record = Record::open(folder, &settings, self.overwrite())?;
                 self.refuse_foreign(&record)?;
+                let inner =
+                    self.items().iter().filter_map(|item| item.output.parent()?.strip_prefix(folder).ok());
+                for inner in inner.collect::<BTreeSet<_>>() {
+                    remove_stale_parts(&make_folder_within(folder, inner)?);
+                }
                 Some(record)
             }
-            false => None,
+            None => {
+                remove_stale_parts(make_folder_of(&first.output)?);
+                None
+            }
         };
         if let Some(maps) = self.maps() {
             make_folder(maps)?;
@@ -241,7 +250,7 @@ impl Work<'_> {
         let sources = self.record.as_ref().map(|record| record.sources(item)).transpose()?;
         let opened = ImageFile::open(&item.input, &options.reading)?;
         let format = Format::written(&item.output).unwrap_or(Format::Png);
-        let room = self.budget.reserve(opened.memory_until_written(format, self.beside(item, &opened))?);
+        let room = self.budget.reserve_for(&opened, format, self.beside(item, &opened))?;
         options.stop.check(&item.output)?;
         let mut image = opened.decode()?;
         options.stop.check(&item.output)?;
@@ -290,10 +299,7 @@ impl Work<'_> {
 
     /// Memory that an item takes beside its image.
     fn beside(&self, item: &Item, opened: &Opened) -> u64 {
-        let supplied = match &item.depth {
-            DepthSource::Supplied { .. } => SUPPLIED,
-            DepthSource::Estimated(_) => 0,
-        };
+        let supplied = item.depth.bytes_a_pixel();
         let scores = if self.plan.scores() { SCORED } else { 0 };
         let maps = if self.plan.maps().is_some() { maps::BYTES_A_PIXEL } else { 0 };
         let a_pixel = [supplied, scores, maps, self.recipe.operation.bytes_a_pixel()];

@@ -10,9 +10,12 @@ mod foreign;
 mod index;
 mod left_out;
 mod lists;
+mod marks;
 mod masks;
 mod places;
 pub(crate) mod shards;
+mod sidecars;
+mod splits;
 mod suspects;
 pub(crate) mod tables;
 mod tree;
@@ -26,7 +29,9 @@ pub use fault::{Fault, Faults};
 pub use index::Index;
 pub use left_out::{Kind, LeftOut};
 pub(crate) use lists::named;
-pub(crate) use tree::{Tree, inside};
+pub(crate) use marks::{Outline, of_coco as marks_of_coco, of_companion as marks_of_companion};
+pub use splits::{Split, Splits};
+pub(crate) use tree::{PREVIEW, Tree, inside};
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use {
     shards::try_parse as try_shards, tables::try_parse as try_tables, voc::try_parse as try_voc,
@@ -121,6 +126,8 @@ pub struct Sample {
     pub key: String,
     /// Its index in the dataset.
     pub rank: u64,
+    /// The split that it is of, if the dataset says one.
+    pub split: Option<Split>,
     /// The files about it.
     pub companions: Vec<Companion>,
 }
@@ -130,30 +137,52 @@ pub struct Sample {
 pub struct Companion {
     /// Its path.
     pub path: String,
-    /// Whether it is XML that names the image, and must name the variant.
-    pub names_image: bool,
+    /// How it names the image, and must name the variant.
+    pub naming: Naming,
+}
+
+/// How a file names the image that it is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Naming {
+    /// Not at all: it is the same for every variant.
+    Nothing,
+    /// As Pascal VOC, in XML.
+    Voc,
+    /// Anywhere in it.
+    Anywhere,
 }
 
 impl Sample {
     pub(crate) fn new(key: impl Into<String>, companions: Vec<Companion>) -> Self {
-        Self { key: key.into(), rank: 0, companions }
+        Self { key: key.into(), rank: 0, split: None, companions }
     }
 }
 
 impl Companion {
     /// A file that is the same for every variant.
     fn carried(path: String) -> Self {
-        Self { path, names_image: false }
+        Self { path, naming: Naming::Nothing }
     }
 
-    /// The content of the file for a variant with this file name.
+    /// The content of the file for a variant with the file name `variant` of the image with the file name `image`.
     ///
     /// # Errors
     ///
     /// [`FileError`] when it cannot be read.
-    pub fn for_variant(&self, root: &Path, image: &str, reading: &ReadOptions) -> Result<Vec<u8>, FileError> {
+    pub fn for_variant(
+        &self,
+        root: &Path,
+        image: &str,
+        variant: &str,
+        reading: &ReadOptions,
+    ) -> Result<Vec<u8>, FileError> {
         let bytes = read_beside(&root.join(&self.path), reading)?;
-        Ok(if self.names_image { voc::renamed(&bytes, image) } else { bytes })
+        Ok(match self.naming {
+            Naming::Nothing => bytes,
+            Naming::Voc => voc::renamed(&bytes, variant),
+            Naming::Anywhere => sidecars::renamed(&bytes, image, variant),
+        })
     }
 }
 
@@ -198,6 +227,17 @@ pub enum DatasetError {
         /// The files.
         left_out: Box<LeftOut>,
     },
+    /// There is no image of a split that was asked for.
+    #[error(
+        "{} has no image of the split {split}; its folders, lists or configuration name none. Give other --splits, or all",
+        display(root)
+    )]
+    NoSplit {
+        /// The dataset.
+        root: PathBuf,
+        /// The split.
+        split: &'static str,
+    },
     /// There is no image in it.
     #[error(
         "{} holds no images in layout {layout}; name the top folder of the dataset, or another --format",
@@ -209,6 +249,18 @@ pub enum DatasetError {
         /// The layout it was read as.
         layout: &'static str,
     },
+}
+
+/// How a dataset is read.
+#[derive(Clone, Debug, Default)]
+pub struct DatasetOptions {
+    /// Its layout. Default: detected.
+    pub layout: Option<Layout>,
+    /// Extensions of files, without a dot, that belong to the image with their stem and go with each variant; the name of
+    /// the image in them becomes that of the variant. Default: none.
+    pub sidecars: Vec<String>,
+    /// How files are read.
+    pub reading: ReadOptions,
 }
 
 impl Dataset {
@@ -224,6 +276,17 @@ impl Dataset {
     /// annotations of which none is read and the layout is not given as [`Layout::Folder`]. Faults of annotations are
     /// no error; they are in [`Dataset::faults`].
     pub fn open(root: &Path, given: Option<Layout>, reading: &ReadOptions) -> Result<Self, DatasetError> {
+        Self::open_with(root, &DatasetOptions { layout: given, reading: *reading, ..Default::default() })
+    }
+
+    /// As [`open`](Self::open), with further options.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] as [`open`](Self::open).
+    pub fn open_with(root: &Path, options: &DatasetOptions) -> Result<Self, DatasetError> {
+        let DatasetOptions { layout: given, sidecars, reading } = options;
+        let given = *given;
         let tree = Tree::of(root, reading)?;
         let layout = match given {
             Some(layout) => layout,
@@ -249,7 +312,7 @@ impl Dataset {
             }
             Layout::Parquet => tables::read(&tree, &mut dataset),
         }
-        dataset.complete(&tree);
+        dataset.complete(&tree, sidecars);
         let (root, layout_name) = (root.to_owned(), layout.name());
         if dataset.is_without_annotations() && given != Some(Layout::Folder) && dataset.left_out.has_labels()
         {
@@ -263,22 +326,24 @@ impl Dataset {
     }
 
     /// Adds what any layout may have beside its own annotations, sorts the samples, and names what is left.
-    fn complete(&mut self, tree: &Tree) {
+    fn complete(&mut self, tree: &Tree, sidecars: &[String]) {
+        self.samples.sort_by(|a, b| a.key.cmp(&b.key));
         let mut masks = BTreeSet::new();
         if !self.layout.holds_many() {
             if self.layout != Layout::Folder {
                 masks::attach(tree, self);
             }
+            sidecars::attach(tree, sidecars, self);
             masks = suspects::suspects(tree);
             let is_named = self.layout == Layout::Coco;
             self.samples
                 .retain(|sample| is_named || !sample.companions.is_empty() || !masks.contains(&sample.key));
             lists::attach(tree, self);
         }
-        self.samples.sort_by(|a, b| a.key.cmp(&b.key));
         for (sample, rank) in self.samples.iter_mut().zip(0..) {
             sample.rank = rank;
         }
+        splits::find(tree, self);
         left_out::look(tree, &masks, self);
     }
 

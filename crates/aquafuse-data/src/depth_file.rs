@@ -5,11 +5,13 @@
 //! | PNG | grey, 8 and 16 bits | 16 bits: relative 65535 = 1, metres in millimetres |
 //! | TIFF | grey, 8 and 16 bits, 32- and 64-bit float; plain, LZW, deflate | 32-bit float |
 //! | OpenEXR | channel Z, Y, R or the only one; half, float | 32-bit float, channel Z |
-//! | NPY | two-dimensional `u1`, `u2`, `f4`, `f8`, either byte and memory order | `<f4` |
+//! | NPY | two-dimensional `u1`, `u2`, `i2`, `i4`, `f2`, `f4`, `f8`, either byte and memory order | `<f4` |
+//! | COLMAP | `IMAGE.geometric.bin`, 32-bit float; 0 is no depth | not |
 //! | PFM | `Pf`, either byte order; the size of its scale is not applied | little-endian |
 //!
 //! What the numbers mean is not in the file: see [`SuppliedKind`].
 
+mod colmap;
 mod exr;
 mod folder;
 mod npy;
@@ -24,8 +26,7 @@ pub use folder::DepthFolder;
 
 use aquafuse::depth::{DepthKind, DepthMap, Supplied, SuppliedError, SuppliedKind};
 
-use crate::files::catch_panic;
-use crate::files::{FileError, one_line, write_atomically};
+use crate::files::{FileError, Patient, catch_panic, is_memory, one_line, write_atomically};
 use crate::image_file::{WriteOptions, open_file, whole};
 
 /// Values of a file, row by row from the top, in its own unit.
@@ -65,8 +66,19 @@ impl From<std::io::Error> for Fault {
 /// What a decoded file may take, as for images.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// Columns and rows a map must have, where that is known.
-type Wanted = Option<(usize, usize)>;
+/// The sizes that a map may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    /// Any.
+    Any,
+    /// These columns and rows.
+    Exact((usize, usize)),
+    /// So many values at most, to be scaled to an image of this size.
+    AtMost(u64, (usize, usize)),
+}
+
+/// A map may have so many times the values of its image, if it is scaled to it: it takes memory too.
+const LARGER: u64 = 4;
 
 /// Refuses, from the header, sizes that are not wanted, would take more memory than allowed, or none at all.
 fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Result<(usize, usize), Fault> {
@@ -74,11 +86,18 @@ fn check_size(wanted: Wanted, width: u64, height: u64, bytes_a_place: u64) -> Re
     if bytes.is_none_or(|bytes| bytes > MOST_BYTES) {
         return Err(Fault::TooLarge(format!("{width}x{height} values exceed the limit")));
     }
+    let places = width.saturating_mul(height);
+    if !is_memory(places.saturating_mul(bytes_a_place.max(4).saturating_add(4))) {
+        return Err(Fault::TooLarge(format!("the system has not the memory for {width}x{height} values")));
+    }
     match (usize::try_from(width), usize::try_from(height)) {
         (Ok(width @ 1..), Ok(height @ 1..)) => match wanted {
-            Some(image) if image != (width, height) => {
+            Wanted::Exact(image) if image != (width, height) => {
                 Err(Fault::Unfit(SuppliedError::Size { map: (width, height), image }))
             }
+            Wanted::AtMost(most, (columns, rows)) if places > most => Err(Fault::TooLarge(format!(
+                "its {width}x{height} values are more than {LARGER} times the {columns}x{rows} pixels of its image"
+            ))),
             _ => Ok((width, height)),
         },
         _ => Err(Fault::Damaged(format!("it declares {width}x{height} values"))),
@@ -120,7 +139,7 @@ fn narrowed(value: f64) -> f32 {
 /// [`FileError`] when the file cannot be opened, is damaged, takes more than 512 MiB, or holds another format or
 /// kind of values.
 pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
-    read_wanted(path, kind, None)
+    read_wanted(path, kind, Wanted::Any)
 }
 
 /// Reads the depth map of an image of `size` columns and rows; another size is refused from the header.
@@ -129,12 +148,52 @@ pub fn read(path: &Path, kind: SuppliedKind) -> Result<Supplied, FileError> {
 ///
 /// [`FileError`] as for [`read`], and when the map has another size than the image.
 pub fn read_for(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result<Supplied, FileError> {
-    read_wanted(path, kind, Some(size))
+    read_wanted(path, kind, Wanted::Exact(size))
 }
+
+/// Reads the depth map of an image of `size` columns and rows, and scales it to that size by the nearest value, which
+/// mixes no near and far ones.
+///
+/// # Errors
+///
+/// [`FileError`] as for [`read`], and when the map has other proportions than the image, or more than four times its
+/// values.
+pub fn read_scaled(path: &Path, kind: SuppliedKind, size: (usize, usize)) -> Result<Supplied, FileError> {
+    let (file, _) = open_file(path)?;
+    let pixels = u64::try_from(size.0.saturating_mul(size.1)).unwrap_or(u64::MAX);
+    let wanted = Wanted::AtMost(pixels.saturating_mul(LARGER), size);
+    let raster = decode(BufReader::new(Patient(file)), wanted).and_then(|raster| scaled(&raster, size));
+    supplied(path, raster, kind)
+}
+
+/// The nearest value for each pixel of an image of this size, if the proportions are the same but for rounding.
+fn scaled(raster: &Raster, image @ (width, height): (usize, usize)) -> Result<Raster, Fault> {
+    let map = (raster.width, raster.height);
+    let (wide, high) = (map.0 as f64 * height as f64, map.1 as f64 * width as f64);
+    if (wide - high).abs() > PROPORTIONS * wide.max(high) {
+        return Err(Fault::Unfit(SuppliedError::Size { map, image }));
+    }
+    let nearest = |at: usize, from: usize, to: usize| {
+        // The middle of a pixel, in the other grid.
+        let at = at.saturating_mul(2).saturating_add(1).saturating_mul(from);
+        at.checked_div(to.saturating_mul(2)).unwrap_or(0).min(from.saturating_sub(1))
+    };
+    let columns: Vec<usize> = (0..width).map(|x| nearest(x, map.0, width)).collect();
+    let mut values = Vec::with_capacity(width.saturating_mul(height));
+    for y in 0..height {
+        let begin = nearest(y, map.1, height).saturating_mul(map.0);
+        let row = raster.values.get(begin..begin.saturating_add(map.0)).unwrap_or_default();
+        values.extend(columns.iter().filter_map(|x| row.get(*x)));
+    }
+    Ok(Raster { width, height, values, full_range: raster.full_range })
+}
+
+/// Proportions that differ by more than this share are of another image, or of a part of it.
+const PROPORTIONS: f64 = 0.02;
 
 fn read_wanted(path: &Path, kind: SuppliedKind, wanted: Wanted) -> Result<Supplied, FileError> {
     let (file, _) = open_file(path)?;
-    supplied(path, decode(BufReader::new(file), wanted), kind)
+    supplied(path, decode(BufReader::new(Patient(file)), wanted), kind)
 }
 
 /// Reads a depth map whose file is in memory already; errors call it `name`.
@@ -143,7 +202,7 @@ fn read_wanted(path: &Path, kind: SuppliedKind, wanted: Wanted) -> Result<Suppli
 ///
 /// [`FileError`] as for [`read`].
 pub fn from_bytes(name: &Path, bytes: &[u8], kind: SuppliedKind) -> Result<Supplied, FileError> {
-    supplied(name, decode(Cursor::new(bytes), None), kind)
+    supplied(name, decode(Cursor::new(bytes), Wanted::Any), kind)
 }
 
 fn supplied(path: &Path, raster: Result<Raster, Fault>, kind: SuppliedKind) -> Result<Supplied, FileError> {
@@ -164,6 +223,7 @@ fn decode(mut reader: impl BufRead + Seek, wanted: Wanted) -> Result<Raster, Fau
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode,
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::decode,
         [b'P', b'f' | b'F', b' ' | b'\t' | b'\r' | b'\n', ..] => pfm::decode,
+        head if colmap::begins(head) => colmap::decode,
         _ => return Err(Fault::UnknownFormat),
     };
     catch_panic(|| decoder(reader, wanted))

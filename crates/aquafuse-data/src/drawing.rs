@@ -8,6 +8,7 @@ mod contact_sheet;
 mod estimates;
 mod means;
 
+pub(crate) use contact_sheet::outlined;
 pub use contact_sheet::{Cell, contact_sheet};
 pub use estimates::{Captions, estimates};
 pub(crate) use means::{Mean, means};

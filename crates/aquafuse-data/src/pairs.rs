@@ -90,7 +90,8 @@ fn by_stem(folder: &Path) -> Result<BTreeMap<String, PathBuf>, PairError> {
     for path in paths {
         let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
         let Some(stem) = path.file_stem().filter(|_| !hidden && path.is_file()) else { continue };
-        if let Some(one) = files.insert(stem.to_string_lossy().into_owned(), path.clone()) {
+        let stem = display(stem.as_ref()).to_string();
+        if let Some(one) = files.insert(stem, path.clone()) {
             return Err(PairError::Ambiguous { one, other: path });
         }
     }

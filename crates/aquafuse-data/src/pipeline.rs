@@ -13,7 +13,9 @@ mod supply;
 
 pub use encoding::{PixelEncoding, UnknownEncoding, WaterEstimate};
 pub(crate) use encoding::{Space, with_estimate};
-pub use estimate::{Analysis, DepthSource, analyse, analyse_in, analyse_supplied, analyse_with_evidence};
+pub use estimate::{
+    Analysis, DepthSource, MapSize, analyse, analyse_in, analyse_supplied, analyse_with_evidence,
+};
 pub(crate) use estimate::{analyse_in_with_evidence, depth_of};
 pub use operation::{Limited, Operation, OperationError, Outcome};
 pub use scores::Scores;

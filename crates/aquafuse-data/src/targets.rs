@@ -105,8 +105,13 @@ pub const ALL: [Target; 21] = [
 ];
 
 /// Small enough that no execution takes long.
-const LIMITS: ReadOptions =
-    ReadOptions { max_pixels: 1 << 12, max_memory: 64 << 20, lenient: false, border: Border::None };
+const LIMITS: ReadOptions = ReadOptions {
+    max_pixels: 1 << 12,
+    max_pixels_per_byte: u64::MAX,
+    max_memory: 64 << 20,
+    lenient: false,
+    border: Border::None,
+};
 
 fn image(format: Format, bytes: &[u8]) {
     if Format::of_content(bytes) != Some(format) {

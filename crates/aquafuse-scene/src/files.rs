@@ -35,7 +35,7 @@ mod ply;
 mod splat;
 mod transforms;
 
-pub use cameras::{Cameras, PosedImage, read_cameras};
+pub use cameras::{Cameras, ChosenModel, PosedImage, read_cameras};
 pub use cloud::write_cloud;
 pub use colmap_text::write_cameras;
 pub use error::SceneFileError;

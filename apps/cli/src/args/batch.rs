@@ -17,10 +17,14 @@ use crate::failure::Failure;
 /// What is read, and where and how the outputs are written.
 #[derive(Args)]
 pub(crate) struct BatchArguments {
-    /// Output file, or output folder (required if CONTENT is a folder). Missing folders are created. The extension
+    /// Output file, or output folder (required if CONTENT is a folder, or there are several). Missing folders are created. The extension
     /// selects the format: .png and .tif keep 16 bits and transparency, .webp is lossless, .jpg is 4:4:4.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Also enter the folders in CONTENT, except hidden ones and links. Outputs stand in folders of the same names, and so
+    /// must the maps of --depth.
+    #[arg(long)]
+    pub(crate) recursive: bool,
     #[command(flatten)]
     pub(crate) depth: DepthArguments,
     #[command(flatten)]
@@ -64,14 +68,15 @@ impl BatchArguments {
     /// Plans the run, and refuses what can be refused before an image is read.
     pub(crate) fn plan(
         &self,
-        content: &Path,
+        contents: &[PathBuf],
         inputs: &[&Path],
         model: DepthModel,
         scores: bool,
     ) -> Result<Plan, Failure> {
-        let depth = self.depth.supply(content.is_dir(), model).map_err(Failure::usage)?;
+        let depth = self.depth.supply(is_many(contents), model).map_err(Failure::usage)?;
         let plan = Plan::new(&Request {
-            content,
+            contents,
+            recursive: self.recursive,
             output: &self.output,
             inputs,
             depth: &depth,
@@ -80,6 +85,7 @@ impl BatchArguments {
             overwrite: self.overwrite,
         });
         let plan = plan.map_err(Failure::usage)?;
+        plan.refuse_taken(self.report.as_deref())?;
         match &self.report {
             Some(report) if !self.overwrite && report.symlink_metadata().is_ok() => {
                 Err(FileError::Exists { path: report.clone() }.into())
@@ -87,4 +93,9 @@ impl BatchArguments {
             _ => Ok(plan),
         }
     }
+}
+
+/// Whether outputs go to a folder.
+fn is_many(contents: &[PathBuf]) -> bool {
+    !matches!(contents, [content] if !content.is_dir())
 }

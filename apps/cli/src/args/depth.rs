@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow};
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind, SuppliedReport};
 use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::{DepthSource, DepthSupply};
+use aquafuse_data::pipeline::{DepthSource, DepthSupply, MapSize};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -15,7 +15,7 @@ use crate::args::water::WaterSource;
 /// Where depth comes from, if not from colour.
 #[derive(Args)]
 pub(crate) struct DepthArguments {
-    /// Depth map (PNG, TIFF, OpenEXR, NPY or PFM) of the image's size; for a folder of images, a folder of maps with
+    /// Depth map (PNG, TIFF, OpenEXR, NPY, PFM or COLMAP's .geometric.bin) of the image's size; for a folder of images, a folder of maps with
     /// the same stems. Invalid pixels are filled from colour (model `ratio`). The depth of a reference image is
     /// estimated with --depth-model; only `fuse` takes a map for it (--water-depth).
     #[arg(long, value_name = "FILE")]
@@ -24,6 +24,10 @@ pub(crate) struct DepthArguments {
     /// kinds and nearer in the last two. Monocular networks give `inverse`; `disparity` has a true zero.
     #[arg(long, value_name = "KIND", value_parser = kind())]
     depth_kind: Option<SuppliedKind>,
+    /// Accept maps of another size than their images, if the proportions are the same: they are scaled by nearest
+    /// neighbour.
+    #[arg(long, requires = "depth")]
+    depth_resize: bool,
 }
 
 /// Where the depth of a reference image comes from, if not from colour.
@@ -58,14 +62,15 @@ impl DepthArguments {
         let Some((depth, kind)) = declared("--depth", self.depth.as_deref(), self.depth_kind)? else {
             return Ok(DepthSupply::Estimated(model));
         };
+        let size = if self.depth_resize { MapSize::Scaled } else { MapSize::Exact };
         match (in_folder, depth.is_dir()) {
-            (true, true) => Ok(DepthSupply::Folder(DepthFolder::list(depth)?, kind)),
+            (true, true) => Ok(DepthSupply::Folder(DepthFolder::list(depth)?, kind, size)),
             (true, false) => Err(anyhow!(
                 "the images are in a folder, so --depth must be a folder too, with a map of the same stem for \
                  each image; {} is not a folder",
                 display(depth)
             )),
-            (false, _) => Ok(DepthSupply::File(depth.to_owned(), kind)),
+            (false, _) => Ok(DepthSupply::File(depth.to_owned(), kind, size)),
         }
     }
 }
@@ -79,7 +84,9 @@ impl WaterDepthArguments {
             return Ok(DepthSource::Estimated(model));
         };
         let remedy = match water {
-            WaterSource::Image(_) => return Ok(DepthSource::Supplied { path: path.to_owned(), kind }),
+            WaterSource::Image(_) => {
+                return Ok(DepthSource::Supplied { path: path.to_owned(), kind, size: MapSize::Exact });
+            }
             WaterSource::File(_) => "leave it out, or pass the map as --depth to `aquafuse water extract`",
             WaterSource::Preset(_) => "leave it out",
         };

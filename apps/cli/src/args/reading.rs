@@ -11,9 +11,10 @@ use crate::failure::Failure;
 
 #[derive(Clone, Args)]
 pub(crate) struct Reading {
-    /// Refuse images with more pixels than this.
-    #[arg(long, global = true, help_heading = crate::args::common::HEADING, value_name = "N", default_value_t = ReadOptions::default().max_pixels)]
-    max_pixels: u64,
+    /// Refuse images with more pixels than this [default: 268435456, and of images above 33554432 pixels those with
+    /// more than 64 pixels a byte, as no photograph has].
+    #[arg(long, global = true, help_heading = crate::args::common::HEADING, value_name = "N")]
+    max_pixels: Option<u64>,
     /// Memory for all images processed at once: 512MiB, 2GiB or a number of bytes. An image that needs more is
     /// refused; the others wait until memory is free. An annotation file or list may take a quarter of it.
     #[arg(long, global = true, help_heading = crate::args::common::HEADING, value_name = "SIZE", default_value = "2GiB", value_parser = size)]
@@ -29,7 +30,11 @@ pub(crate) struct Reading {
 impl Reading {
     pub(crate) fn options(&self) -> ReadOptions {
         let Self { max_pixels, max_memory, lenient, border } = *self;
-        ReadOptions { max_pixels, max_memory, lenient, border }
+        let default = ReadOptions { max_memory, lenient, border, ..ReadOptions::default() };
+        match max_pixels {
+            Some(max_pixels) => ReadOptions { max_pixels, max_pixels_per_byte: u64::MAX, ..default },
+            None => default,
+        }
     }
 
     /// The same for an image that gives its water: a border given in numbers belongs to the contents.

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 
 use anyhow::anyhow;
 use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Shard};
-use aquafuse_data::dataset::{Dataset, Layout};
+use aquafuse_data::dataset::{Dataset, DatasetOptions, Layout, Splits};
 use aquafuse_data::files::{display, make_folder};
 use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::run::{Event, RunOptions, Summary};
@@ -37,6 +37,10 @@ Layouts, detected from the files:
   shards   WebDataset: tar files with KEY.jpg and all other members of that key
   parquet  Hugging Face: tables with a column of images (needs a build with --features parquet)
 
+Only the training split is multiplied: images to validate and test by are copied unchanged, with
+their annotations. Splits are those of data.yaml, of lists as ImageSets/Main/train.txt, of the names
+of COCO files and of folders (train, valid, val, test). --splits chooses others.
+
 Folders may have the other usual names (img, label, gt, ...), and labels may stand beside images.
 Files that are not part of the dataset are named and counted; if they look like annotations and
 none was read, nothing is written, unless --format folder leaves them out.
@@ -44,7 +48,8 @@ none was read, nothing is written, unless --format folder leaves them out.
 Pixels do not move, so annotations stay valid: labels and masks are copied byte for byte, JSON
 and XML with new ids and file names, data.yaml without its `path`. A variant is named
 STEM__WATER__NUMBER and is written to the folder (and so the split) of its image. manifest.jsonl
-records how each variant was made: `verify` checks it, `replay` repeats it. To continue a run that
+records how each variant was made: `verify` checks it, `replay` repeats it; preview.jpg shows a few
+images with their variants and what their annotations say. To continue a run that
 was stopped, repeat the command.
 
 Examples:
@@ -73,6 +78,14 @@ pub(crate) struct Augment {
     /// Number of variants of each image: at most the number of waters, unless theta or alpha has a range.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     per_image: u32,
+    /// The splits to multiply: all, or some of train,val,test. Images of other splits are copied unchanged, with their
+    /// annotations [default: train, if the dataset has a training split and others; else all].
+    #[arg(long, value_name = "SPLITS")]
+    splits: Option<Splits>,
+    /// Extensions of further files, as json,txt. A file that has one and the name of an image belongs to that image: it is
+    /// copied for each variant, and the image's file name in it becomes the variant's.
+    #[arg(long, value_name = "EXT", value_delimiter = ',')]
+    sidecar: Vec<String>,
     /// Also copy the original images, byte for byte.
     #[arg(long)]
     keep_originals: bool,
@@ -125,6 +138,9 @@ pub(crate) struct Augment {
     /// Format of the manifest. manifest.jsonl is always written; `parquet` adds a table with one row per variant.
     #[arg(long, value_name = "AS", value_enum, default_value_t)]
     manifest: Manifest,
+    /// Images on the sheet preview.jpg, each with three variants and its boxes, outlines and masks; 0: no sheet.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(0..=100))]
+    preview: u16,
     /// Print the lines of the manifest as they are written instead of the summary.
     #[arg(long)]
     json: bool,
@@ -204,19 +220,25 @@ impl Augment {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let common = &self.settings.cutting(&self.border, common);
         let encoding = encoding(self.linear);
-        let mut dataset =
-            Dataset::open(&self.dataset, self.format, &common.reading.options()).map_err(Failure::usage)?;
+        let how = DatasetOptions {
+            layout: self.format,
+            sidecars: self.sidecar.clone(),
+            reading: common.reading.options(),
+        };
+        let mut dataset = Dataset::open_with(&self.dataset, &how).map_err(Failure::usage)?;
+        let splits = dataset.splits(self.splits.as_ref()).map_err(Failure::usage)?;
         let bad = self.without_bad(&mut dataset)?;
         if (common.quiet || self.json) && dataset.left_out.has_labels() {
             output::complain(&format!("{}: left out: {}", display(&self.dataset), dataset.left_out));
         }
         let job = Augmentation {
-            recipe: self.recipe(encoding, common)?,
+            recipe: Recipe { splits, ..self.recipe(encoding, common)? },
             dataset,
             output: self.output.clone(),
             shard: self.shard.unwrap_or_default(),
             overwrite: self.overwrite,
             manifest_table: self.manifest == Manifest::Parquet,
+            preview: self.preview.into(),
             run_options: RunOptions { max_failures: self.failures.max(), ..common.run_options() },
         };
         // Refusals come before the folder is created.
@@ -232,7 +254,7 @@ impl Augment {
             if let Event::Done { item, result } = &event {
                 if self.json {
                     // A reader that has gone away does not stop the work.
-                    let _ = output::print(&result.lines);
+                    let _ = output::print_json(&result.lines);
                 }
                 if let Ok(mut tally) = tally.lock() {
                     tally.add(item, result);
@@ -327,6 +349,7 @@ impl Augment {
             on_doubtful,
             on_bad_annotation: self.on_bad_annotation.name(),
             keep_originals: self.keep_originals,
+            splits: Splits::All,
             quality: self.quality,
         })
     }
@@ -338,8 +361,10 @@ impl DepthArguments {
         use aquafuse_data::pipeline::DepthSupply;
         Ok(match self.supply(true, model)? {
             DepthSupply::Estimated(model) => DepthPlan::Estimated(model),
-            DepthSupply::File(folder, kind) => DepthPlan::Maps { folder, kind },
-            DepthSupply::Folder(maps, kind) => DepthPlan::Maps { folder: maps.path().to_owned(), kind },
+            DepthSupply::File(folder, kind, size) => DepthPlan::Maps { folder, kind, size },
+            DepthSupply::Folder(maps, kind, size) => {
+                DepthPlan::Maps { folder: maps.path().to_owned(), kind, size }
+            }
         })
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use aquafuse_data::depth_file;
-use aquafuse_data::files::{make_folder_of, remove_stale_parts};
+use aquafuse_data::files::{make_folder_of, refuse_inputs, remove_stale_parts};
 use aquafuse_data::image_file::WriteOptions;
 use clap::Args;
 
@@ -37,6 +37,7 @@ pub(crate) struct Depth {
 
 impl Depth {
     pub(crate) fn run(&self, reading: &Reading, quiet: bool) -> Result<(), Failure> {
+        refuse_inputs([self.output.as_path()], [self.image.as_path()])?;
         let image_file = reading.read(&self.image)?;
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
         remove_stale_parts(make_folder_of(&self.output)?);

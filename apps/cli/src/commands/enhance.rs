@@ -42,7 +42,7 @@ Examples:
         .requires("clear"),
 )]
 pub(crate) struct Enhance {
-    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF, no subfolders).
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF; subfolders with --recursive).
     content: PathBuf,
     /// Clear water to fuse with: an image, NAME.water.json or preset:NAME.
     clear: Option<PathBuf>,
@@ -65,7 +65,8 @@ impl Enhance {
 
     fn set_levels(&self, common: &Common) -> Result<(), Failure> {
         let levels = self.levels.options();
-        let plan = self.batch.plan(&self.content, &[], self.settings.depth_model(), true)?;
+        let plan =
+            self.batch.plan(std::slice::from_ref(&self.content), &[], self.settings.depth_model(), true)?;
         let words = Words {
             heading: String::new(),
             settings: json!({
@@ -82,7 +83,7 @@ impl Enhance {
         let depth_model = self.settings.depth_model();
         let water = WaterSource::parse(clear)?;
         let inputs: Vec<_> = water.path().into_iter().collect();
-        let plan = self.batch.plan(&self.content, &inputs, depth_model, true)?;
+        let plan = self.batch.plan(std::slice::from_ref(&self.content), &inputs, depth_model, true)?;
         let file = self.settings.waters.read(&water, depth_model, encoding, &common.reading)?;
         let reference = self.settings.waters.per(self.batch.depth.kind_of_map(), &file)?;
         let options = self.settings.options()?;

@@ -29,8 +29,10 @@ use crate::report::water::veiling_light;
 #[derive(Args)]
 #[command(after_help = fusion::HELP, group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
 pub(crate) struct Fuse {
-    /// The scene: an image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF, no subfolders).
-    content: PathBuf,
+    /// The scene: an image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF; subfolders with
+    /// --recursive). There may be several, as *.jpg.
+    #[arg(required = true, value_name = "CONTENT")]
+    contents: Vec<PathBuf>,
     /// The reference water: an image (best with open water in view), NAME.water.json from `water extract`, or
     /// preset:NAME from `water list`.
     water: PathBuf,
@@ -57,11 +59,11 @@ impl Fuse {
         let water = WaterSource::parse(&self.water)?;
         let water_depth = self.water_depth.source(&water, depth_model).map_err(Failure::usage)?;
         let map = match &water_depth {
-            DepthSource::Supplied { path, kind } => Some((path.as_path(), *kind)),
+            DepthSource::Supplied { path, kind, .. } => Some((path.as_path(), *kind)),
             DepthSource::Estimated(_) => None,
         };
         let inputs: Vec<_> = water.path().into_iter().chain(map.map(|(path, _)| path)).collect();
-        let plan = self.batch.plan(&self.content, &inputs, depth_model, false)?;
+        let plan = self.batch.plan(&self.contents, &inputs, depth_model, false)?;
         let file = self.waters.read_by(&water, &water_depth, encoding, &common.reading)?;
         let reference = self.waters.per(self.batch.depth.kind_of_map(), &file)?;
         if let Some(sweep) = &self.sweep {

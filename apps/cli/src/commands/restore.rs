@@ -31,8 +31,10 @@ Examples:
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Restore {
-    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF, no subfolders).
-    content: PathBuf,
+    /// An image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF; subfolders with --recursive). There may
+    /// be several, as *.jpg.
+    #[arg(required = true, value_name = "CONTENT")]
+    contents: Vec<PathBuf>,
     #[command(flatten)]
     batch: BatchArguments,
     #[command(flatten)]
@@ -49,7 +51,7 @@ impl Restore {
         let common = &self.batch.border.cutting(common);
         let encoding = self.batch.encoding();
         let depth_model = self.depth_model.get();
-        let plan = self.batch.plan(&self.content, &[], depth_model, false)?;
+        let plan = self.batch.plan(&self.contents, &[], depth_model, false)?;
         let options = RestoreOptions::default().with_max_gain([self.max_gain; 3]);
         let levels = self.levels.options();
         let operation = Operation::Restore { options, levels, encoding };

@@ -9,20 +9,25 @@ mod sfm;
 mod train;
 mod view;
 
+use std::path::Path;
+
+use aquafuse_data::files::display;
 use aquafuse_scene::capture::CaptureError;
-use aquafuse_scene::files::SceneFileError;
+use aquafuse_scene::files::{ChosenModel, SceneFileError};
 use aquafuse_scene::model::ModelError;
 use clap::{Args, Subcommand};
 
 use crate::args::common::Common;
 use crate::failure::Failure;
+use crate::report::output;
 
 /// Scenes in 3D: Gaussian splats trained on a CPU, with the water in them.
 #[derive(Args)]
 #[command(after_help = "\
 SCENE is a folder with images (in images/, or directly in it) and their cameras, as structure from
 motion writes them: COLMAP's cameras, images and points3D (.bin or .txt, in SCENE, sparse/0, sparse
-or colmap_text), or transforms.json.
+or colmap_text), or transforms.json. Of several models, sparse/0, sparse/1, ..., the one with the
+most images is used.
 
 Examples:
   aquafuse scene sfm photos/ -o reef/
@@ -46,6 +51,18 @@ enum Command {
     Compare(compare::Compare),
     Export(export::Export),
     View(view::View),
+}
+
+/// Says which model of a scene is used, where there are several.
+fn say_model(scene: &Path, common: &Common) {
+    if let Some(ChosenModel { model, images, others: others @ 1.. }) = ChosenModel::of(scene)
+        && !common.quiet
+    {
+        let (scene, model) = (display(scene), display(&model));
+        output::remark(&format_args!(
+            "{scene}: {model} is used, with {images} images; {others} other models have no more"
+        ));
+    }
 }
 
 impl Scene {

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
 use aquafuse::image::Linear;
-use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
+use aquafuse_data::files::{FileError, display, make_folder_of, refuse_inputs, remove_stale_parts};
 use aquafuse_data::image_file::{Format, ImageFile, WRITTEN, WriteOptions};
-use aquafuse_data::pipeline::{DepthSource, SIMULATED, analyse_in, simulate};
+use aquafuse_data::pipeline::{DepthSource, MapSize, SIMULATED, analyse_in, simulate};
 use clap::Args;
 
 use crate::args::common::{Common, encoding};
@@ -66,10 +66,13 @@ impl Simulate {
             return Err(FileError::Exists { path: self.output.clone() }.into());
         }
         let water = WaterSource::parse(&self.water)?;
+        let inputs = [Some(self.image.as_path()), Some(self.depth.as_path()), water.path()];
+        refuse_inputs([self.output.as_path()], inputs.into_iter().flatten())?;
         let opened = ImageFile::open(&self.image, &common.reading.options())?;
         opened.memory_until_written(format, opened.pixels().saturating_mul(SIMULATED))?;
         let mut image_file = opened.decode()?;
-        let supplied = DepthSource::Supplied { path: self.depth.clone(), kind: self.depth_kind };
+        let supplied =
+            DepthSource::Supplied { path: self.depth.clone(), kind: self.depth_kind, size: MapSize::Exact };
         let found = analyse_in(encoding, &image_file, &supplied)?;
         let file = self.waters.read(&water, DepthModel::default(), encoding, &common.reading)?;
         let seen_through = self.waters.per(found.depth.kind(), &file)?;

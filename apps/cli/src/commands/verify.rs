@@ -61,7 +61,7 @@ impl Verify {
                 unlisted: check.unlisted.iter().map(|path| display(path).to_string()).collect(),
             };
             let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
-            output::print(&(text + "\n"))?;
+            output::print_json(&(text + "\n"))?;
         } else {
             for (path, cause) in &check.wrong {
                 output::complain(&format!("{}: {cause}", display(path)));

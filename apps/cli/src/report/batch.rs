@@ -47,6 +47,12 @@ pub(crate) fn run(
     if !plan.unread().is_empty() {
         output::complain(&unread(plan.unread()));
     }
+    if plan.folders_left_out() > 0 && !common.quiet {
+        output::complain(&format_args!(
+            "left out: {} folders in the content; --recursive enters them",
+            plan.folders_left_out()
+        ));
+    }
     let progress = Progress::new(common.quiet || plan.items().len() == 1);
     let (reports, records) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
     let ended = plan.run(recipe, &options, &|event| {
@@ -55,7 +61,7 @@ pub(crate) fn run(
         {
             if arguments.json {
                 // A reader that has gone away does not stop the work.
-                let _ = output::print(&format!("{record}\n"));
+                let _ = output::print_json(&format!("{record}\n"));
             }
             if let Ok(mut records) = records.lock() {
                 records.push(record);

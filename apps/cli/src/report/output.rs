@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use anyhow::anyhow;
-use aquafuse_data::files::{display, holds_files};
+use aquafuse_data::files::{display, holds_files, plain_json};
 
 use crate::failure::Failure;
 
@@ -32,6 +32,11 @@ pub(crate) fn refuse_filled(folder: &Path, except: &[&str]) -> Result<(), Failur
 /// Says that a file or folder is written, unless `quiet`.
 pub(crate) fn written(path: &Path, quiet: bool) -> Result<(), Failure> {
     if quiet { Ok(()) } else { print(&format!("{}: written\n", display(path))) }
+}
+
+/// Prints JSON, which may hold names of strangers.
+pub(crate) fn print_json(json: &str) -> Result<(), Failure> {
+    print(&plain_json(json))
 }
 
 /// Prints `text`; a reader that has gone away (`| head`) is no error.

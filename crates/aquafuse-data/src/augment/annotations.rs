@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use std::rc::Rc;
 
-use crate::dataset::{Index, Sample, join, named, split, stem};
+use crate::dataset::{Index, Sample, Splits, join, named, split, stem};
 use crate::files::text_of;
 
 #[cfg(feature = "fuzz-targets")]
@@ -24,6 +24,16 @@ pub(super) struct Made<'a> {
     pub(super) per_image: u32,
     /// Whether the images themselves are there too.
     pub(super) originals: bool,
+    /// The splits that were multiplied: images of others are there themselves.
+    pub(super) splits: &'a Splits,
+}
+
+/// What was made of the images that a line of a list names.
+#[derive(Clone, Default)]
+struct Listed {
+    /// Whether an image itself is there, though the other originals are not.
+    is_carried: bool,
+    paths: Rc<[String]>,
 }
 
 impl Made<'_> {
@@ -38,19 +48,34 @@ impl Made<'_> {
         Some((self.samples.get(place)?, (self.variants)(place)?))
     }
 
-    /// The paths of the variants of images whose path without its extension is this.
-    fn of_stem(&self, path: &str) -> Rc<[String]> {
+    /// Whether an image itself is there.
+    fn keeps(&self, sample: &Sample) -> bool {
+        self.originals || !self.splits.hold(sample)
+    }
+
+    /// What was made of the images whose path without its extension is this.
+    fn of_stem(&self, path: &str) -> Listed {
         let alike = format!("{path}.");
         let first = self.samples.partition_point(|sample| sample.key.as_str() < alike.as_str());
         let all = (first..).zip(self.samples.iter().skip(first));
         let own = all.take_while(|(_, sample)| sample.key.starts_with(&alike));
         let own = own.filter(|(_, sample)| stem(&sample.key) == path);
-        own.filter_map(|(place, _)| (self.variants)(place)).flatten().map(|(_, path)| path).collect()
+        let made = own.filter_map(|(place, sample)| Some((sample, (self.variants)(place)?)));
+        self.listed(made)
     }
 
-    /// The paths of the variants of an image.
-    fn of_key(&self, key: &str) -> Rc<[String]> {
-        self.of(key).into_iter().flat_map(|(_, variants)| variants).map(|(_, path)| path).collect()
+    /// What was made of an image.
+    fn of_key(&self, key: &str) -> Listed {
+        self.listed(self.of(key).into_iter())
+    }
+
+    fn listed<'s>(&self, made: impl Iterator<Item = (&'s Sample, Vec<(u32, String)>)>) -> Listed {
+        let (mut is_carried, mut paths) = (false, Vec::new());
+        for (sample, variants) in made {
+            is_carried |= !self.splits.hold(sample);
+            paths.extend(variants.into_iter().map(|(_, path)| path));
+        }
+        Listed { is_carried, paths: paths.into() }
     }
 }
 
@@ -71,14 +96,22 @@ pub(super) fn write(index: &Index, bytes: &[u8], made: &Made<'_>, out: &mut dyn 
                 // A variant is written to the folder of its image.
                 let line = line.trim_end();
                 let folder = line.get(..line.rfind(['/', '\\']).map_or(0, |at| at.saturating_add(1)));
-                paths(line).iter().try_for_each(|path| add(&[folder.unwrap_or_default(), split(path).1]))
+                let Listed { is_carried, paths } = paths(line);
+                if is_carried {
+                    add(&[line])?;
+                }
+                paths.iter().try_for_each(|path| add(&[folder.unwrap_or_default(), split(path).1]))
             })
         }
         Index::Stems { folder, .. } => {
             let mut paths = remembered(|name| made.of_stem(&join(folder, name)));
             lines(&text, made.originals, out, |line, add| {
                 let (name, rest) = line.split_at(line.find(char::is_whitespace).unwrap_or(line.len()));
-                paths(name).iter().try_for_each(|path| add(&[stem(split(path).1), rest]))
+                let Listed { is_carried, paths } = paths(name);
+                if is_carried {
+                    add(&[line])?;
+                }
+                paths.iter().try_for_each(|path| add(&[stem(split(path).1), rest]))
             })
         }
         Index::Coco(file) => coco::write(file, &text, made, out),
@@ -86,15 +119,15 @@ pub(super) fn write(index: &Index, bytes: &[u8], made: &Made<'_>, out: &mut dyn 
 }
 
 /// What is found by a name, found once: a list may name an image any number of times. What names none is not kept.
-fn remembered<'t>(find: impl Fn(&str) -> Rc<[String]>) -> impl FnMut(&'t str) -> Rc<[String]> {
-    let mut known: HashMap<&str, Rc<[String]>> = HashMap::new();
+fn remembered<'t>(find: impl Fn(&str) -> Listed) -> impl FnMut(&'t str) -> Listed {
+    let mut known: HashMap<&str, Listed> = HashMap::new();
     move |name| {
         if let Some(found) = known.get(name) {
-            return Rc::clone(found);
+            return found.clone();
         }
         let found = find(name);
-        if !found.is_empty() {
-            known.insert(name, Rc::clone(&found));
+        if found.is_carried || !found.paths.is_empty() {
+            known.insert(name, found.clone());
         }
         found
     }
@@ -115,7 +148,7 @@ fn lines<'t>(
         if originals {
             add(&[line])?;
         }
-        variants(line, &mut add)?;
+        variants(line, &mut |parts| if originals && parts == [line] { Ok(()) } else { add(parts) })?;
     }
     Ok(())
 }
@@ -138,7 +171,13 @@ mod tests {
             let paths = ["JPEGImages/a__w__0.jpg", "JPEGImages/ab__w__0.jpg"];
             Some(vec![(0, (*paths.get(place)?).to_owned())])
         };
-        let made = |originals| Made { samples: &samples, variants: &variants, per_image: 1, originals };
+        let made = |originals| Made {
+            samples: &samples,
+            variants: &variants,
+            per_image: 1,
+            originals,
+            splits: &Splits::All,
+        };
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("l.txt"), "a  1\nab -1\nc 0\n").unwrap();
         let list = Index::Stems { path: "l.txt".into(), folder: "JPEGImages".into() };

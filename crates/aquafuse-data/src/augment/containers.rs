@@ -61,7 +61,10 @@ impl Maker<'_> {
         let line = Line::Container(Box::new(container));
         journal.add(sample.index, std::slice::from_ref(&line))?;
         let lines = line.text();
-        Ok(Made { multiplied: Some(Multiplied { variants, vanished, verdict: None, lines }), failures })
+        Ok(Made {
+            multiplied: Some(Multiplied { variants, is_carried: false, vanished, verdict: None, lines }),
+            failures,
+        })
     }
 
     /// Writes it, and says in `container` what was made; the failures of single images come back.

@@ -8,7 +8,7 @@ use aquafuse::depth::{DepthModel, SuppliedKind};
 use crate::dataset::split;
 use crate::depth_file::DepthFolder;
 use crate::files::FileError;
-use crate::pipeline::DepthSource;
+use crate::pipeline::{DepthSource, MapSize};
 
 /// How the depth of a dataset's images is obtained.
 #[derive(Clone, Debug)]
@@ -21,21 +21,23 @@ pub enum DepthPlan {
         folder: PathBuf,
         /// What its values are.
         kind: SuppliedKind,
+        /// The size that its maps may have.
+        size: MapSize,
     },
 }
 
 /// The maps of a dataset, found once.
 pub(super) enum Maps {
     None(DepthModel),
-    Folders { root: PathBuf, kind: SuppliedKind, by_folder: BTreeMap<PathBuf, DepthFolder> },
+    Folders { root: PathBuf, kind: SuppliedKind, size: MapSize, by_folder: BTreeMap<PathBuf, DepthFolder> },
 }
 
 impl Maps {
     /// Lists the folders in which the maps of these images stand.
     pub(super) fn of<'a>(plan: &DepthPlan, keys: impl Iterator<Item = &'a str>) -> Result<Self, FileError> {
-        let (root, kind) = match plan {
+        let (root, kind, size) = match plan {
             DepthPlan::Estimated(model) => return Ok(Self::None(*model)),
-            DepthPlan::Maps { folder, kind } => (folder.clone(), *kind),
+            DepthPlan::Maps { folder, kind, size } => (folder.clone(), *kind, *size),
         };
         let mut by_folder = BTreeMap::from([(root.clone(), DepthFolder::list(&root)?)]);
         for key in keys {
@@ -44,19 +46,19 @@ impl Maps {
                 by_folder.insert(folder.clone(), DepthFolder::list(&folder)?);
             }
         }
-        Ok(Self::Folders { root, kind, by_folder })
+        Ok(Self::Folders { root, kind, size, by_folder })
     }
 
     /// The depth of an image.
     pub(super) fn source(&self, key: &str) -> Result<DepthSource, FileError> {
-        let (root, kind, by_folder) = match self {
+        let (root, kind, size, by_folder) = match self {
             Self::None(model) => return Ok(DepthSource::Estimated(*model)),
-            Self::Folders { root, kind, by_folder } => (root, *kind, by_folder),
+            Self::Folders { root, kind, size, by_folder } => (root, *kind, *size, by_folder),
         };
         let (within, name) = split(key);
         let folder = by_folder.get(&root.join(within)).or_else(|| by_folder.get(root));
         let none = || FileError::NoDepthBeside { folder: root.clone(), image: name.into(), found: 0 };
         let path = folder.ok_or_else(none)?.map_of(Path::new(name))?.to_owned();
-        Ok(DepthSource::Supplied { path, kind })
+        Ok(DepthSource::Supplied { path, kind, size })
     }
 }

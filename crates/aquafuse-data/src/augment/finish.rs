@@ -10,6 +10,7 @@ use super::{Augmentation, DepthPlan, Draws, OnDoubtful, Plan, Water};
 use crate::dataset::{join, split};
 use crate::files::Hashed;
 use crate::files::{FileError, make_folder_within, write_atomically};
+use crate::pipeline::MapSize;
 
 impl Augmentation {
     /// The first line of the manifest.
@@ -33,6 +34,7 @@ impl Augmentation {
             },
             on_bad_annotation: recipe.on_bad_annotation.to_owned(),
             keep_originals: recipe.keep_originals,
+            splits: recipe.splits.to_string(),
             quality: recipe.quality,
             lenient: self.run_options.reading.lenient,
             border: self.run_options.reading.border.to_string(),
@@ -64,6 +66,7 @@ impl Augmentation {
             variants: &variants,
             per_image: self.recipe.per_image,
             originals: self.recipe.keep_originals,
+            splits: &self.recipe.splits,
         };
         let write = |index: &crate::dataset::Index| {
             let bytes = index.read(&self.dataset.root, &self.run_options.reading)?;
@@ -104,6 +107,7 @@ impl Augmentation {
             let entries = plan.indices().iter().map(|&place| journal.entry(place));
             written.push(super::manifest_table::write(&self.output, name, &header, entries)?);
         }
+        written.extend(self.write_preview(plan, journal)?);
         written.sort_by(|a, b| a.output.cmp(&b.output));
         Ok(written)
     }
@@ -115,9 +119,11 @@ impl StoredDepth {
         match plan {
             DepthPlan::Estimated(DepthModel::Eq3(fitted)) => Self::Eq3(fitted.mu),
             DepthPlan::Estimated(model) => Self::Model(model.name().to_owned()),
-            DepthPlan::Maps { folder, kind } => {
-                Self::Maps { folder: folder.to_string_lossy().into_owned(), kind: kind.name().to_owned() }
-            }
+            DepthPlan::Maps { folder, kind, size } => Self::Maps {
+                folder: folder.to_string_lossy().into_owned(),
+                kind: kind.name().to_owned(),
+                is_scaled: *size == MapSize::Scaled,
+            },
         }
     }
 }

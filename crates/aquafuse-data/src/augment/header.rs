@@ -1,10 +1,12 @@
 //! The first line of a manifest: what decides what is made.
 
+use aquafuse::fusion::{Gain, Incidence};
 use aquafuse::scene_area::Border;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::water::StoredWater;
+use crate::dataset::Splits;
 
 /// It changes when a field changes its meaning or goes.
 pub(super) const SCHEMA: u32 = 1;
@@ -30,18 +32,22 @@ pub(super) struct Settings {
     pub(super) seed: u64,
     pub(super) per_image: u32,
     pub(super) with_replacement: bool,
-    #[serde(deserialize_with = "finite_range")]
+    #[serde(deserialize_with = "angles")]
     pub(super) theta_range: (f32, f32),
-    #[serde(deserialize_with = "finite_range")]
+    #[serde(deserialize_with = "gains")]
     pub(super) alpha_range: (f32, f32),
     pub(super) model: String,
-    #[serde(deserialize_with = "finite")]
+    #[serde(deserialize_with = "max_gain")]
     pub(super) most_gain: f32,
     pub(super) smooth: String,
     pub(super) depth: StoredDepth,
     pub(super) on_doubtful: String,
     pub(super) on_bad_annotation: String,
     pub(super) keep_originals: bool,
+    /// Manifests of earlier versions have none: every image was multiplied.
+    #[serde(default = "all_splits")]
+    pub(super) splits: String,
+    #[serde(deserialize_with = "quality")]
     pub(super) quality: u8,
     pub(super) lenient: bool,
     /// Manifests of earlier versions have none: every pixel was taken for scene.
@@ -49,23 +55,44 @@ pub(super) struct Settings {
     pub(super) border: String,
 }
 
+fn all_splits() -> String {
+    Splits::All.to_string()
+}
+
 fn no_border() -> String {
     Border::None.to_string()
 }
 
-/// A number that is one in 32 bits too.
-fn finite<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
-    let number = f32::deserialize(from)?;
-    if number.is_finite() { Ok(number) } else { Err(D::Error::custom("a number is too large")) }
+/// A limit of the gain, at least 1.
+fn max_gain<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+    let gain = f32::deserialize(from)?;
+    let is_gain = gain.is_finite() && gain >= 1.0;
+    is_gain.then_some(gain).ok_or_else(|| D::Error::custom("a gain is at least 1"))
 }
 
-fn finite_range<'de, D: Deserializer<'de>>(from: D) -> Result<(f32, f32), D::Error> {
+/// A quality of JPEG.
+fn quality<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> {
+    let quality = u8::deserialize(from)?;
+    let is_quality = (1..=100).contains(&quality);
+    is_quality.then_some(quality).ok_or_else(|| D::Error::custom("a quality is from 1 to 100"))
+}
+
+/// A range of angles, in degrees.
+fn angles<'de, D: Deserializer<'de>>(from: D) -> Result<(f32, f32), D::Error> {
     let (low, high) = <(f32, f32)>::deserialize(from)?;
-    if low.is_finite() && high.is_finite() {
-        Ok((low, high))
-    } else {
-        Err(D::Error::custom("a number is too large"))
-    }
+    let checked = Incidence::from_degrees(low).and(Incidence::from_degrees(high));
+    in_order(checked.map_err(D::Error::custom).map(|_| (low, high))?)
+}
+
+/// A range of α.
+fn gains<'de, D: Deserializer<'de>>(from: D) -> Result<(f32, f32), D::Error> {
+    let (low, high) = <(f32, f32)>::deserialize(from)?;
+    let checked = Gain::new(low).and(Gain::new(high));
+    in_order(checked.map_err(D::Error::custom).map(|_| (low, high))?)
+}
+
+fn in_order<E: serde::de::Error>((low, high): (f32, f32)) -> Result<(f32, f32), E> {
+    (low <= high).then_some((low, high)).ok_or_else(|| E::custom("a range ends before it begins"))
 }
 
 /// How depth is obtained.
@@ -77,7 +104,13 @@ pub(super) enum StoredDepth {
     /// From colour by Eq. 3, with these coefficients.
     Eq3([f64; 5]),
     /// From a folder of maps.
-    Maps { folder: String, kind: String },
+    Maps {
+        folder: String,
+        kind: String,
+        /// Whether maps are scaled to the size of their images; it is not said where they are not.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        is_scaled: bool,
+    },
 }
 
 impl Header {

@@ -1,6 +1,7 @@
 //! One image of a dataset, multiplied.
 
 use std::fs::Metadata;
+use std::io::{self, Read as _, Write};
 use std::path::{Path, PathBuf};
 
 use aquafuse::fusion::{Gain, Incidence};
@@ -12,9 +13,8 @@ use super::line::{Line, Listed, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
 use super::{Augmentation, Draw, Multiplied, OnDoubtful, Recipe, Water};
 use crate::dataset::Companion;
-use crate::files::sha256;
-use crate::files::{FileError, one_line, write_bytes};
-use crate::image_file::{Format, ImageFile, Opened, read_beside};
+use crate::files::{FileError, Hashed, Patient, one_line, sha256, sha256_of, write_atomically, write_bytes};
+use crate::image_file::{Format, ImageFile, Opened, open_file, read_beside};
 use crate::pipeline::{Analysis, DepthSource, analyse_in};
 use crate::pipeline::{Operation, Outcome, WaterEstimate};
 use crate::run::{Budget, Reservation};
@@ -61,23 +61,20 @@ impl Recipe {
     ) -> Result<Read<'a>, FileError> {
         // A variant beside its image, what surrounds its scene, and as it is encoded.
         let beside = opened.memory_of_pixels().saturating_mul(3);
-        let supplied = match depth {
-            DepthSource::Supplied { .. } => opened.pixels().saturating_mul(crate::pipeline::SUPPLIED),
-            DepthSource::Estimated(_) => 0,
-        };
+        let supplied = opened.pixels().saturating_mul(depth.bytes_a_pixel());
         let light = opened.pixels().saturating_mul(self.encoding.bytes_a_pixel());
         let beside = beside.saturating_add(supplied).saturating_add(light);
-        let room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
+        let room = budget.reserve_for(&opened, Format::Png, beside)?;
         let mut source = Source { bytes: 0, sha256: String::new(), depth_sha256: None };
         let image = opened.decode_seeing(|bytes| {
             source.bytes = bytes.len() as u64;
             source.sha256 = sha256(bytes);
         })?;
-        if let DepthSource::Supplied { path, .. } = depth {
-            let failed = |error| FileError::Read { path: path.clone(), error };
-            source.depth_sha256 = Some(sha256(&std::fs::read(path).map_err(failed)?));
-        }
         let mut found = analyse_in(self.encoding, &image, depth)?;
+        // Now that it is known to be a file.
+        if let DepthSource::Supplied { path, .. } = depth {
+            source.depth_sha256 = Some(sha256_of(path)?);
+        }
         let quality = found.estimate.quality();
         let doubtful = quality.verdict != Verdict::Good;
         let instead = match &self.on_doubtful {
@@ -157,7 +154,7 @@ impl<'a> Maker<'a> {
 
     /// Makes what is not there yet.
     pub(super) fn make(&self, sample: &Planned<'_>, journal: &Journal) -> Made {
-        let made = match self.job.dataset.layout.holds_many() {
+        let made = match self.job.dataset.layout.holds_many() && !sample.is_carried {
             true => self.make_container(sample, journal),
             false => self
                 .make_variants(sample, journal)
@@ -210,7 +207,7 @@ impl<'a> Maker<'a> {
             }
             Some(quality.verdict)
         };
-        if recipe.keep_originals {
+        if recipe.keep_originals || sample.is_carried {
             let old = known.original.as_ref();
             if !old.is_some_and(|old| self.is_original(old, sample, &input_about)) {
                 journal.forget(sample.index, Slot::Original);
@@ -229,6 +226,7 @@ impl<'a> Maker<'a> {
         });
         let multiplied = Multiplied {
             variants: missing.len(),
+            is_carried: sample.is_carried,
             vanished: vanished(made),
             verdict,
             lines: lines.iter().map(Line::text).collect(),
@@ -250,7 +248,12 @@ impl<'a> Maker<'a> {
         let carry = |(companion, output): (&Companion, &String)| {
             self.write(
                 output,
-                &companion.for_variant(&self.job.dataset.root, name, &self.job.run_options.reading)?,
+                &companion.for_variant(
+                    &self.job.dataset.root,
+                    crate::dataset::split(sample.key).1,
+                    name,
+                    &self.job.run_options.reading,
+                )?,
             )
         };
         // The image comes last: where it is, all that belongs to it is.
@@ -269,14 +272,41 @@ impl<'a> Maker<'a> {
         let companions =
             sample.companions.iter().map(|companion| carry(&companion.path)).collect::<Result<_, _>>()?;
         let input = self.job.dataset.root.join(sample.key);
-        let bytes = std::fs::read(&input).map_err(|error| FileError::Read { path: input, error })?;
-        let Written { output, bytes, sha256 } = self.write(sample.key, &bytes)?;
+        let Written { output, bytes, sha256 } = self.copy(&input, sample.key)?;
         Ok(Original { key: sample.key.to_owned(), output, bytes, sha256, companions })
     }
 
     fn write(&self, output: &str, bytes: &[u8]) -> Result<Written, FileError> {
         write_bytes(&self.job.output.join(output), bytes, true)?;
         Ok(Written { output: output.to_owned(), bytes: bytes.len() as u64, sha256: sha256(bytes) })
+    }
+
+    /// Copies a file piece by piece: a shard may be larger than memory.
+    fn copy(&self, input: &Path, output: &str) -> Result<Written, FileError> {
+        let (mut file, _) = open_file(input)?;
+        let (mut digest, mut unread) = ((0, String::new()), None);
+        let result = write_atomically(&self.job.output.join(output), true, |out| -> io::Result<()> {
+            let mut hashed = Hashed::new(out);
+            let mut piece = vec![0; 1 << 16];
+            loop {
+                match Patient(&mut file).read(&mut piece) {
+                    Ok(0) => break,
+                    Ok(length) => hashed.write_all(piece.get(..length).unwrap_or_default())?,
+                    Err(error) => {
+                        unread = Some(error);
+                        return Err(io::Error::other("its input cannot be read"));
+                    }
+                }
+            }
+            digest = hashed.result();
+            Ok(())
+        });
+        if let Some(error) = unread {
+            return Err(FileError::Read { path: input.to_owned(), error });
+        }
+        result?;
+        let (bytes, sha256) = digest;
+        Ok(Written { output: output.to_owned(), bytes, sha256 })
     }
 
     /// Whether a variant is there as it would be made now: all its files, no older than what they are made from.

@@ -136,6 +136,11 @@ impl Manifest {
         self.entries.values().flat_map(Entry::all_variants)
     }
 
+    /// Whether an image was carried over unchanged, without variants.
+    pub(super) fn is_carried(&self, key: &str) -> bool {
+        self.entries.get(key).is_some_and(|entry| entry.original.is_some() && entry.variants.is_empty())
+    }
+
     /// Every file that it lists.
     pub(super) fn listed(&self) -> impl Iterator<Item = Listed<'_>> {
         self.entries.values().flat_map(Entry::listed).chain(self.indices.iter().map(Written::listed))

@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
 use super::{Augmentation, DepthPlan, Draw, Draws};
-use crate::dataset::{Companion, Dataset, Sample, join, split, stem};
+use crate::dataset::{Companion, Dataset, Sample, Splits, join, split, stem};
 use crate::files::display;
 use crate::image_file::Format;
 
@@ -29,6 +29,7 @@ struct Rule {
     /// Variants of each image; none of files of many, of which is not known what they hold before they are read.
     per_image: u32,
     keep_originals: bool,
+    splits: Splits,
 }
 
 impl<'d> Plan<'d> {
@@ -39,7 +40,13 @@ impl<'d> Plan<'d> {
 
     /// Variants of them; 0 where [files hold many](crate::dataset::Layout::holds_many), which are not opened yet.
     pub fn variants(&self) -> usize {
-        self.files().saturating_mul(usize::try_from(self.rule.per_image).unwrap_or(usize::MAX))
+        let multiplied = self.files().saturating_sub(self.carried());
+        multiplied.saturating_mul(usize::try_from(self.rule.per_image).unwrap_or(usize::MAX))
+    }
+
+    /// The files that are carried over unchanged, because their split is not multiplied.
+    pub fn carried(&self) -> usize {
+        self.samples().filter(|sample| !self.rule.splits.hold(sample)).count()
     }
 
     /// The indices of those files in the dataset.
@@ -77,6 +84,8 @@ pub(super) struct Planned<'a> {
     pub(super) key: &'a str,
     pub(super) companions: &'a [Companion],
     pub(super) variants: Vec<PlannedVariant>,
+    /// Whether it is carried over unchanged, because its split is not multiplied.
+    pub(super) is_carried: bool,
 }
 
 /// A variant that is to be made.
@@ -101,8 +110,14 @@ impl Planned<'_> {
 
 impl Rule {
     fn planned<'a>(&self, sample: &'a Sample, index: usize) -> Planned<'a> {
-        let variants = (0..self.per_image).map(|number| self.variant(sample, number)).collect();
-        Planned { index, key: &sample.key, companions: &sample.companions, variants }
+        let variants = (0..self.count(sample)).map(|number| self.variant(sample, number)).collect();
+        let is_carried = !self.splits.hold(sample);
+        Planned { index, key: &sample.key, companions: &sample.companions, variants, is_carried }
+    }
+
+    /// How many variants an image has.
+    fn count(&self, sample: &Sample) -> u32 {
+        if self.splits.hold(sample) { self.per_image } else { 0 }
     }
 
     fn variant(&self, sample: &Sample, number: u32) -> PlannedVariant {
@@ -129,9 +144,10 @@ impl Rule {
 
     /// The images that are made of one.
     fn outputs(&self, sample: &Sample) -> impl Iterator<Item = String> {
-        let own = self.keep_originals.then(|| sample.key.clone());
+        let is_kept = self.keep_originals || !self.splits.hold(sample);
+        let own = is_kept.then(|| sample.key.clone());
         let variants: Vec<String> =
-            (0..self.per_image).map(|number| self.variant(sample, number).output).collect();
+            (0..self.count(sample)).map(|number| self.variant(sample, number).output).collect();
         own.into_iter().chain(variants)
     }
 
@@ -250,6 +266,7 @@ impl Augmentation {
             slugs: recipe.waters.iter().map(super::Water::slug).collect(),
             per_image: if self.dataset.layout.holds_many() { 0 } else { recipe.per_image },
             keep_originals: recipe.keep_originals,
+            splits: recipe.splits.clone(),
         };
         let holds = |sample: &Sample| self.shard.holds(&sample.key);
         let all = self.dataset.samples.iter();

@@ -10,10 +10,9 @@ use super::line::Variant;
 use super::manifest::Manifest;
 use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::{Layout, inside, split};
-use crate::files::sha256;
-use crate::files::{FileError, make_folder_within, stays_within, write_bytes};
+use crate::files::{FileError, make_folder_within, refuse_inputs, sha256, stays_within, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
-use crate::pipeline::PixelEncoding;
+use crate::pipeline::{MapSize, PixelEncoding};
 use crate::run::Budget;
 use crate::water_file::WaterFileError;
 
@@ -64,6 +63,9 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
     let variants: Vec<(&Variant, Option<&str>)> =
         found.variants().filter(|(variant, _)| wanted(variant)).collect();
     if let (true, Some(only)) = (variants.is_empty(), only) {
+        if found.is_carried(only) {
+            return Err(AugmentError::Carried { path: manifest.to_owned(), key: only.to_owned() });
+        }
         return Err(AugmentError::NoSuchKey { path: manifest.to_owned(), key: only.to_owned() });
     }
     let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|(variant, _)| variant.key.as_str()))?;
@@ -77,17 +79,20 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
                 path: manifest.to_owned(),
                 cause: format!("{}: {cause}", variant.output),
             };
-            let key = inside(&variant.key).map_err(named)?;
-            let within = inside(&variant.output).map_err(named)?;
+            let named_inside =
+                |name: &str| inside(name).map_err(|cause| named(&format!("{name:?} is {cause}")));
+            let key = named_inside(&variant.key)?;
+            let within = named_inside(&variant.output)?;
             let path = output.join(&within);
             let water = recipe
                 .waters
                 .get(variant.water)
                 .ok_or_else(|| named("it refers to a water that it does not contain"))?;
-            let source = root.join(container.map_or(Ok(key.clone()), inside).map_err(named)?);
+            let source = root.join(container.map_or_else(|| Ok(key.clone()), named_inside)?);
             if source.exists() && !stays_within(&root, &source) {
                 return Err(FileError::LeadsOut { path: source });
             }
+            refuse_inputs([path.as_path()], [source.as_path()])?;
             let opened = match container {
                 None => ImageFile::open(&source, &reading)?,
                 Some(_) => super::containers::image_of(layout, &source, &key, &reading)?,
@@ -113,10 +118,6 @@ impl Header {
     fn recipe(&self, manifest: &Path, wanted: PixelEncoding) -> Result<Recipe, AugmentError> {
         let settings = &self.settings;
         let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
-        let is_gain = settings.most_gain.is_finite() && settings.most_gain >= 1.0;
-        if !(is_gain && (1..=100).contains(&settings.quality)) {
-            return Err(unknown());
-        }
         let encoding: PixelEncoding = self.encoding.parse().map_err(|_| unknown())?;
         if encoding != wanted {
             return Err(
@@ -143,6 +144,7 @@ impl Header {
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
             keep_originals: settings.keep_originals,
+            splits: settings.splits.parse().map_err(|_| unknown())?,
             quality: settings.quality,
         })
     }
@@ -153,9 +155,11 @@ impl StoredDepth {
         Some(match self {
             Self::Eq3(mu) => DepthPlan::Estimated(DepthModel::Eq3(Eq3::new(*mu).ok()?)),
             Self::Model(name) => DepthPlan::Estimated(name.parse::<DepthModel>().ok()?),
-            Self::Maps { folder, kind } => {
-                DepthPlan::Maps { folder: folder.into(), kind: kind.parse::<SuppliedKind>().ok()? }
-            }
+            Self::Maps { folder, kind, is_scaled } => DepthPlan::Maps {
+                folder: folder.into(),
+                kind: kind.parse::<SuppliedKind>().ok()?,
+                size: if *is_scaled { MapSize::Scaled } else { MapSize::Exact },
+            },
         })
     }
 }

@@ -15,6 +15,7 @@ use std::num::NonZeroUsize;
 use super::*;
 use crate::image_file::ReadOptions;
 use crate::image_file::{ImageFile, WriteOptions};
+use crate::pipeline::MapSize;
 use crate::water_file::WaterFile;
 
 /// A dataset of four small images with labels.
@@ -57,11 +58,13 @@ fn job(root: &Path, output: &Path) -> Augmentation {
             on_doubtful: OnDoubtful::Flag,
             on_bad_annotation: "refuse",
             keep_originals: true,
+            splits: Splits::All,
             quality: 95,
         },
         shard: Shard::default(),
         overwrite: false,
         manifest_table: false,
+        preview: 0,
         run_options: RunOptions::default(),
     }
 }
@@ -190,7 +193,8 @@ fn a_depth_map_that_changed_makes_its_variants_anew() {
         map(name, seed as u64);
     }
     let mut job = job(&root, &out);
-    job.recipe.depth = DepthPlan::Maps { folder: maps.clone(), kind: SuppliedKind::Metres };
+    job.recipe.depth =
+        DepthPlan::Maps { folder: maps.clone(), kind: SuppliedKind::Metres, size: MapSize::Exact };
     assert_eq!((run(&job).done, run(&job).skipped), (4, 4));
     map("b.npy", 9);
     let ended = run(&job);

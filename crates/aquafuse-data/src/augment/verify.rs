@@ -59,8 +59,14 @@ pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> R
             })
             .collect();
         if let Some(root) = dataset {
-            let sources = sources(&found, root).into_iter();
-            files.extend(sources.map(|(path, written)| (path, Ok((root, written)))));
+            let sources = sources(&found).into_iter().map(|(key, bytes, sha256)| match inside(key) {
+                Ok(within) => {
+                    let written = Listed { output: key, bytes, sha256 };
+                    (root.join(within), Ok((root, written)))
+                }
+                Err(cause) => (path.clone(), Err(format!("{key:?} is {cause}"))),
+            });
+            files.extend(sources);
         }
         check.files = check.files.saturating_add(files.len());
         listed.extend(files.iter().map(|(path, _)| path.clone()));
@@ -80,16 +86,18 @@ pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> R
 /// The folder of a file, and what is recorded of it.
 type Expected<'a> = (&'a Path, Listed<'a>);
 
-/// The sources of the variants.
-fn sources<'a>(found: &'a Manifest, root: &Path) -> Vec<(PathBuf, Listed<'a>)> {
-    let of = |(key, entry): (&'a String, &'a super::manifest::Entry)| {
+/// The keys of the images that variants were made from, and what is recorded of those.
+fn sources(found: &Manifest) -> Vec<(&String, u64, &str)> {
+    let mut sources = Vec::new();
+    for (key, entry) in &found.entries {
         let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
-        let source = entry.container.as_ref().map(|container| &container.source).or(variant)?;
-        let within = inside(key).ok()?;
-        let written = Listed { output: key, bytes: source.bytes, sha256: &source.sha256 };
-        Some((root.join(within), written))
-    };
-    found.entries.iter().filter_map(of).collect()
+        let source = entry.container.as_ref().map(|held| &held.source).or(variant);
+        // What was copied unchanged has the digest of its source.
+        let own = || entry.original.as_ref().map(|own| (own.bytes, own.sha256.as_str()));
+        let source = source.map(|source| (source.bytes, source.sha256.as_str())).or_else(own);
+        sources.extend(source.map(|(bytes, sha256)| (key, bytes, sha256)));
+    }
+    sources
 }
 
 /// Compares a file of a folder with its record.

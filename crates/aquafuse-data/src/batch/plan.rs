@@ -1,20 +1,22 @@
 //! Which images are read and where their results go: what can be refused before work begins is refused here.
 
 use std::collections::HashMap;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use super::contents::{Contents, File, not_entered};
 use super::{Item, RECORD, Record, State};
-use crate::files::{FileError, display};
-use crate::image_file::{self, Format, LISTED, WRITTEN};
+use crate::files::{FileError, display, refuse_inputs};
+use crate::image_file::LISTED;
 use crate::pipeline::{DepthSource, DepthSupply, Operation, maps};
 
 /// What is to be made.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// An image, or a folder of images.
-    pub content: &'a Path,
-    /// A file or a folder for an image, a folder for a folder.
+    /// Images, or folders of images.
+    pub contents: &'a [PathBuf],
+    /// Also enter the folders in folders; outputs then stand in folders of the same names.
+    pub recursive: bool,
+    /// A file or a folder for one image, else a folder.
     pub output: &'a Path,
     /// Further inputs, which no output may replace.
     pub inputs: &'a [&'a Path],
@@ -29,9 +31,18 @@ pub struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// A content and an output, with nothing else asked for.
-    pub fn new(content: &'a Path, output: &'a Path, depth: &'a DepthSupply) -> Self {
-        Self { content, output, inputs: &[], depth, maps: None, scores: false, overwrite: false }
+    /// Contents and an output, with nothing else asked for.
+    pub fn new(contents: &'a [PathBuf], output: &'a Path, depth: &'a DepthSupply) -> Self {
+        Self {
+            contents,
+            recursive: false,
+            output,
+            inputs: &[],
+            depth,
+            maps: None,
+            scores: false,
+            overwrite: false,
+        }
     }
 }
 
@@ -39,8 +50,13 @@ impl<'a> Request<'a> {
 #[derive(Clone, Debug)]
 pub struct Plan {
     items: Vec<Item>,
-    is_folder: bool,
+    /// The folder of all outputs, where there may be several.
+    folder: Option<PathBuf>,
+    /// Folders that were not entered.
+    folders: usize,
     unread: Vec<PathBuf>,
+    /// What is read beside the images.
+    inputs: Vec<PathBuf>,
     maps: Option<PathBuf>,
     scores: bool,
     overwrite: bool,
@@ -79,14 +95,23 @@ pub enum PlanError {
     },
     /// The folder holds no image.
     #[error(
-        "{} holds no {LISTED} ({others} other files; folders inside it are not entered); name the folder that contains the images",
-        display(folder)
+        "{} holds no {LISTED} ({others} other files{}); name the folder that contains the images",
+        display(folder),
+        not_entered(*inner)
     )]
     NoImages {
         /// The folder.
         folder: PathBuf,
         /// Files in it.
         others: usize,
+        /// Folders in it that were not entered.
+        inner: usize,
+    },
+    /// There are several contents, the output is a file.
+    #[error("several images go to one folder; {} is a file name. Name a folder with -o", display(output))]
+    NoFolderForMany {
+        /// The output.
+        output: PathBuf,
     },
     /// Two images would have one output.
     #[error("{} and {} would have the same output; rename one of them", display(.one), display(.other))]
@@ -121,18 +146,23 @@ impl Plan {
     ///
     /// [`PlanError`] when the content cannot be read, or an output would replace a file that must stay.
     pub fn new(request: &Request<'_>) -> Result<Self, PlanError> {
-        let Request { content, output, inputs, depth, maps, scores, overwrite } = *request;
-        let about =
+        let Request { contents, recursive, output, inputs, depth, maps, scores, overwrite } = *request;
+        for content in contents {
             content.metadata().map_err(|error| FileError::Read { path: content.to_owned(), error })?;
-        let is_folder = about.is_dir();
-        let (files, unread) = match is_folder {
-            true => of_folder(content, output)?,
-            false => (vec![of_file(content, output)?], Vec::new()),
+        }
+        let Contents { files, unread, folders } = match contents {
+            [content] if !content.is_dir() => Contents::of_file(content, output)?,
+            contents => Contents::of_many(contents, output, recursive)?,
         };
+        let is_folder = !matches!(contents, [content] if !content.is_dir());
+        let mut depths: HashMap<PathBuf, DepthSupply> = HashMap::new();
         // Resolved once: there may be a hundred thousand outputs.
         let inputs: Vec<PathBuf> = inputs.iter().filter_map(|other| other.canonicalize().ok()).collect();
-        let item = |(input, output): (PathBuf, PathBuf)| {
-            let depth = depth.of(&input)?;
+        let item = |File { input, output, within }: File| {
+            if !depths.contains_key(&within) {
+                depths.insert(within.clone(), depth.within(&within)?);
+            }
+            let depth = depths.get(&within).unwrap_or(depth).of(&input)?;
             let map = match &depth {
                 DepthSource::Supplied { path, .. } => path.canonicalize().ok(),
                 DepthSource::Estimated(_) => None,
@@ -144,7 +174,16 @@ impl Plan {
             Ok(Item { input, output, depth })
         };
         let items = files.into_iter().map(item).collect::<Result<_, _>>()?;
-        let plan = Self { items, is_folder, unread, maps: maps.map(Path::to_owned), scores, overwrite };
+        let plan = Self {
+            items,
+            folder: is_folder.then(|| output.to_owned()),
+            folders,
+            unread,
+            inputs,
+            maps: maps.map(Path::to_owned),
+            scores,
+            overwrite,
+        };
         plan.refuse_unrecorded()?;
         Ok(plan)
     }
@@ -154,14 +193,35 @@ impl Plan {
         &self.items
     }
 
-    /// Whether the content is a folder, whose run keeps a record.
-    pub fn is_folder(&self) -> bool {
-        self.is_folder
+    /// The folder of all outputs, in which a run keeps a record; none for one image.
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// How many folders in the contents were not entered, because the run is not recursive.
+    pub fn folders_left_out(&self) -> usize {
+        self.folders
     }
 
     /// The pictures of the folder that are in formats that are not read.
     pub fn unread(&self) -> &[PathBuf] {
         &self.unread
+    }
+
+    /// Refuses further outputs that stand where something is read, or where an image is written.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::IsInput`] for the first that does.
+    pub fn refuse_taken<'a>(&self, outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
+        let taken = self.items.iter().flat_map(|Item { input, output, depth }| {
+            let map = match depth {
+                DepthSource::Supplied { path, .. } => Some(path),
+                DepthSource::Estimated(_) => None,
+            };
+            [Some(input), Some(output), map].into_iter().flatten()
+        });
+        refuse_inputs(outputs, taken.chain(&self.inputs).map(PathBuf::as_path))
     }
 
     pub(super) fn maps(&self) -> Option<&Path> {
@@ -178,8 +238,8 @@ impl Plan {
 
     /// Refuses outputs that exist, unless a record in their folder may say that they are ours.
     fn refuse_unrecorded(&self) -> Result<(), PlanError> {
-        let recorded = self.items.first().is_some_and(|item| item.output.with_file_name(RECORD).exists());
-        if self.overwrite || (self.is_folder && recorded) {
+        let recorded = self.folder.as_ref().is_some_and(|folder| folder.join(RECORD).exists());
+        if self.overwrite || recorded {
             return Ok(());
         }
         refuse(self.items.iter().filter(|item| item.output.symlink_metadata().is_ok()))
@@ -197,6 +257,9 @@ impl Plan {
         operation: &Operation,
         record: Option<&Record>,
     ) -> Result<(), PlanError> {
+        let all = self.items.iter().flat_map(|item| maps::paths(folder, &item.input, operation));
+        let all: Vec<PathBuf> = all.collect();
+        self.refuse_taken(all.iter().map(PathBuf::as_path))?;
         let mut taken = HashMap::new();
         for item in &self.items {
             let is_new = record.is_none_or(|record| record.state(item, self.overwrite) == State::Missing);
@@ -220,62 +283,4 @@ fn refuse<'a>(mut existing: impl Iterator<Item = &'a Item>) -> Result<(), PlanEr
         0 => Err(first.into()),
         others => Err(PlanError::Exist { first, others }),
     }
-}
-
-/// Input and output of one image.
-fn of_file(content: &Path, output: &Path) -> Result<(PathBuf, PathBuf), PlanError> {
-    let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
-    let output = match content.file_name() {
-        Some(name) if is_folder => output.join(name),
-        _ => output.to_owned(),
-    };
-    if Format::written(&output).is_none() {
-        return Err(FileError::UnknownExtension { path: output, expected: WRITTEN }.into());
-    }
-    if same(content, &output) {
-        return Err(PlanError::Input { path: output });
-    }
-    Ok((content.to_owned(), output))
-}
-
-/// Inputs, each with its output.
-type Pairs = Vec<(PathBuf, PathBuf)>;
-
-/// Input and output of each image of a folder, by name; and the pictures that are not read.
-fn of_folder(content: &Path, output: &Path) -> Result<(Pairs, Vec<PathBuf>), PlanError> {
-    if same(content, output) {
-        return Err(PlanError::SameFolder { folder: content.to_owned() });
-    }
-    let named_as_a_file = Format::of(output).is_some() && !output.is_dir();
-    if output.is_file() || named_as_a_file {
-        return Err(PlanError::NoFolder { content: content.to_owned(), output: output.to_owned() });
-    }
-    let listing = image_file::list(content)?;
-    if listing.images.is_empty() {
-        let others = listing.others.saturating_add(listing.unread.len());
-        return Err(PlanError::NoImages { folder: content.to_owned(), others });
-    }
-    let mut taken: HashMap<PathBuf, PathBuf> = HashMap::new();
-    for input in listing.images {
-        let output = output.join(output_name(&input));
-        if let Some(other) = taken.insert(output, input.clone()) {
-            return Err(PlanError::OneOutput { one: input, other });
-        }
-    }
-    let mut files: Vec<_> = taken.into_iter().map(|(output, input)| (input, output)).collect();
-    files.sort();
-    Ok((files, listing.unread))
-}
-
-/// The name of an output: the input's, with .png appended where we do not write its format.
-fn output_name(input: &Path) -> OsString {
-    let mut name = input.file_name().unwrap_or_default().to_owned();
-    if Format::written(input).is_none() {
-        name.push(".png");
-    }
-    name
-}
-
-fn same(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -31,6 +31,8 @@ const MOST_LINE: usize = 1 << 20;
 #[derive(Debug)]
 pub struct Record {
     path: PathBuf,
+    /// The folder of the outputs.
+    folder: PathBuf,
     file: Mutex<File>,
     items: HashMap<OsString, Known>,
 }
@@ -249,11 +251,17 @@ impl Record {
         // From here on the file is known to be ours.
         let items = if is_same { items } else { HashMap::new() };
         file.set_len(if is_same { whole } else { 0 }).map_err(cannot_write)?;
-        let record = Self { path: path.clone(), file: Mutex::new(file), items };
+        let record = Self { path: path.clone(), folder: folder.to_owned(), file: Mutex::new(file), items };
         if !is_same {
             record.append(&Line::Job { schema: SCHEMA, settings: settings.clone() })?;
         }
         Ok(record)
+    }
+
+    /// The path of an output in the folder.
+    fn name_of<'i>(&self, item: &'i Item) -> &'i OsStr {
+        let within = item.output.strip_prefix(&self.folder).ok();
+        within.map_or_else(|| item.output.file_name().unwrap_or_default(), Path::as_os_str)
     }
 
     fn file(&self) -> std::sync::MutexGuard<'_, File> {
@@ -280,7 +288,7 @@ impl Record {
             return State::Missing;
         }
         let source = Source::of(item).ok();
-        let ours = match self.items.get(item.output.file_name().unwrap_or_default()) {
+        let ours = match self.items.get(self.name_of(item)) {
             Some(Known::Done { source: known, output }) if there.as_ref() == Some(output) => {
                 if source.as_ref() == Some(known) {
                     return State::Made;
@@ -333,7 +341,7 @@ impl Record {
     /// ours is unknown.
     pub(super) fn begin(&self, item: &Item, sources: &Sources) -> Result<(), FileError> {
         let Sources { source, before } = sources.clone();
-        self.append(&Line::Begun { output: output_name(item), source, before })?;
+        self.append(&Line::Begun { output: Name::of(self.name_of(item)), source, before })?;
         let failed =
             |error: io::Error| FileError::Write { path: self.path.clone(), cause: error.to_string() };
         // Not under the lock: others may add their lines meanwhile.
@@ -345,12 +353,12 @@ impl Record {
     pub(super) fn done(&self, item: &Item, sources: Sources) -> Result<(), FileError> {
         let stamp =
             Stamp::of(&item.output).map_err(|error| FileError::Read { path: item.output.clone(), error })?;
-        self.append(&Line::Done { output: output_name(item), source: sources.source, stamp })
+        self.append(&Line::Done { output: Name::of(self.name_of(item)), source: sources.source, stamp })
     }
 
     /// An item failed.
     pub(super) fn failed(&self, item: &Item, error: &FileError) -> Result<(), FileError> {
-        self.append(&Line::Failed { output: output_name(item), error: error.to_string() })
+        self.append(&Line::Failed { output: Name::of(self.name_of(item)), error: error.to_string() })
     }
 }
 
@@ -359,10 +367,6 @@ impl Record {
 pub(super) struct Sources {
     source: Source,
     before: Option<Stamp>,
-}
-
-fn output_name(item: &Item) -> Name {
-    Name::of(item.output.file_name().unwrap_or_default())
 }
 
 #[cfg(test)]

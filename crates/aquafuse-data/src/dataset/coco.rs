@@ -59,7 +59,20 @@ pub(crate) struct Image<'a> {
     height: Option<f64>,
 }
 
+impl Image<'_> {
+    /// Its sides in pixels, if they are said.
+    pub(super) fn size(&self) -> Option<[f64; 2]> {
+        Some([self.width?, self.height?]).filter(|sides| sides.iter().all(|side| *side > 0.0))
+    }
+}
+
 impl<'a> Annotation<'a> {
+    /// The left upper corner of its box and its sides, if it has one.
+    pub(super) fn sides(&self) -> Option<[f64; 4]> {
+        let sides: Sides = serde_json::from_str(self.bbox?.get()).ok()?;
+        (sides.count == 4).then_some(sides.first)
+    }
+
     /// Its id, if it has a good one.
     pub(crate) fn id(&self) -> Option<Id<'a>> {
         self.id.and_then(|raw| Id::of(raw).ok())

@@ -1,5 +1,7 @@
 //! Formats of annotations that are not read, known by their words, and what converts them.
 
+use std::io::Read;
+
 use super::tree::Tree;
 
 /// A format of others.
@@ -76,6 +78,23 @@ pub(super) fn is_table_of_images(tree: &Tree, path: &str) -> bool {
     let first = line.split([' ', '\t', ',', ';']).next().unwrap_or_default();
     crate::image_file::Format::listed(std::path::Path::new(first))
 }
+
+/// Whether a file begins as JSON of objects or lists does, or as XML of annotations.
+pub(super) fn is_marked_up(tree: &Tree, path: &str) -> bool {
+    let mut begin = Vec::new();
+    let file = std::fs::File::open(tree.root.join(path));
+    if !file.is_ok_and(|file| file.take(BEGIN).read_to_end(&mut begin).is_ok()) {
+        return false;
+    }
+    let text = String::from_utf8_lossy(&begin);
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let is_list = text.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(['{', '[', '"']));
+    let is_object = text.strip_prefix('{').is_some_and(|rest| rest.trim_start().starts_with('"'));
+    is_list || is_object || text.contains("<annotation")
+}
+
+/// Bytes of a file that are looked at.
+const BEGIN: u64 = 200;
 
 #[cfg(test)]
 mod tests {

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::de::IgnoredAny;
 
 use super::masks::{is_mask, without_end};
-use super::tree::{NO_TEXT, Tree};
+use super::tree::{NO_TEXT, Tree, is_manifest};
 use super::{Dataset, Fault, Index, foreign, split, stem};
 use crate::files::display;
 use crate::image_file::Format;
@@ -63,10 +63,14 @@ const OF_CAMERAS: [&str; 5] = ["xmp", "thm", "aae", "pp3", "dop"];
 pub enum Kind {
     /// It looks like annotations.
     Labels,
+    /// It looks like annotations or a mask, and is hidden.
+    HiddenLabels,
     /// It looks like a mask or a map of an image.
     Mask,
     /// A picture.
     Picture,
+    /// A hidden picture.
+    HiddenPicture,
     /// Anything else.
     Other,
 }
@@ -101,13 +105,16 @@ impl LeftOut {
 
     /// Whether there are annotations or masks among them.
     pub fn has_labels(&self) -> bool {
-        self.count(Kind::Labels) > 0 || self.count(Kind::Mask) > 0
+        [Kind::Labels, Kind::HiddenLabels, Kind::Mask].into_iter().any(|kind| self.count(kind) > 0)
     }
 
     /// How to have the annotations read.
     pub fn remedy(&self) -> String {
         match self.seems {
             Some(foreign::Format { name, remedy }) => format!("They seem to be {name}: {remedy}"),
+            None if self.count(Kind::Labels) == 0 && self.count(Kind::HiddenLabels) > 0 => {
+                "Names that begin with a dot are hidden, and not read: rename them".to_owned()
+            }
             None if self.count(Kind::Labels) == 0 => {
                 "Put masks into a folder masks/ beside the folder images/ of their images".to_owned()
             }
@@ -136,6 +143,8 @@ impl fmt::Display for LeftOut {
         for (number, ((kind, extension), group)) in self.groups.iter().enumerate() {
             let kind = match kind {
                 Kind::Mask => " like masks",
+                Kind::HiddenLabels => " hidden, like annotations",
+                Kind::HiddenPicture => " hidden",
                 _ => "",
             };
             let names: Vec<String> =
@@ -159,7 +168,7 @@ pub(super) fn look(tree: &Tree, masks: &BTreeSet<String>, dataset: &mut Dataset)
     used.extend(dataset.indices.iter().map(Index::path));
     let stems: BTreeSet<String> = tree.images().map(|path| stem(split(path).1).to_lowercase()).collect();
     let mut faults = Vec::new();
-    for path in tree.files.iter().filter(|path| !used.contains(path.as_str())) {
+    for path in tree.files.iter().filter(|path| !used.contains(path.as_str()) && !is_ours(tree, path)) {
         let kind = if masks.contains(path) { Kind::Mask } else { kind(tree, path, &stems) };
         if kind == Kind::Labels {
             let text = tree.read(path);
@@ -175,6 +184,14 @@ pub(super) fn look(tree: &Tree, masks: &BTreeSet<String>, dataset: &mut Dataset)
         }
         left.add(kind, path);
     }
+    for path in &tree.hidden {
+        match kind(tree, path, &stems) {
+            Kind::Labels | Kind::Mask => left.add(Kind::HiddenLabels, path),
+            Kind::Picture if is_mask(path) => left.add(Kind::HiddenLabels, path),
+            Kind::Picture => left.add(Kind::HiddenPicture, path),
+            _ => {}
+        }
+    }
     let known: BTreeSet<String> = dataset.faults.first().iter().map(|fault| fault.place.clone()).collect();
     for fault in faults.into_iter().filter(|fault| !known.contains(&fault.place)) {
         dataset.faults.add(fault);
@@ -182,9 +199,19 @@ pub(super) fn look(tree: &Tree, masks: &BTreeSet<String>, dataset: &mut Dataset)
     dataset.left_out = left;
 }
 
+/// Whether a file is a manifest that `augment` wrote.
+fn is_ours(tree: &Tree, path: &str) -> bool {
+    let small = path.to_lowercase();
+    match small.rsplit_once('.') {
+        Some((name, "jsonl")) if name.starts_with("manifest") => is_manifest(&tree.root.join(path)),
+        Some((name, "parquet")) => name == "manifest" || name.starts_with("manifest."),
+        _ => false,
+    }
+}
+
 /// What a file looks like, by its name, and where that does not say it, by its first line.
 fn kind(tree: &Tree, path: &str, stems: &BTreeSet<String>) -> Kind {
-    let name = split(path).1;
+    let name = split(path).1.trim_start_matches('.');
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension).to_lowercase();
     let own = stem(name).to_lowercase();
     let is_about_image = stems.contains(&own) || without_end(&own).is_some_and(|own| stems.contains(own));
@@ -194,14 +221,25 @@ fn kind(tree: &Tree, path: &str, stems: &BTreeSet<String>) -> Kind {
     match extension.as_str() {
         "gif" if is_about_image && is_mask(path) => Kind::Mask,
         "gif" => Kind::Picture,
-        extension if OF_LABELS.contains(&extension) => Kind::Labels,
-        extension if OF_CAMERAS.contains(&extension) => Kind::Other,
-        // What is called as an image is about it, whatever it is.
+        known if OF_LABELS.contains(&known) => Kind::Labels,
+        known if OF_CAMERAS.contains(&known) => Kind::Other,
+        // A file with the name of an image is about that image, whatever it is.
         _ if is_about_image || stems.contains(stem(&own)) => Kind::Labels,
         _ if name.to_lowercase().contains(".tfrecord") => Kind::Labels,
         "txt" if is_mask(path) || foreign::is_table_of_images(tree, path) => Kind::Labels,
+        // JSON or XML whatever it is called.
+        _ if !is_of_text(&extension) && foreign::is_marked_up(tree, path) => Kind::Labels,
         _ => Kind::Other,
     }
+}
+
+/// Whether files of this extension are for people or programs, and may begin with any sign.
+fn is_of_text(extension: &str) -> bool {
+    const TEXTS: [&str; 16] = [
+        "txt", "md", "rst", "html", "htm", "svg", "py", "ipynb", "sh", "m", "r", "js", "ts", "css", "yaml",
+        "yml",
+    ];
+    TEXTS.contains(&extension)
 }
 
 /// Why a text is no JSON, if it is none.

@@ -1,4 +1,4 @@
-//! Masks, and other images about images: each is called as its image, in a folder that is called as masks are.
+//! Masks, and other images about images: each has the name of its image and stands in a folder whose name says masks.
 //!
 //! `images/a.jpg` has `masks/a.png` or `masks/a_mask.png`; with a mask for each class, `masks/CLASS/a.png` too;
 //! `train/a.jpg` has `train_labels/a.png`.
@@ -115,7 +115,7 @@ impl<'t> Masks<'t> {
 type Split = Option<&'static str>;
 
 /// What a folder of masks shares with the folder of their images, and its split: the folder without the part that is
-/// called as masks are, and without one more, the class.
+/// whose name says masks, and without one more, the class.
 fn rests_of_masks(folder: &str) -> Vec<(String, Split)> {
     let parts: Vec<&str> = folder.split('/').collect();
     let named = (0..parts.len()).filter(|place| parts.get(*place).is_some_and(|part| names_masks(part)));
@@ -130,7 +130,7 @@ fn rests_of_masks(folder: &str) -> Vec<(String, Split)> {
     rests
 }
 
-/// The same of a folder of images: the folder itself, and without a part that is called as images or a split are.
+/// The same of a folder of images: the folder itself, and without a part whose name says images or a split.
 fn rests_of_images(folder: &str) -> Vec<(String, Split)> {
     let parts: Vec<&str> = folder.split('/').collect();
     let named =

@@ -32,7 +32,7 @@ pub(super) fn of_images(folder: &str, names: &[&str]) -> Vec<String> {
     places
 }
 
-/// What they are called, and nothing else is: images stand here even where a folder above is called as masks are.
+/// Names that only folders of images have: images stand here even where the name of a folder above says masks.
 pub(super) const ONLY_IMAGES: [&str; 6] = ["images", "image", "imgs", "img", "img_dir", "jpegimages"];
 
 /// Whether a folder in the path is called so, and none below it holds images.

@@ -11,10 +11,10 @@ use tiff::decoder::Decoder;
 use super::masks::{is_mask, without_end};
 use super::tree::Tree;
 use super::{split, stem};
-use crate::files::catch_panic;
+use crate::files::{Patient, catch_panic};
 use crate::image_file::{Format, open_file};
 
-/// Images that stand where masks do; and those of another one's name that are called as masks are, have no colours, or
+/// Images that stand where masks do; and those of another one's name that have the name of a mask, have no colours, or
 /// stand beside a JPEG.
 pub(super) fn suspects(tree: &Tree) -> BTreeSet<String> {
     let mut by_name: BTreeMap<String, Vec<&String>> = BTreeMap::new();
@@ -58,7 +58,7 @@ fn is_jpeg(path: &str) -> bool {
 fn is_flat(path: &Path) -> bool {
     let Ok((file, _)) = open_file(path) else { return false };
     let flat = |file: File| {
-        let mut reader = BufReader::new(file);
+        let mut reader = BufReader::new(Patient(file));
         let mut head = [0; 30];
         match Format::of(path)? {
             Format::Png => {

@@ -2,12 +2,15 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::{Fault, Faults};
 use crate::files::{FileError, display, text_of};
 use crate::image_file::{Format, ReadOptions, read_beside};
 
+/// The sheet of a few images and their variants that `augment` draws.
+pub(crate) const PREVIEW: &str = "preview.jpg";
 /// The fault of a text file that is not UTF-8.
 pub(super) const NO_TEXT: &str = "it is not UTF-8 text; save it as UTF-8";
 
@@ -21,19 +24,27 @@ pub(crate) struct Tree {
     pub(crate) files: BTreeSet<String>,
     /// The paths with capitals, by what they are in small letters.
     capitals: HashMap<String, String>,
+    /// Hidden files: their names, or those of a folder that they are in, begin with a dot. Those of programs are not among
+    /// them.
+    pub(super) hidden: BTreeSet<String>,
     /// Files that are skipped, and why.
     pub(super) faults: Faults,
     pub(super) reading: ReadOptions,
 }
 
 impl Tree {
-    /// Lists the files, to be read with these options; hidden ones are passed over. Links are followed to files that stand
+    /// Lists the files, to be read with these options; hidden ones apart. Links are followed to files that stand
     /// in the folder too.
     pub(crate) fn of(root: &Path, reading: &ReadOptions) -> Result<Self, FileError> {
         let home = root.canonicalize().map_err(|error| FileError::Read { path: root.to_owned(), error })?;
         let mut tree = Self::holding(root.to_owned(), BTreeSet::new(), reading);
         tree.enter(&home, "", 0)?;
-        Ok(Self::holding(tree.root, tree.files, reading).with(tree.faults))
+        // The sheet that `augment` draws is no image of the dataset that it made.
+        if tree.files.contains(PREVIEW) && tree.files.iter().any(|path| is_manifest(&tree.root.join(path))) {
+            tree.files.remove(PREVIEW);
+        }
+        let Self { root, files, hidden, faults, .. } = tree;
+        Ok(Self { hidden, faults, ..Self::holding(root, files, reading) })
     }
 
     /// A tree of these files.
@@ -41,27 +52,41 @@ impl Tree {
         let small = files.iter().map(|path| (path.to_lowercase(), path));
         let capitals = small.filter(|(small, path)| small != *path);
         let capitals = capitals.map(|(small, path)| (small, path.clone())).collect();
-        Self { root, files, capitals, faults: Faults::default(), reading: *reading }
-    }
-
-    fn with(self, faults: Faults) -> Self {
-        Self { faults, ..self }
+        Self { root, files, capitals, hidden: BTreeSet::new(), faults: Faults::default(), reading: *reading }
     }
 
     fn enter(&mut self, home: &Path, within: &str, depth: usize) -> Result<(), FileError> {
         let folder = self.root.join(within);
         let failed = |error| FileError::Read { path: folder.clone(), error };
-        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+        let is_hidden_folder = is_hidden(within);
+        let entries = match std::fs::read_dir(&folder) {
+            // Nobody asked for what is hidden: what cannot be listed is passed over.
+            Err(_) if is_hidden_folder => return Ok(()),
+            entries => entries.map_err(failed)?,
+        };
+        for entry in entries {
             let entry = entry.map_err(failed)?;
-            let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
+            let name = entry.file_name();
+            let is_hidden = is_hidden_folder || name.as_encoded_bytes().starts_with(b".");
+            let Some(name) = name.to_str().map(str::to_owned) else {
+                if is_hidden {
+                    continue;
+                }
                 self.faults.add(Fault::new(display(&entry.path()).to_string(), "the name is not UTF-8"));
                 continue;
             };
-            if name.starts_with('.') {
-                continue;
-            }
             let path = super::join(within, &name);
             let kind = entry.file_type().map_err(failed)?;
+            if is_hidden {
+                let is_of_macos = kind.is_file() && is_apple_double(&entry.path());
+                let is_of_user = !is_of_program(&name) && !is_of_macos;
+                if is_of_user && kind.is_file() {
+                    self.hidden.insert(path);
+                } else if is_of_user && kind.is_dir() && depth < DEEPEST {
+                    self.enter(home, &path, depth.saturating_add(1))?;
+                }
+                continue;
+            }
             if kind.is_dir() && depth < DEEPEST {
                 self.enter(home, &path, depth.saturating_add(1))?;
             } else if kind.is_file() {
@@ -128,6 +153,52 @@ impl Tree {
     pub(super) fn read(&self, path: &str) -> Result<Option<String>, FileError> {
         Ok(text_of(&self.bytes(path)?).map(Cow::into_owned))
     }
+}
+
+/// Whether a file is a manifest of `augment`, by its name and its first bytes.
+pub(super) fn is_manifest(path: &Path) -> bool {
+    const BEGINS: &[u8] = b"{\"line\":\"job\",";
+    let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+    name.starts_with(b"manifest") && name.ends_with(b".jsonl") && begins_with(path, BEGINS)
+}
+
+/// Whether a folder in a path is hidden.
+fn is_hidden(path: &str) -> bool {
+    path.split('/').any(|part| part.starts_with('.'))
+}
+
+/// Whether a hidden file or folder is a program's, and no user's.
+fn is_of_program(name: &str) -> bool {
+    const NAMES: [&str; 13] = [
+        ".git",
+        ".svn",
+        ".hg",
+        ".dvc",
+        ".cache",
+        ".idea",
+        ".vscode",
+        ".venv",
+        ".ds_store",
+        ".thumbnails",
+        ".ipynb_checkpoints",
+        ".directory",
+        ".picasa.ini",
+    ];
+    let small = name.to_lowercase();
+    small.starts_with(".aquafuse-") || small.starts_with(".trash") || NAMES.contains(&small.as_str())
+}
+
+/// Whether a file is one of those that macOS writes beside each file on other disks, as `._NAME`.
+fn is_apple_double(path: &Path) -> bool {
+    begins_with(path, &[0, 5, 0x16, 7])
+        && path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"._"))
+}
+
+/// Whether a regular file begins with these bytes.
+pub(super) fn begins_with(path: &Path, bytes: &[u8]) -> bool {
+    let mut begin = Vec::new();
+    let file = std::fs::File::open(path);
+    file.is_ok_and(|file| file.take(bytes.len() as u64).read_to_end(&mut begin).is_ok()) && begin == bytes
 }
 
 /// A name as a path within the dataset; why it is none otherwise.

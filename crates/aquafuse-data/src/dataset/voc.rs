@@ -12,13 +12,13 @@ use xml::{Annotation, parse};
 
 use super::places::{self, Stems, of_images};
 use super::tree::Tree;
-use super::{Companion, Dataset, Fault, Sample, inside, join, split, stem};
+use super::{Companion, Dataset, Fault, Naming, Sample, inside, join, split, stem};
 use crate::files::FileError;
 
 /// What folders of annotations are called.
 const NAMES: [&str; 9] =
     ["annotations", "annotation", "annos", "anno", "xml", "xmls", "box", "boxes", "labels"];
-/// Masks that may stand beside, called as the annotation.
+/// Folders of masks with the annotation's name that may stand beside.
 const MASKS: [&str; 2] = ["SegmentationClass", "SegmentationObject"];
 
 /// An XML file, and the image that it is about.
@@ -59,6 +59,11 @@ fn look(tree: &Tree, stems: &Stems<'_>, path: &str) -> Result<Found, FileError> 
     Ok(Found { path: path.to_owned(), about, begins, image })
 }
 
+/// The boxes of an annotation, in pixels from the image's left upper corner: left, top, right, bottom.
+pub(super) fn boxes(bytes: &[u8]) -> Vec<[f64; 4]> {
+    xml::text(bytes).and_then(|(text, _)| parse(&text)).map(Annotation::into_boxes).unwrap_or_default()
+}
+
 pub(super) fn evidence(tree: &Tree) -> Result<Option<String>, FileError> {
     let stems = Stems::of(tree.images());
     for path in tree.ending(".xml") {
@@ -96,7 +101,7 @@ pub(super) fn read(tree: &Tree, dataset: &mut Dataset) -> Result<(), FileError> 
                 about.faults().for_each(|cause| dataset.faults.add(Fault::new(path, cause).of(&key)));
             }
         }
-        let mut companions = vec![Companion { path: path.clone(), names_image: true }];
+        let mut companions = vec![Companion { path: path.clone(), naming: Naming::Voc }];
         let (folder, name) = split(path);
         let masks = MASKS.map(|masks| join(&join(split(folder).0, masks), &format!("{}.png", stem(name))));
         companions.extend(masks.into_iter().filter(|mask| tree.holds(mask)).map(Companion::carried));

@@ -2,11 +2,13 @@
 //! key points behind the box for poses. All lengths are shares of the image's sides.
 
 mod classes;
+mod config;
 mod label;
 
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 
+pub(super) use config::splits_of_config;
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use label::try_parse;
 

@@ -1,10 +1,10 @@
 //! The depth maps of a folder of images.
 
 use std::collections::BTreeMap;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-use super::format_of;
+use super::{colmap, format_of};
 use crate::files::FileError;
 
 /// A folder of depth maps, which belong to images by their stem: `a.tiff` to `a.jpg`.
@@ -25,8 +25,15 @@ impl DepthFolder {
         let mut by_stem: BTreeMap<OsString, Vec<PathBuf>> = BTreeMap::new();
         for entry in std::fs::read_dir(folder).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
-            if let (Some(stem), Some(_), false) = (path.file_stem(), format_of(&path), path.is_dir()) {
-                by_stem.entry(stem.to_owned()).or_default().push(path);
+            if path.is_dir() {
+                continue;
+            }
+            // `a.jpg.geometric.bin` is of `a.jpg`.
+            let of_colmap = path.file_name().and_then(|name| name.to_str()?.strip_suffix(colmap::END));
+            let own = || format_of(&path).and_then(|_| path.file_stem());
+            let stem = of_colmap.and_then(|name| Path::new(name).file_stem()).or_else(own);
+            if let Some(stem) = stem.map(OsStr::to_owned) {
+                by_stem.entry(stem).or_default().push(path);
             }
         }
         Ok(Self { folder: folder.to_owned(), by_stem })

@@ -20,7 +20,7 @@ fn file(name: &str, depth: &DepthMap) -> Vec<u8> {
 }
 
 fn decoded(bytes: &[u8]) -> Result<Raster, Fault> {
-    decode(Cursor::new(bytes), None)
+    decode(Cursor::new(bytes), Wanted::Any)
 }
 
 fn npy(header: &str, values: &[u8]) -> Vec<u8> {

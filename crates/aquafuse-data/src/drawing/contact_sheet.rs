@@ -1,8 +1,11 @@
 //! Images side by side with captions, to look at.
 
+use std::borrow::Cow;
+
 use ::image::imageops::{FilterType, resize};
 use ::image::{ImageBuffer, Rgb};
 use aquafuse::image::Image;
+use plotters::prelude::{Color, PathElement, RGBColor};
 
 use super::DrawError;
 use super::canvas::{INK, Pixels, bitmap, font, put, write};
@@ -18,6 +21,8 @@ pub struct Cell {
 
 const GAP: u32 = 8;
 const CAPTION: u32 = 22;
+/// The colour of outlines, which no water has.
+const OUTLINE: RGBColor = RGBColor(255, 225, 40);
 
 /// Lays rows of cells out, every image scaled to fit `width` x `height`.
 ///
@@ -53,18 +58,48 @@ fn put_scaled(
     corner: [u32; 2],
     room: [u32; 2],
 ) -> Result<(), DrawError> {
+    let scaled = scaled(image, room)?;
+    let fitted = [scaled.width() as u32, scaled.height() as u32];
+    let at = |i: usize| (corner[i] + room[i].saturating_sub(fitted[i]) / 2) as i32;
+    put(sheet, (at(0), at(1)), &scaled)
+}
+
+/// The image as large as it fits into `room`.
+fn scaled(image: &Image<u8>, room: [u32; 2]) -> Result<Cow<'_, Image<u8>>, DrawError> {
     let (width, height) = (image.width() as u32, image.height() as u32);
     let scale = (f64::from(room[0]) / f64::from(width)).min(f64::from(room[1]) / f64::from(height));
     let fitted = [width, height].map(|side| ((f64::from(side) * scale).round() as u32).max(1));
-    let at = |i: usize| (corner[i] + room[i].saturating_sub(fitted[i]) / 2) as i32;
-    let place = (at(0), at(1));
     if fitted == [width, height] {
-        return put(sheet, place, image);
+        return Ok(Cow::Borrowed(image));
     }
     let large = ImageBuffer::<Rgb<u8>, &[u8]>::from_raw(width, height, image.as_raw());
     let small = resize(&large.expect("three samples a pixel"), fitted[0], fitted[1], FilterType::CatmullRom)
         .into_raw();
-    put(sheet, place, &Image::from_raw(fitted[0] as usize, fitted[1] as usize, small)?)
+    Ok(Cow::Owned(Image::from_raw(fitted[0] as usize, fitted[1] as usize, small)?))
+}
+
+/// The image as large as it fits into `room`, with outlines in shares of its sides.
+pub(crate) fn outlined(
+    image: &Image<u8>,
+    room: [u32; 2],
+    outlines: &[Vec<[f64; 2]>],
+) -> Result<Image<u8>, DrawError> {
+    let scaled = scaled(image, room)?;
+    let size = (scaled.width() as u32, scaled.height() as u32);
+    let pixel =
+        |share: f64, side: u32| (share * f64::from(side)).round().clamp(0.0, f64::from(side - 1)) as i32;
+    bitmap(size, |area| {
+        put(area, (0, 0), &scaled)?;
+        for outline in outlines {
+            // A dark line beneath a bright one is seen on any water.
+            for (colour, width) in [(INK, 3), (OUTLINE, 1)] {
+                let corners: Vec<(i32, i32)> =
+                    outline.iter().map(|&[x, y]| (pixel(x, size.0), pixel(y, size.1))).collect();
+                area.draw(&PathElement::new(corners, colour.stroke_width(width)))?;
+            }
+        }
+        Ok(())
+    })
 }
 
 #[cfg(test)]
@@ -78,6 +113,19 @@ mod tests {
         let sheet = contact_sheet(&[vec![cell.clone(), cell.clone()], vec![cell]], 40, 20).unwrap();
         assert_eq!(sheet.size(), (8 + 2 * 48, 8 + 2 * 50));
         assert_eq!(sheet.pixels()[10 * sheet.width() + 10], [0; 3]);
+    }
+
+    #[test]
+    fn an_outline_is_drawn_where_it_is_in_the_image_whatever_its_size() {
+        let image = Image::<u8>::from_raw(80, 40, vec![0; 9_600]).unwrap();
+        let square = vec![[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75], [0.25, 0.25]];
+        let drawn = outlined(&image, [40, 40], &[square]).unwrap();
+        assert_eq!(drawn.size(), (40, 20));
+        let at = |x: usize, y: usize| drawn.pixels()[y * 40 + x];
+        for (x, y) in [(10, 5), (30, 5), (20, 5), (10, 10), (30, 15)] {
+            assert!(at(x, y)[0] > 200 && at(x, y)[2] < 80, "{x}, {y}: {:?}", at(x, y));
+        }
+        assert_eq!((at(20, 10), at(2, 2)), ([0; 3], [0; 3]));
     }
 
     /// A caption is drawn, in its own cell alone, whatever its length.

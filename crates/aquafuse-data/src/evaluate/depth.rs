@@ -112,7 +112,7 @@ impl Depth {
     fn compare(&self, pair: &Pair, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
         let opened = ImageFile::open(&pair.rgb, &self.run_options.reading)?;
         let beside = opened.pixels().saturating_mul(COMPARED);
-        let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
+        let _room = budget.reserve_for(&opened, Format::Png, beside)?;
         let image = opened.decode()?;
         let (top, size) = (image.top_edge(), image.pixels.size());
         let turned = image.metadata.orientation() > 4;

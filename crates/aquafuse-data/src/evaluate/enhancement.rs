@@ -135,7 +135,7 @@ impl Enhancement {
             .saturating_add(SCORED)
             .saturating_add(16);
         let beside = opened.pixels().saturating_mul(a_pixel);
-        let _room = budget.reserve(opened.memory_until_written(Format::Png, beside)?);
+        let _room = budget.reserve_for(&opened, Format::Png, beside)?;
         let image_file = opened.decode()?;
         let read = |outputs: &Outputs| outputs.read(&member.stem(), member, &image_file, reading);
         let reference = self.references.as_ref().map(read).transpose()?;

@@ -93,7 +93,7 @@ fn name_of(folder: &Path) -> String {
 impl Member {
     /// Its name without folder and extension, as outputs are named after it.
     pub fn stem(&self) -> String {
-        self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+        display(self.path.file_stem().unwrap_or_default().as_ref()).to_string()
     }
 }
 

@@ -8,6 +8,7 @@ use aquafuse::scene_area::Border;
 
 use super::error::EvaluateError;
 use super::members::Member;
+use crate::files::display;
 use crate::image_file;
 use crate::image_file::{ImageFile, ReadOptions};
 
@@ -31,7 +32,7 @@ impl Outputs {
     pub fn list(name: &str, folder: &Path) -> Result<Self, EvaluateError> {
         let mut by_stem: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
         for path in image_file::list(folder)?.images {
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let stem = display(path.file_stem().unwrap_or_default().as_ref()).to_string();
             by_stem.entry(stem).or_default().push(path);
         }
         match by_stem.is_empty() {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::FileError;
 use parts::Part;
 
-pub use parts::{abandon_parts, remove_stale_parts};
+pub use parts::{Claim, abandon_parts, remove_stale_parts};
 
 /// What a file is written through.
 pub(crate) trait Output: Write + Seek + Send {}

@@ -27,6 +27,21 @@ pub fn one_line(said: &str) -> String {
     OneLine(said.trim().as_bytes()).to_string()
 }
 
+/// JSON as it is shown to people and programs alike: characters that move a terminal or turn the direction of text are
+/// escaped as JSON does, so that it means the same.
+pub fn plain_json(json: &str) -> String {
+    let mut plain = String::with_capacity(json.len());
+    for character in json.chars() {
+        if turns_text(character) || (character.is_control() && character != '\n') {
+            // None of them is beyond 16 bits.
+            let _ = write!(plain, "\\u{:04x}", u32::from(character));
+        } else {
+            plain.push(character);
+        }
+    }
+    plain
+}
+
 struct OneLine<'a>(&'a [u8]);
 
 impl fmt::Display for OneLine<'_> {
@@ -68,6 +83,17 @@ mod tests {
     }
 
     #[cfg(unix)]
+    #[test]
+    fn json_means_the_same_and_moves_no_terminal() {
+        let named = |name: &str| serde_json::json!({ "name": name, "more": [1, null] }).to_string() + "\n";
+        for name in ["a.jpg", "\u{202e}gpj.a", "\u{9b}31m", "\u{1b}[31m", "ä\u{2066}"] {
+            let plain = plain_json(&named(name));
+            assert!(plain.trim_end().chars().all(|c| !c.is_control() && !turns_text(c)), "{plain:?}");
+            let read: serde_json::Value = serde_json::from_str(&plain).unwrap();
+            assert_eq!(read["name"], name);
+        }
+    }
+
     #[test]
     fn names_that_are_no_text_stay_apart() {
         use std::os::unix::ffi::OsStrExt;

@@ -63,7 +63,7 @@ pub enum FileError {
     },
     /// The content has no supported format of depth maps.
     #[error(
-        "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY or PFM. Convert it first, best to a float \
+        "cannot read {}: it is no depth map in PNG, TIFF, OpenEXR, NPY, PFM or COLMAP's format. Convert it first, best to a float \
          format; JPEG alters the values",
         display(path)
     )]
@@ -101,8 +101,8 @@ pub enum FileError {
     },
     /// No file, or more than one, is the depth map of an image.
     #[error(
-        "{} holds {found} depth maps with the stem of {}; it needs exactly one (.png, .tif, .tiff, .exr, .npy or \
-         .pfm)",
+        "{} holds {found} depth maps with the stem of {}; it needs exactly one (.png, .tif, .tiff, .exr, .npy, \
+         .pfm or .geometric.bin)",
         display(folder),
         display(image)
     )]
@@ -142,6 +142,19 @@ pub enum FileError {
         /// What the decoder said.
         cause: String,
     },
+    /// The system has less memory than the file needs.
+    #[error(
+        "cannot decode {}: it may need {} MiB of memory, and the system has less to give. Close other programs, raise the \
+         limit of the system, or scale or split the file",
+        display(path),
+        bytes.div_ceil(1 << 20)
+    )]
+    NoMemory {
+        /// The file.
+        path: PathBuf,
+        /// What it needs.
+        bytes: u64,
+    },
     /// The extension of the output names no supported format.
     #[error("cannot write {}: its name must end in {expected}", display(path))]
     UnknownExtension {
@@ -156,6 +169,15 @@ pub enum FileError {
         display(path)
     )]
     Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An output would replace a file that is read, or another output.
+    #[error(
+        "{} is read or written by this command already, and would be replaced; give another output",
+        display(path)
+    )]
+    IsInput {
         /// The file.
         path: PathBuf,
     },
@@ -239,7 +261,9 @@ fn unfit_remedy(error: &SuppliedError, turned: bool) -> &'static str {
             "The map was made for the image as rotated by its EXIF orientation: rotate the map back to the stored order \
              of the pixels"
         }
-        SuppliedError::Size { .. } => "Scale the map to the size of the image, by nearest neighbour",
+        SuppliedError::Size { .. } => {
+            "If it shows the whole image, add --depth-resize, which scales it by nearest neighbour"
+        }
         SuppliedError::AboveOne { .. } => {
             "Divide the map by its largest distance, or declare another kind: metres, millimetres, inverse or disparity"
         }

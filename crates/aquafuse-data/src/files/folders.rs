@@ -1,5 +1,7 @@
 //! Folders for outputs.
 
+use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::fs::DirEntry;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -26,10 +28,10 @@ pub fn make_folder(folder: &Path) -> Result<(), FileError> {
 }
 
 /// Makes a folder of an output folder, and those between: through no link that leads out.
-pub(crate) fn make_folder_within(root: &Path, folder: &str) -> Result<PathBuf, FileError> {
+pub(crate) fn make_folder_within(root: &Path, folder: impl AsRef<Path>) -> Result<PathBuf, FileError> {
     make_folder(root)?;
     let mut path = root.to_owned();
-    for part in folder.split('/').filter(|part| !part.is_empty()) {
+    for part in folder.as_ref().components() {
         path.push(part);
         if path.is_symlink() && !stays_within(root, &path) {
             let cause = "it is a link that is broken or leads out of the output; remove it".into();
@@ -71,6 +73,30 @@ pub(crate) fn stays_within(root: &Path, path: &Path) -> bool {
 /// one place is written to one file.
 pub fn place_of(path: &Path) -> Option<PathBuf> {
     Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?))
+}
+
+/// Refuses outputs that stand where an input does, by whatever path.
+///
+/// # Errors
+///
+/// [`FileError::IsInput`] for the first output that does.
+pub fn refuse_inputs<'o, 'i>(
+    outputs: impl IntoIterator<Item = &'o Path>,
+    inputs: impl IntoIterator<Item = &'i Path>,
+) -> Result<(), FileError> {
+    // Few inputs are called as an output is; only those are looked up.
+    let mut by_name: HashMap<&OsStr, Vec<&Path>> = HashMap::new();
+    for input in inputs {
+        by_name.entry(input.file_name().unwrap_or_default()).or_default().push(input);
+    }
+    for output in outputs {
+        let alike = by_name.get(output.file_name().unwrap_or_default());
+        let mut alike = alike.into_iter().flatten();
+        if alike.any(|input| place_of(output).is_some_and(|place| place_of(input) == Some(place))) {
+            return Err(FileError::IsInput { path: output.to_owned() });
+        }
+    }
+    Ok(())
 }
 
 /// Makes the folder of `file` and its parents, and returns it.

@@ -1,5 +1,6 @@
 //! Which images a folder holds.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use crate::files::{FileError, Step, count};
@@ -12,6 +13,8 @@ pub struct Listing {
     pub images: Vec<PathBuf>,
     /// Pictures in formats that are not read, sorted by name.
     pub unread: Vec<PathBuf>,
+    /// The names of the folders in it, without hidden ones and links.
+    pub folders: Vec<OsString>,
     /// Files that were passed over because they are no pictures; hidden ones not counted.
     pub others: usize,
 }
@@ -30,11 +33,12 @@ pub fn list(folder: &Path) -> Result<Listing, FileError> {
         let path = entry.path();
         let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
         // What the listing says already need not be asked, but a link may lead to a folder.
-        let is_dir = match entry.file_type() {
-            Ok(kind) if !kind.is_symlink() => kind.is_dir(),
-            _ => path.is_dir(),
-        };
+        let kind = entry.file_type().ok().filter(|kind| !kind.is_symlink());
+        let is_dir = kind.map_or_else(|| path.is_dir(), |kind| kind.is_dir());
         if hidden || is_dir {
+            if !hidden && kind.is_some() {
+                listing.folders.push(entry.file_name());
+            }
             continue;
         }
         if Format::listed(&path) {

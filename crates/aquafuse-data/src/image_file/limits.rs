@@ -11,6 +11,9 @@ use super::Format;
 pub struct ReadOptions {
     /// The most pixels an image may have. Default: 268,435,456, a square of 16,384.
     pub max_pixels: u64,
+    /// The most pixels that a byte of the file may stand for, in images of more than 33,554,432. Default: 64. A few hundred
+    /// bytes can say that they are 268 million pixels, and photographs of that size have less than 30 a byte.
+    pub max_pixels_per_byte: u64,
     /// The most memory that one image may take, and that all images of a run share, in bytes. Default: 2 GiB.
     pub max_memory: u64,
     /// Take a file that was cut short for what is left of it; [`ImageFile::damage`](super::ImageFile::damage) then
@@ -24,7 +27,13 @@ pub struct ReadOptions {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { max_pixels: 1 << 28, max_memory: 2 << 30, lenient: false, border: Border::None }
+        Self {
+            max_pixels: 1 << 28,
+            max_pixels_per_byte: 64,
+            max_memory: 2 << 30,
+            lenient: false,
+            border: Border::None,
+        }
     }
 }
 

@@ -21,8 +21,7 @@ use super::pixels::Layers;
 use aquafuse::scene_area::Border;
 
 use super::{Format, ImageFile, Metadata, Pixels, ReadOptions};
-use crate::files::catch_panic;
-use crate::files::{FileError, Step, count, one_line};
+use crate::files::{FileError, Patient, Step, catch_panic, count, is_memory, one_line};
 
 /// An image file whose header was read and found within the limits; its pixels are not decoded yet.
 #[derive(Debug)]
@@ -143,26 +142,16 @@ pub(crate) fn read_beside(path: &Path, options: &ReadOptions) -> Result<Vec<u8>,
 
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, FileError> {
     let (file, length) = open_file(path)?;
-    let mut reader = BufReader::new(file);
-    let head = first_bytes(&mut reader).map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+    let mut reader = BufReader::new(Patient(file));
+    let head = reader.fill_buf().map_err(|error| FileError::Read { path: path.to_owned(), error })?;
     let Some(format) = Format::of_content(head) else {
         return Err(FileError::UnknownFormat { path: path.to_owned() });
     };
     let size = header(format, &mut reader)
         .and_then(|size| check(size, length, options))
         .map_err(|fault| fault.named(path))?;
-    let file = Held::Disk(reader.into_inner());
+    let file = Held::Disk(reader.into_inner().0);
     Ok(Opened { path: path.to_owned(), file, length, format, size, options: *options })
-}
-
-/// What a reader has first. A read that a signal interrupts is tried again, as network file systems demand.
-fn first_bytes(reader: &mut impl BufRead) -> std::io::Result<&[u8]> {
-    while let Err(error) = reader.fill_buf() {
-        if error.kind() != ErrorKind::Interrupted {
-            return Err(error);
-        }
-    }
-    reader.fill_buf()
 }
 
 /// As [`open`], of a file that is in memory already.
@@ -191,6 +180,9 @@ fn header(format: Format, reader: &mut (impl BufRead + Seek)) -> Result<Size, Fa
     size.unwrap_or_else(|| Err(Fault::Damaged("the decoder panicked on its header".into())))
 }
 
+/// Images of fewer pixels may have any number of pixels a byte: they take little memory and time.
+const SPARSE: u64 = 1 << 25;
+
 /// Refuses what is empty or too large.
 fn check(size: Size, length: u64, options: &ReadOptions) -> Result<Size, Fault> {
     let Size { width, height, .. } = size;
@@ -201,6 +193,14 @@ fn check(size: Size, length: u64, options: &ReadOptions) -> Result<Size, Fault> 
         return Err(Fault::TooLarge(format!(
             "it has {width}x{height} pixels, but the limit is {} (--max-pixels)",
             options.max_pixels
+        )));
+    }
+    if size.pixels() > SPARSE && size.pixels().div_ceil(length.max(1)) > options.max_pixels_per_byte {
+        return Err(Fault::TooLarge(format!(
+            "its {length} bytes unpack to {width}x{height} pixels, more than {} a byte, as no photograph does. If it is \
+             meant to be so, allow it with --max-pixels {}",
+            options.max_pixels_per_byte,
+            size.pixels()
         )));
     }
     check_memory(size, size.memory(length), options)?;
@@ -239,6 +239,11 @@ impl Opened {
         check_memory(self.size, memory, &self.options).map_err(|fault| fault.named(&self.path))
     }
 
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Pixels of the image.
     pub fn pixels(&self) -> u64 {
         self.size.pixels()
@@ -261,6 +266,9 @@ impl Opened {
     /// Decodes the image, and shows the bytes of its file.
     pub(crate) fn decode_seeing(mut self, see: impl FnOnce(&[u8])) -> Result<ImageFile, FileError> {
         count(Step::ImageDecoded);
+        if !is_memory(self.memory()) {
+            return Err(FileError::NoMemory { path: self.path, bytes: self.size.memory(self.length) });
+        }
         let image = self.decoded(see).map_err(|fault| fault.named(&self.path))?;
         let unfit = |error| FileError::UnfitBorder { path: self.path.clone(), error };
         image.cut_to_scene(self.options.border).map_err(unfit)

@@ -363,7 +363,9 @@ fn what_is_too_large_is_refused_from_the_header() {
     std::fs::write(&path, header_only).unwrap();
     let message = |options: ReadOptions| ImageFile::open(&path, &options).unwrap_err().to_string();
     assert!(message(ReadOptions::default()).contains("--max-pixels"));
-    let pixels = ReadOptions { max_pixels: u64::MAX, ..Default::default() };
+    let many = ReadOptions { max_pixels: u64::MAX, ..Default::default() };
+    assert!(message(many).contains("more than 64 a byte"));
+    let pixels = ReadOptions { max_pixels_per_byte: u64::MAX, ..many };
     assert!(message(pixels).contains("--max-memory"));
     let all = ReadOptions { max_memory: u64::MAX, ..pixels };
     assert!(ImageFile::open(&path, &all).unwrap().memory() > 30_000 * 30_000 * 6);

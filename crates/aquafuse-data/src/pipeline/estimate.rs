@@ -8,6 +8,7 @@ use aquafuse::depth::{
 use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason, WaterShare};
 
+use super::SUPPLIED;
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
 use crate::depth_file;
 use crate::files::{FileError, Step, count};
@@ -25,7 +26,19 @@ pub enum DepthSource {
         path: PathBuf,
         /// The kind of its values.
         kind: SuppliedKind,
+        /// Whether it must have the image's size.
+        size: MapSize,
     },
+}
+
+/// The size that a depth map may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MapSize {
+    /// That of the image.
+    #[default]
+    Exact,
+    /// Any of the image's proportions: it is scaled to the image's size by nearest neighbour.
+    Scaled,
 }
 
 impl Default for DepthSource {
@@ -36,6 +49,16 @@ impl Default for DepthSource {
 }
 
 impl DepthSource {
+    /// What it takes in bytes a pixel of its image.
+    pub(crate) fn bytes_a_pixel(&self) -> u64 {
+        match self {
+            Self::Estimated(_) => 0,
+            Self::Supplied { size: MapSize::Exact, .. } => SUPPLIED,
+            // A map may have four times the pixels of its image, which take 8 bytes each until it is scaled.
+            Self::Supplied { size: MapSize::Scaled, .. } => SUPPLIED.saturating_mul(3),
+        }
+    }
+
     /// The name used in reports: the model, or `supplied`.
     pub fn name(&self) -> &'static str {
         match self {
@@ -82,7 +105,7 @@ impl From<Analysis> for Analysis<WaterEstimate> {
 /// use aquafuse::depth::SuppliedKind;
 /// use aquafuse::image::Image;
 /// use aquafuse_data::image_file::ImageFile;
-/// use aquafuse_data::pipeline::{DepthSource, analyse};
+/// use aquafuse_data::pipeline::{DepthSource, MapSize, analyse};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("z.pfm");
@@ -90,7 +113,8 @@ impl From<Analysis> for Analysis<WaterEstimate> {
 /// std::fs::write(&path, [&b"Pf 2 1 -1\n"[..], &distances.map(f32::to_le_bytes).concat()].concat())?;
 ///
 /// let image = ImageFile::new(Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?);
-/// let found = analyse(&image, &DepthSource::Supplied { path, kind: SuppliedKind::Metres })?;
+/// let depth = DepthSource::Supplied { path, kind: SuppliedKind::Metres, size: MapSize::Exact };
+/// let found = analyse(&image, &depth)?;
 /// assert_eq!(found.depth.distances(), distances);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -185,14 +209,17 @@ pub(crate) fn depth_of(
     let top = image.top_edge();
     Ok(match source {
         DepthSource::Estimated(model) => (image.pixels.depth(model, top), None),
-        DepthSource::Supplied { path, kind } => {
+        DepthSource::Supplied { path, kind, size } => {
+            let read = match size {
+                MapSize::Exact => depth_file::read_for,
+                MapSize::Scaled => depth_file::read_scaled,
+            };
             let turned = image.metadata.orientation() > 4;
             let unfit = |error| FileError::UnfitDepth { path: path.clone(), error, turned };
-            let map =
-                depth_file::read_for(path, *kind, image.whole_size()).map_err(|refused| match refused {
-                    FileError::UnfitDepth { error, .. } => unfit(error),
-                    other => other,
-                })?;
+            let map = read(path, *kind, image.whole_size()).map_err(|refused| match refused {
+                FileError::UnfitDepth { error, .. } => unfit(error),
+                other => other,
+            })?;
             let found = supplied_depth(image, bytes, map).map_err(unfit)?;
             (found.depth, Some(found.report))
         }
@@ -241,7 +268,7 @@ pub fn analyse_supplied(
     image: &ImageFile,
     map: Supplied,
 ) -> Result<Analysis<WaterEstimate>, SuppliedError> {
-    let source = DepthSource::Supplied { path: PathBuf::new(), kind: map.kind() };
+    let source = DepthSource::Supplied { path: PathBuf::new(), kind: map.kind(), size: MapSize::Exact };
     let bytes = image.bytes();
     let SuppliedDepth { depth, report, .. } = supplied_depth(image, &bytes, map)?;
     Ok(match encoding {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use aquafuse::depth::{DepthModel, SuppliedKind};
 
-use super::DepthSource;
+use super::{DepthSource, MapSize};
 use crate::depth_file::DepthFolder;
 use crate::files::FileError;
 
@@ -17,9 +17,9 @@ pub enum DepthSupply {
     /// Estimated from colour.
     Estimated(DepthModel),
     /// One file, for a run over one image.
-    File(PathBuf, SuppliedKind),
+    File(PathBuf, SuppliedKind, MapSize),
     /// A folder with a depth map for each image, of the same stem.
-    Folder(DepthFolder, SuppliedKind),
+    Folder(DepthFolder, SuppliedKind, MapSize),
 }
 
 impl DepthSupply {
@@ -27,7 +27,21 @@ impl DepthSupply {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Estimated(model) => model.name(),
-            Self::File(_, kind) | Self::Folder(_, kind) => kind.name(),
+            Self::File(_, kind, _) | Self::Folder(_, kind, _) => kind.name(),
+        }
+    }
+
+    /// The depth of the images in a folder within a content: maps in a folder stand in a folder of the same name.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::Read`] when the folder of maps cannot be listed.
+    pub fn within(&self, folder: &Path) -> Result<Self, FileError> {
+        match self {
+            Self::Folder(maps, kind, size) if !folder.as_os_str().is_empty() => {
+                Ok(Self::Folder(DepthFolder::list(&maps.path().join(folder))?, *kind, *size))
+            }
+            other => Ok(other.clone()),
         }
     }
 
@@ -39,9 +53,11 @@ impl DepthSupply {
     pub fn of(&self, image: &Path) -> Result<DepthSource, FileError> {
         Ok(match self {
             Self::Estimated(model) => DepthSource::Estimated(*model),
-            Self::File(path, kind) => DepthSource::Supplied { path: path.clone(), kind: *kind },
-            Self::Folder(folder, kind) => {
-                DepthSource::Supplied { path: folder.map_of(image)?.to_owned(), kind: *kind }
+            Self::File(path, kind, size) => {
+                DepthSource::Supplied { path: path.clone(), kind: *kind, size: *size }
+            }
+            Self::Folder(folder, kind, size) => {
+                DepthSource::Supplied { path: folder.map_of(image)?.to_owned(), kind: *kind, size: *size }
             }
         })
     }

@@ -2,6 +2,9 @@
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
+use crate::files::{FileError, is_memory};
+use crate::image_file::{Format, Opened};
+
 /// Memory that a run may take for its images, shared by its threads.
 ///
 /// Each image reserves what it needs, as far as its header shows, before it is decoded; where too little is
@@ -61,6 +64,38 @@ impl Budget {
         *free = left;
         Reservation { budget: self, bytes }
     }
+
+    /// Takes what an image needs until it is written in a format, with `beside` bytes for what is read with it. A thread that
+    /// holds a part of the budget already would wait for itself.
+    pub(crate) fn reserve_for(
+        &self,
+        opened: &Opened,
+        format: Format,
+        beside: u64,
+    ) -> Result<Reservation<'_>, FileError> {
+        let bytes = opened.memory_until_written(format, beside)?;
+        let no_memory = || FileError::NoMemory { path: opened.path().to_owned(), bytes };
+        self.reserve_if_there(bytes).ok_or_else(no_memory)
+    }
+
+    /// As [`reserve`](Self::reserve), if the system has that much memory, which is less than the budget where it is limited.
+    /// What others have reserved counts as taken, for they may not have allocated it yet. `None` once nobody has
+    /// anything to give back.
+    fn reserve_if_there(&self, bytes: u64) -> Option<Reservation<'_>> {
+        let bytes = bytes.min(self.most);
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            let taken = self.most.saturating_sub(*free);
+            match free.checked_sub(bytes) {
+                Some(left) if is_memory(bytes.saturating_add(taken)) => {
+                    *free = left;
+                    return Some(Reservation { budget: self, bytes });
+                }
+                Some(_) if taken == 0 => return None,
+                _ => free = self.given_back.wait(free).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
 }
 
 impl Drop for Reservation<'_> {
@@ -96,6 +131,18 @@ mod tests {
         });
         assert!(most.into_inner() <= 100);
         assert_eq!(budget.free(), 100);
+    }
+
+    #[test]
+    fn what_the_system_has_not_is_refused_once_nobody_else_has_a_part_of_it() {
+        let budget = Budget::new(u64::MAX);
+        assert!(budget.reserve_if_there(u64::MAX / 4).is_none());
+        let first = budget.reserve_if_there(1 << 20).unwrap();
+        std::thread::scope(|scope| {
+            let refused = scope.spawn(|| budget.reserve_if_there(u64::MAX / 4).is_none());
+            drop(first);
+            assert!(refused.join().unwrap());
+        });
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The cameras and points of a scene, whichever program found them.
 
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use aquafuse_data::files::{Step, count, display};
@@ -30,8 +31,65 @@ pub struct Cameras {
     pub model: PathBuf,
 }
 
-/// Where a COLMAP model may be in a scene's folder.
-const PLACES: [&str; 4] = ["", "sparse/0", "sparse", "colmap_text"];
+/// Where a COLMAP model may be in a scene's folder, beside the numbered ones.
+const PLACES: [&str; 3] = ["", "sparse", "colmap_text"];
+/// Where mappers put the models that they could not join: `sparse/0`, `sparse/1`.
+const NUMBERED: &str = "sparse";
+
+/// The COLMAP model of a scene that is read. Mappers write several where they cannot join all images; then it is the one
+/// with the most images, the first of those.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChosenModel {
+    /// Its folder, within the scene's.
+    pub model: PathBuf,
+    /// How many images it has.
+    pub images: u64,
+    /// How many other models stand beside it.
+    pub others: usize,
+}
+
+impl ChosenModel {
+    /// The model of a scene's folder; `None` where there is none.
+    pub fn of(folder: &Path) -> Option<Self> {
+        let is_model = |place: &Path| {
+            ["cameras.bin", "cameras.txt"].iter().any(|name| folder.join(place).join(name).is_file())
+        };
+        let one = |place: &str| {
+            let model = PathBuf::from(place);
+            is_model(&model).then(|| Self { images: images_in(&folder.join(&model)), model, others: 0 })
+        };
+        let [here, rest @ ..] = PLACES;
+        if let Some(found) = one(here) {
+            return Some(found);
+        }
+        let entries = folder.join(NUMBERED).read_dir().into_iter().flatten().flatten();
+        let number = |entry: std::fs::DirEntry| entry.file_name().to_str()?.parse::<u32>().ok();
+        let mut numbers: Vec<u32> = entries.filter_map(number).collect();
+        numbers.sort_unstable();
+        let models = numbers.into_iter().filter_map(|number| one(&format!("{NUMBERED}/{number}")));
+        let models: Vec<Self> = models.collect();
+        let others = models.len().saturating_sub(1);
+        let most = models.iter().map(|model| model.images).max();
+        let chosen = models.into_iter().find(|model| Some(model.images) == most);
+        chosen.map(|model| Self { others, ..model }).or_else(|| rest.iter().find_map(|place| one(place)))
+    }
+}
+
+/// How many images a model says it has; 0 where it cannot be read, which reading it will say.
+fn images_in(model: &Path) -> u64 {
+    let (binary, mut count) = (model.join("images.bin"), [0; 8]);
+    // A pipe would be waited for.
+    if binary.is_file()
+        && std::fs::File::open(binary).and_then(|mut file| file.read_exact(&mut count)).is_ok()
+    {
+        return u64::from_le_bytes(count);
+    }
+    let text = bytes::read(&model.join("images.txt")).unwrap_or_default();
+    // Two lines for each image: its pose, and its points, which may be none.
+    let lines = text.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#"));
+    let lines = lines.fold(0_u64, |count, _| count.saturating_add(1));
+    lines.checked_div(2).unwrap_or(0)
+}
 
 /// What NeRF's files of cameras are called; Blender's have one for each split.
 const TRANSFORMS: [&str; 2] = ["transforms.json", "transforms_train.json"];
@@ -43,18 +101,13 @@ const TRANSFORMS: [&str; 2] = ["transforms.json", "transforms_train.json"];
 /// [`SceneFileError`] when there is none, or one cannot be read.
 pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
     count(Step::CamerasParsed);
-    for place in PLACES {
-        let model = folder.join(place);
+    if let Some(chosen) = ChosenModel::of(folder) {
+        let model = folder.join(&chosen.model);
         let there = |name: &str| model.join(name).is_file();
-        let mut cameras = if there("cameras.bin") {
-            colmap_binary::read(&model)?
-        } else if there("cameras.txt") {
-            colmap_text::read(&model)?
-        } else {
-            continue;
-        };
+        let mut cameras =
+            if there("cameras.bin") { colmap_binary::read(&model)? } else { colmap_text::read(&model)? };
         cameras.images.sort_by(|a, b| a.name.cmp(&b.name));
-        return checked(Cameras { model: PathBuf::from(place), ..cameras }, &model);
+        return checked(Cameras { model: chosen.model, ..cameras }, &model);
     }
     let paths = TRANSFORMS.map(|name| folder.join(name));
     let Some(path) = paths.into_iter().find(|path| path.is_file()) else {
@@ -187,4 +240,38 @@ pub(super) fn point(position: [f64; 3], colour: [u8; 3]) -> Result<Point, String
         return Err(format!("a point at {position:?}, which is nowhere"));
     }
     Ok(Point { position, colour: colour.map(|v| f64::from(v) / 255.0) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_models_the_one_with_the_most_images_is_chosen() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = |name: &str, images: u64| {
+            let model = folder.path().join(name);
+            std::fs::create_dir_all(&model).unwrap();
+            std::fs::write(model.join("cameras.bin"), "").unwrap();
+            std::fs::write(model.join("images.bin"), images.to_le_bytes()).unwrap();
+        };
+        assert_eq!(ChosenModel::of(folder.path()), None);
+        let chosen = || {
+            let chosen = ChosenModel::of(folder.path()).unwrap();
+            (chosen.model.to_str().unwrap().replace('\\', "/"), chosen.images, chosen.others)
+        };
+        model("sparse/0", 7);
+        assert_eq!(chosen(), ("sparse/0".to_owned(), 7, 0));
+        model("sparse/1", 7);
+        assert_eq!(chosen(), ("sparse/0".to_owned(), 7, 1));
+        model("sparse/10", 40);
+        model("sparse/2", 9);
+        assert_eq!(chosen(), ("sparse/10".to_owned(), 40, 3));
+        let text = folder.path().join("sparse/11");
+        std::fs::create_dir(&text).unwrap();
+        std::fs::write(text.join("cameras.txt"), "").unwrap();
+        std::fs::write(text.join("images.txt"), ["# two lines each", &"1 pose\n\n".repeat(41)].join("\n"))
+            .unwrap();
+        assert_eq!(chosen(), ("sparse/11".to_owned(), 41, 4));
+    }
 }

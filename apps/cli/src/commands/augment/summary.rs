@@ -5,7 +5,7 @@ use std::iter::repeat_n;
 
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{Augmentation, Multiplied, Plan, Water};
-use aquafuse_data::dataset::Layout;
+use aquafuse_data::dataset::{Layout, Split};
 use aquafuse_data::files::display;
 use aquafuse_data::run::Summary;
 
@@ -15,7 +15,11 @@ use crate::report::water::{estimate_counts, reasons};
 #[derive(Default)]
 pub(super) struct Tally {
     variants: usize,
+    /// Images that were copied unchanged, because their split is not multiplied.
+    carried: usize,
     vanished: usize,
+    /// Images that have no variants, because their estimate is not good.
+    skipped: usize,
     /// Images whose own water is estimated well.
     good: usize,
     /// The keys of the other images.
@@ -25,6 +29,9 @@ pub(super) struct Tally {
 impl Tally {
     pub(super) fn add(&mut self, key: &str, made: &Multiplied) {
         self.variants += made.variants;
+        self.carried += usize::from(made.is_carried);
+        let is_skipped = made.variants == 0 && made.verdict.is_some_and(|verdict| verdict != Verdict::Good);
+        self.skipped += usize::from(is_skipped);
         self.vanished += made.vanished;
         match made.verdict {
             Some(Verdict::Good) => self.good += 1,
@@ -74,8 +81,13 @@ pub(super) fn planned(job: &Augmentation, plan: &Plan<'_>, bad: usize, verbose: 
             job.recipe.per_image,
             files(layout)
         ),
-        _ => writeln!(text, "would make {variants} variants of {images} images{originals}"),
+        _ => writeln!(
+            text,
+            "would make {variants} variants of {} images{originals}",
+            images.saturating_sub(plan.carried())
+        ),
     };
+    unchanged(&mut text, "would copy unchanged", plan.carried(), job);
     left_out(&mut text, bad);
     text
 }
@@ -95,10 +107,17 @@ pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize,
         text,
         "{} variants of {} {files} written to {}{}",
         tally.variants,
-        ended.done,
+        ended.done.saturating_sub(tally.carried),
         display(&job.output),
         tally.verdicts()
     );
+    unchanged(&mut text, "copied unchanged", tally.carried, job);
+    if tally.skipped > 0 {
+        let _ = writeln!(text, "  without variants, because their estimate is not good: {}", tally.skipped);
+    }
+    if ended.failed > 0 {
+        let _ = writeln!(text, "  failed: {}", ended.failed);
+    }
     left_out(&mut text, bad);
     if tally.vanished > 0 {
         let _ = writeln!(
@@ -131,6 +150,14 @@ fn heading(job: &Augmentation, verbose: bool) -> String {
     let counted = if bad.is_empty() { String::new() } else { format!(" ({} not good)", bad.len()) };
     let (root, layout) = (display(&job.dataset.root), job.dataset.layout.name());
     let mut text = format!("{root}: layout {layout}, {} waters{counted}\n", waters.len());
+    let counts = job.dataset.split_counts();
+    if counts.keys().any(Option::is_some) {
+        let count = |(split, count): (&Option<Split>, &usize)| {
+            format!("{} {count}", split.map_or("none", Split::name))
+        };
+        let counts: Vec<String> = counts.iter().map(count).collect();
+        let _ = writeln!(text, "  splits: {}", counts.join(", "));
+    }
     if !job.dataset.left_out.is_empty() {
         let _ = writeln!(text, "  left out: {}", job.dataset.left_out);
     }
@@ -139,6 +166,18 @@ fn heading(job: &Augmentation, verbose: bool) -> String {
         let _ = writeln!(text, "  {}: {} ({})", quality.verdict.name(), water.name, reasons(quality));
     }
     text
+}
+
+/// What was not multiplied because of its split.
+fn unchanged(text: &mut String, what: &str, carried: usize, job: &Augmentation) {
+    if carried > 0 {
+        let files = files(job.dataset.layout);
+        let _ = writeln!(
+            text,
+            "  {what}: {carried} {files} of other splits than {} (choose with --splits)",
+            job.recipe.splits
+        );
+    }
 }
 
 fn left_out(text: &mut String, bad: usize) {

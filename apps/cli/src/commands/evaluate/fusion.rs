@@ -7,7 +7,7 @@ use aquafuse::fusion::Model;
 use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::evaluate::{Fusion, GroupBy, Listener, Method, Pairing, Rival, Settings};
 use aquafuse_data::files::FileError;
-use aquafuse_data::pipeline::DepthSupply;
+use aquafuse_data::pipeline::{DepthSupply, MapSize};
 use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::args::border::BorderArgument;
@@ -155,5 +155,5 @@ impl FusionArguments {
 /// The depth maps of a folder.
 fn supply(folder: Option<&Path>, kind: Option<SuppliedKind>) -> Result<Option<DepthSupply>, FileError> {
     let Some((folder, kind)) = folder.zip(kind) else { return Ok(None) };
-    Ok(Some(DepthSupply::Folder(DepthFolder::list(folder)?, kind)))
+    Ok(Some(DepthSupply::Folder(DepthFolder::list(folder)?, kind, MapSize::Exact)))
 }

@@ -124,7 +124,7 @@ impl Depth {
 
 impl Supplied {
     fn new(found: &Analysis) -> Option<Self> {
-        let (DepthSource::Supplied { path, kind }, Some(report)) = (&found.depth_source, &found.supplied)
+        let (DepthSource::Supplied { path, kind, .. }, Some(report)) = (&found.depth_source, &found.supplied)
         else {
             return None;
         };

@@ -84,6 +84,7 @@ impl Compare {
     }
 
     fn held_out(&self, scene: &Path, common: &Common) -> Result<Vec<View>, Failure> {
+        super::say_model(scene, common);
         let cameras = read_cameras(scene)?;
         let images = images_of(scene, &cameras);
         let views = capture::read(&cameras, &images, self.longest as usize, &common.reading.options())?;

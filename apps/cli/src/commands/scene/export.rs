@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts};
+use aquafuse_data::files::{FileError, display, make_folder_of, refuse_inputs, remove_stale_parts};
 use aquafuse_scene::files::{read_ply, write_cloud, write_ply, write_splat};
 use aquafuse_scene::points::means;
 use clap::Args;
@@ -42,6 +42,7 @@ impl Export {
                 return Err(FileError::UnknownExtension { path: self.output.clone(), expected }.into());
             }
         };
+        refuse_inputs([self.output.as_path()], [self.splats.as_path()])?;
         let splats = read_ply(&self.splats)?;
         remove_stale_parts(make_folder_of(&self.output)?);
         let (count, what) = if self.points {

@@ -50,6 +50,7 @@ impl Fuse {
         let Settings { depth_model, options, smoothing, .. } = self.settings.get();
         self.waters.refuse_unread(options.model)?;
         let water = WaterSource::parse(&self.water)?;
+        super::say_model(&self.scene, common);
         let (scene, output) = (&self.scene, &self.output);
         let inputs = [self.water.as_path()];
         let (inputs, skip_missing, overwrite) = (&inputs[..], self.skip_missing, self.overwrite);

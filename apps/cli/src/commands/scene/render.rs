@@ -65,6 +65,7 @@ pub(crate) struct Render {
 
 impl Render {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        super::say_model(&self.scene, common);
         let Model { splats, medium } = Model::read(&self.splats)?;
         let medium = self.medium.medium(medium, common)?;
         let views = self.views(&splats)?;

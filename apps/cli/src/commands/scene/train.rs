@@ -5,7 +5,7 @@ mod brush;
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use aquafuse_data::files::display;
+use aquafuse_data::files::{Claim, FileError, display};
 use aquafuse_data::run::Event;
 use aquafuse_scene::medium::Medium;
 use aquafuse_scene::model::Model;
@@ -93,10 +93,16 @@ enum Trainer {
 
 impl Train {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
+        super::say_model(&self.scene, common);
         let plan = Plan::new(self.request())?;
         let brush = self.brush()?;
         let options = common.run_options();
         let training = plan.load(&options)?;
+        // Now, not at the end: a second run to this output would work for hours and be refused then.
+        let _claim = Claim::of(&self.output)?;
+        if !self.overwrite && self.output.symlink_metadata().is_ok() {
+            return Err(FileError::Exists { path: self.output.clone() }.into());
+        }
         let model = match &brush {
             Some(brush) => brush.train(&training)?,
             None => {

@@ -46,6 +46,7 @@ impl View {
         }
         let Model { splats, medium } = Model::read(&self.splats)?;
         let model = Model { splats, medium: self.medium.medium(medium, common)? };
+        self.scene.iter().for_each(|scene| super::say_model(scene, common));
         let cameras = match &self.scene {
             Some(scene) => read_cameras(scene)?
                 .images

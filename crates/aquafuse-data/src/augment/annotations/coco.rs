@@ -6,6 +6,8 @@ use std::iter::Peekable;
 use std::slice::Iter;
 
 use super::Made;
+#[cfg(any(test, feature = "fuzz-targets"))]
+use crate::dataset::Splits;
 use crate::dataset::coco::{Annotation, File, Id, each, entries, image_at, lists, object};
 use crate::dataset::split;
 
@@ -41,7 +43,10 @@ impl Writer<'_> {
             {
                 let numbers = variants.iter().map(|(number, _)| *number).collect();
                 if let Ok(id) = Id::of(image_at(place, raw)?.id) {
-                    by_id.insert(id, Numbered { rank: sample.rank, numbers });
+                    by_id.insert(
+                        id,
+                        Numbered { is_kept: self.made.keeps(sample), rank: sample.rank, numbers },
+                    );
                 }
             }
             Ok(())
@@ -55,7 +60,7 @@ impl Writer<'_> {
             let Some(key) = self.key_at(place, &mut entries) else { return Ok(()) };
             let Some((sample, variants)) = self.made.of(key) else { return Ok(()) };
             let image = image_at(place, raw)?;
-            if self.made.originals {
+            if self.made.keeps(sample) {
                 written.add()?.write_all(raw.get().as_bytes())?;
             }
             let Ok(own) = Id::of(image.id) else { return Ok(()) };
@@ -86,8 +91,8 @@ impl Writer<'_> {
         entries::items(list, &mut |place, raw| {
             let Ok(annotation) = object::<Annotation<'_>>(raw.get()) else { return Ok(()) };
             let Ok(image) = Id::of(annotation.image_id) else { return Ok(()) };
-            let Some(Numbered { rank, numbers }) = by_id.get(&image) else { return Ok(()) };
-            if self.made.originals {
+            let Some(Numbered { is_kept, rank, numbers }) = by_id.get(&image) else { return Ok(()) };
+            if *is_kept {
                 written.add()?.write_all(raw.get().as_bytes())?;
             }
             for &number in numbers {
@@ -121,8 +126,10 @@ impl Writer<'_> {
     }
 }
 
-/// An image of which something was made: its place in the dataset, and the numbers of its variants.
+/// An image of which something was made: whether it is there itself, its place in the dataset, and the numbers of its
+/// variants.
 struct Numbered {
+    is_kept: bool,
     rank: u64,
     numbers: Vec<u32>,
 }
@@ -169,7 +176,8 @@ fn nth(first: i64, place: i64, each: u32, number: u32) -> i64 {
 pub(crate) fn try_parse(text: &str) {
     let Some((file, samples)) = crate::dataset::coco::try_examine(text) else { return };
     let variants = |_| Some(vec![(0, "v.jpg".to_owned())]);
-    let made = Made { samples: &samples, variants: &variants, per_image: 1, originals: true };
+    let made =
+        Made { samples: &samples, variants: &variants, per_image: 1, originals: true, splits: &Splits::All };
     let mut written = Vec::new();
     write(&file, text, &made, &mut written).expect("what was read is written");
     let written = String::from_utf8(written).expect("text stays text");
@@ -208,7 +216,13 @@ mod tests {
             let key = &dataset.samples[place].key;
             Some(vec![(0, key.replace(".jpg", "__w__0.jpg")), (1, key.replace(".jpg", "__w__1.jpg"))])
         };
-        let made = Made { samples: &dataset.samples, variants: &variants, per_image: 2, originals: true };
+        let made = Made {
+            samples: &dataset.samples,
+            variants: &variants,
+            per_image: 2,
+            originals: true,
+            splits: &Splits::All,
+        };
         let written = |made: &Made<'_>| {
             let bytes = dataset.indices[0].read(&dataset.root, &ReadOptions::default()).unwrap();
             let mut out = Vec::new();

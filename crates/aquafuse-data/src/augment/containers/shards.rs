@@ -11,8 +11,7 @@ use super::super::make::Maker;
 use super::{Held, written};
 use crate::dataset::shards::{Group, Member, groups};
 use crate::dataset::{join, split};
-use crate::files::{FileError, one_line, write_atomically};
-use crate::files::{Hashed, hexadecimal};
+use crate::files::{FileError, Hashed, Patient, hexadecimal, one_line, write_atomically};
 use crate::image_file::{ReadOptions, open_file};
 
 impl Maker<'_> {
@@ -33,8 +32,12 @@ impl Maker<'_> {
         let mut unread = None;
         let result = write_atomically(&path, true, |out| {
             let mut builder = Builder::new(Hashed::new(out));
-            let read =
-                groups(input, BufReader::new(file), reading, &mut |bytes| seen.update(bytes), &mut |group| {
+            let read = groups(
+                input,
+                BufReader::new(Patient(file)),
+                reading,
+                &mut |bytes| seen.update(bytes),
+                &mut |group| {
                     let failed = |error: std::io::Error| FileError::Write {
                         path: path.clone(),
                         cause: error.to_string(),
@@ -59,7 +62,8 @@ impl Maker<'_> {
                             Ok(())
                         }
                     }
-                });
+                },
+            );
             if let Err(error) = read {
                 unread = Some(error);
                 return Err(std::io::Error::other("its input cannot be read"));
@@ -121,7 +125,7 @@ pub(super) fn image_of(
 ) -> Result<Option<(PathBuf, Vec<u8>)>, FileError> {
     let (file, _) = open_file(shard)?;
     let mut found = None;
-    groups(shard, BufReader::new(file), options, &mut |_| {}, &mut |group| {
+    groups(shard, BufReader::new(Patient(file)), options, &mut |_| {}, &mut |group| {
         let own = group.members.into_iter().find(|member| key.ends_with(&format!("/{}", member.path)));
         found = found.take().or(own);
         Ok(())

@@ -54,6 +54,10 @@ pub(super) struct Annotation {
 }
 
 impl Annotation {
+    pub(super) fn into_boxes(self) -> Vec<[f64; 4]> {
+        self.boxes
+    }
+
     /// What is wrong with its boxes, in words.
     pub(super) fn faults(&self) -> impl Iterator<Item = String> {
         let [width, height] = self.size;
@@ -120,9 +124,9 @@ impl<'a> Pieces<'a> {
                         self.stack.pop();
                     }
                 },
-                // Another reader may put a file of its machine in the place of an entity.
-                Event::DocType(kind) if kind.as_ref().contains("<!ENTITY") => {
-                    return Err("its document type defines entities; remove the document type".into());
+                // Another reader may put a file of its machine in the place of an entity, or load the type from elsewhere.
+                Event::DocType(kind) if is_unsafe(kind.as_ref()) => {
+                    return Err("its document type defines entities or names another file; remove it".into());
                 }
                 _ => {}
             }
@@ -136,6 +140,12 @@ impl<'a> Pieces<'a> {
     fn is_in(&self, path: &[&str]) -> bool {
         self.stack.iter().map(String::as_str).eq(path.iter().copied())
     }
+}
+
+/// Whether a document type is more than a name.
+fn is_unsafe(kind: &str) -> bool {
+    let small = kind.to_ascii_lowercase();
+    ["entity", "system", "public"].iter().any(|word| small.contains(word))
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]

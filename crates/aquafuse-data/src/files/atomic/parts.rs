@@ -10,6 +10,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile};
 
+use super::folder_of;
+use crate::files::{FileError, sha256};
+
 const PREFIX: &str = ".aquafuse-";
 const SUFFIX: &str = ".part";
 
@@ -39,9 +42,13 @@ pub(super) struct Part(Option<NamedTempFile>);
 
 impl Part {
     pub(super) fn create_in(folder: &Path) -> io::Result<Self> {
+        Self::create_by(|| builder().tempfile_in(folder))
+    }
+
+    fn create_by(create: impl Fn() -> io::Result<NamedTempFile>) -> io::Result<Self> {
         loop {
             let mut in_work = in_work();
-            let part = builder().tempfile_in(folder)?;
+            let part = create()?;
             // Between making and locking it, another process may have taken it for one left behind. A file system
             // without locks cannot show whose a part is; then only its own process removes it.
             let taken = matches!(part.as_file().try_lock(), Err(TryLockError::WouldBlock));
@@ -81,6 +88,46 @@ impl Drop for Part {
             drop(part);
             forget(&path);
         }
+    }
+}
+
+/// An output that a long run will write at its end, claimed from the beginning: another run to the same output is refused
+/// meanwhile. It is given back when dropped.
+#[must_use = "an output is claimed until this is dropped"]
+pub struct Claim {
+    _part: Part,
+}
+
+impl Claim {
+    /// Claims an output whose folder exists.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::Busy`] when another process has claimed it.
+    pub fn of(output: &Path) -> Result<Self, FileError> {
+        let folder = folder_of(output);
+        let name = output.file_name().unwrap_or_default().as_encoded_bytes();
+        let prefix = format!("{PREFIX}{}", sha256(name));
+        let mut named = builder();
+        named.prefix(&prefix).rand_bytes(0);
+        let made = Part::create_by(|| named.tempfile_in(folder)).or_else(|_| {
+            // Of a process that was killed.
+            remove_stale_parts(folder);
+            Part::create_by(|| named.tempfile_in(folder))
+        });
+        match made {
+            Ok(part) => Ok(Self { _part: part }),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                Err(FileError::Busy { folder: output.to_owned() })
+            }
+            Err(error) => Err(FileError::Write { path: output.to_owned(), cause: error.kind().to_string() }),
+        }
+    }
+}
+
+impl std::fmt::Debug for Claim {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Claim").finish_non_exhaustive()
     }
 }
 
@@ -130,4 +177,23 @@ pub fn remove_stale_parts(folder: &Path) -> usize {
     };
     let parts = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_part(path));
     parts.filter(remove).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_output_is_claimed_once_at_a_time_and_what_a_killed_process_left_is_no_claim() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().join("reef.ply");
+        let claim = Claim::of(&output).unwrap();
+        let left = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+        assert!(matches!(Claim::of(&output), Err(FileError::Busy { .. })));
+        assert!(Claim::of(&folder.path().join("other.ply")).is_ok());
+        drop(claim);
+        std::fs::write(left, "").unwrap();
+        assert!(Claim::of(&output).is_ok());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
 }

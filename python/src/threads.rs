@@ -3,7 +3,6 @@
 //! A forked process has none of the threads of its parent, so a pool of the parent would never answer. Each pool
 //! therefore belongs to one process, and a process that was forked starts with one thread.
 
-use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::id;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
@@ -27,11 +26,6 @@ struct Pool {
     process: u32,
     threads: usize,
     pool: Arc<ThreadPool>,
-}
-
-thread_local! {
-    /// A pool of the calling thread alone: inside it the libraries start no thread.
-    static ALONE: OnceCell<Option<ThreadPool>> = const { OnceCell::new() };
 }
 
 pub(crate) fn remember_process() {
@@ -72,12 +66,7 @@ pub(crate) fn work<R: Send>(
             || catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| Err(Fault::panic(&*cause)));
         match pool(get_threads()) {
             Some(pool) => pool.install(guarded),
-            None => ALONE.with(|alone| {
-                alone.get_or_init(|| {
-                    ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().ok()
-                });
-                guarded()
-            }),
+            None => aquafuse::on_this_thread(guarded),
         }
     })
 }

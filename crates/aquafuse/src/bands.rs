@@ -69,5 +69,74 @@ pub(crate) fn both<A: Send, B: Send>(
 /// Whether there are threads, and enough values to wake them for.
 #[cfg(feature = "threads")]
 fn pays(values: usize) -> bool {
-    values > FEW_VALUES && rayon::current_num_threads() > 1
+    values > FEW_VALUES && has_threads()
+}
+
+/// Whether other threads may be woken.
+#[cfg(feature = "threads")]
+pub(crate) fn has_threads() -> bool {
+    !IS_ALONE.get() && rayon::current_num_threads() > 1
+}
+
+#[cfg(feature = "threads")]
+thread_local! {
+    static IS_ALONE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
+}
+
+/// Does work on the calling thread alone: within it, this crate neither starts nor wakes another one. No bit changes.
+///
+/// For programs that have threads of their own for many images, and for processes that were forked: those have none of
+/// the threads of their parent, and work that is handed to such a pool never comes back.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::{Fuser, image::Image};
+///
+/// let image = Image::<u8>::from_raw(2, 1, vec![90, 100, 110, 20, 100, 120])?;
+/// let fused = aquafuse::on_this_thread(|| Fuser::new(&image)?.fuse(&image))?;
+/// assert_eq!(fused.image.size(), (2, 1));
+/// # Ok::<(), aquafuse::image::ImageError>(())
+/// ```
+pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
+    #[cfg(feature = "threads")]
+    let _before = Before(IS_ALONE.replace(true));
+    work()
+}
+
+/// Puts the flag back, also if the work panics.
+#[cfg(feature = "threads")]
+struct Before(bool);
+
+#[cfg(feature = "threads")]
+impl Drop for Before {
+    fn drop(&mut self) {
+        IS_ALONE.set(self.0);
+    }
+}
+
+#[cfg(test)]
+#[cfg(feature = "threads")]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+    use std::sync::Mutex;
+    use std::thread::{ThreadId, current};
+
+    /// The threads that bands of many values are worked on by.
+    fn workers() -> HashSet<ThreadId> {
+        let seen = Mutex::new(HashSet::new());
+        for_each(&mut vec![0_u8; 8 * FEW_VALUES], 64, |_, _| {
+            seen.lock().unwrap().insert(current().id());
+        });
+        both(2 * FEW_VALUES, || seen.lock().unwrap().insert(current().id()), || ());
+        seen.into_inner().unwrap()
+    }
+
+    #[test]
+    fn work_on_this_thread_wakes_no_other_one_and_afterwards_others_may_work_again() {
+        assert_eq!(on_this_thread(workers), HashSet::from([current().id()]));
+        assert!(std::panic::catch_unwind(|| on_this_thread(|| panic!("within"))).is_err());
+        assert!(!IS_ALONE.get());
+    }
 }

@@ -114,5 +114,6 @@ pub mod stream;
 pub mod truth;
 pub mod waterbody;
 
+pub use bands::on_this_thread;
 pub use fuser::Fuser;
 pub use names::NameError;

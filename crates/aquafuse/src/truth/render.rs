@@ -33,11 +33,10 @@ pub(super) struct Seen {
 pub(super) fn render(place: &Place, pose: &Pose, size: Size) -> Vec<Seen> {
     let row = |y: usize| (0..size.width).map(move |x| pixel(place, pose, size, x, y));
     #[cfg(feature = "threads")]
-    {
+    if crate::bands::has_threads() {
         use rayon::prelude::*;
-        (0..size.height).into_par_iter().flat_map_iter(row).collect()
+        return (0..size.height).into_par_iter().flat_map_iter(row).collect();
     }
-    #[cfg(not(feature = "threads"))]
     (0..size.height).flat_map(row).collect()
 }
 

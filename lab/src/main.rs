@@ -6,6 +6,7 @@ mod chance;
 mod corpus;
 mod depth;
 mod evaluate;
+mod flicker;
 mod forge;
 mod helps;
 mod hostile;
@@ -37,6 +38,7 @@ docs/results.md
   truth               estimates and fusion on synthetic scenes whose water and depth are known
   depth               depth from colour compared with measured depth
   water               the veiling light of photographs compared with their open water, marked by eye
+  flicker             how much more a sequence changes from frame to frame than its source
   pairs               restoration and enhancement beside references that people chose, and beside rivals
   published           scores of real images, beside the paper's and those of other methods
   hostile             over a thousand bad files, given to `aquafuse` and to a rival
@@ -95,6 +97,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["truth"] => truth::run(),
         ["depth"] => depth::run(),
         ["water"] => water::run(),
+        ["flicker"] => flicker::run(),
         ["pairs"] => evaluate::pairs(),
         ["published"] => evaluate::published(),
         ["hostile"] => hostile::run(),

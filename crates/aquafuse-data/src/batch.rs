@@ -37,18 +37,21 @@ mod plan;
 mod record;
 
 use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use aquafuse::depth::SuppliedReport;
 use aquafuse::fusion::Options;
 use aquafuse::scene_area::SceneArea;
 use aquafuse::smooth::Smoothing;
+use aquafuse::stream::Steady;
 use aquafuse::waterbody::Quality;
 use serde_json::{Value, json};
 
 use crate::files::{FileError, make_folder, make_folder_of, make_folder_within, remove_stale_parts};
 use crate::image_file::{Format, ImageFile, Opened, ReadOptions, WriteOptions};
-use crate::pipeline::{DepthSource, Operation, Outcome, Scores, WaterEstimate, analyse_in, maps};
+use crate::pipeline::{Analysis, DepthSource, Operation, Outcome, Scores, WaterEstimate, analyse_in, maps};
 use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::Numbers;
 
@@ -79,6 +82,9 @@ pub struct Recipe {
     pub upright: bool,
     /// JPEG quality, 1 to 100. Default: 95.
     pub quality: u8,
+    /// The images are frames of a sequence, in the order of their names: water and levels are means over so many frames
+    /// ([`Steady`]). Default: `None`, each image is by itself.
+    pub steady_over: Option<usize>,
 }
 
 /// The outcome of one image.
@@ -109,12 +115,12 @@ impl Recipe {
     /// An operation, with the defaults for everything else.
     pub fn new(operation: Operation) -> Self {
         let quality = WriteOptions::default().quality;
-        Self { operation, smoothing: Smoothing::default(), upright: false, quality }
+        Self { operation, smoothing: Smoothing::default(), upright: false, quality, steady_over: None }
     }
 
     /// Everything that determines the outputs: two recipes with the same fingerprint write the same bytes.
     pub fn fingerprint(&self, reading: &ReadOptions) -> Value {
-        let Self { operation, smoothing, upright, quality } = self;
+        let Self { operation, smoothing, upright, quality, steady_over } = self;
         let encoding = operation.encoding().name();
         let fusion = |reference: &WaterEstimate, options: &Options| {
             json!({
@@ -134,7 +140,7 @@ impl Recipe {
             }
             Operation::Enhance { levels } => json!({ "levels": levels }),
         };
-        json!({
+        let mut fingerprint = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "encoding": encoding,
             "treatment": operation,
@@ -143,7 +149,11 @@ impl Recipe {
             "lenient": reading.lenient,
             "border": reading.border.to_string(),
             "quality": quality,
-        })
+        });
+        if let (Some(frames), Some(settings)) = (steady_over, fingerprint.as_object_mut()) {
+            settings.insert("steady_over".to_owned(), json!(frames));
+        }
+        fingerprint
     }
 }
 
@@ -151,7 +161,8 @@ impl Plan {
     /// Makes every image of the plan that is not made yet, and reports to `listener` in the order in which images get
     /// done.
     ///
-    /// The files do not depend on threads or order. A run over a folder continues where it was stopped.
+    /// The files do not depend on threads or order. A run over a folder continues where it was stopped. The frames of a sequence are
+    /// made one after another; one that a run before this one has made is looked at again for those that follow it.
     ///
     /// # Errors
     ///
@@ -164,8 +175,12 @@ impl Plan {
     ) -> Result<Summary, PlanError> {
         let record = self.prepare(recipe, options)?;
         listener(Event::Started { total: self.items().len() });
-        let work = Work { plan: self, recipe, options, record, budget: options.budget() };
-        Ok(options.each(self.items(), &|item, permit| match work.make(item, permit) {
+        let steady = recipe.steady_over.map(|frames| Mutex::new(Steady::over(frames)));
+        // One frame after another, by name: with one permit no frame begins before the one before it is made.
+        let threads = if steady.is_some() { NonZeroUsize::new(1) } else { options.threads };
+        let each = RunOptions { threads, ..options.clone() };
+        let work = Work { plan: self, recipe, options, record, budget: options.budget(), steady };
+        Ok(each.each(self.items(), &|item, permit| match work.make(item, permit) {
             Ok(Some(report)) => {
                 listener(Event::Done { item, result: Box::new(report) });
                 Ending::Done
@@ -184,6 +199,10 @@ impl Plan {
 
     /// Makes the folders of the outputs ready, and opens the record of a folder's run.
     fn prepare(&self, recipe: &Recipe, options: &RunOptions) -> Result<Option<Record>, PlanError> {
+        if let (Some(maps), Some(_)) = (self.maps(), recipe.steady_over) {
+            return Err(PlanError::MapsOfSequence { folder: maps.to_owned() });
+        }
+        // All outputs of a run are in one folder.
         let Some(first) = self.items().first() else { return Ok(None) };
         let record = match self.folder() {
             Some(folder) => {
@@ -218,6 +237,8 @@ struct Work<'a> {
     options: &'a RunOptions,
     record: Option<Record>,
     budget: Budget,
+    /// What the frames of a sequence say together.
+    steady: Option<Mutex<Steady>>,
 }
 
 impl Work<'_> {
@@ -226,7 +247,10 @@ impl Work<'_> {
         let mut writing = WriteOptions { overwrite: self.plan.overwrite(), quality: self.recipe.quality };
         if let Some(record) = &self.record {
             match record.state(item, writing.overwrite) {
-                State::Made => return Ok(None),
+                State::Made => {
+                    self.look_again(item)?;
+                    return Ok(None);
+                }
                 State::Replaceable => writing.overwrite = true,
                 State::Missing | State::Foreign => {}
             }
@@ -238,6 +262,39 @@ impl Work<'_> {
             record.failed(item, error)?;
         }
         made.map(Some)
+    }
+
+    /// Takes a frame that is made already into the mean, so that the next ones are what they would be in one run.
+    fn look_again(&self, item: &Item) -> Result<(), FileError> {
+        if self.steady.is_none() {
+            return Ok(());
+        }
+        let opened = ImageFile::open(&item.input, &self.options.reading)?;
+        let room = self.budget.reserve(opened.memory_until_written(Format::Png, self.beside(item, &opened))?);
+        self.options.stop.check(&item.output)?;
+        let mut image = opened.decode()?;
+        let found = self.analyse(&image, item)?;
+        self.apply(&mut image, found.as_ref());
+        drop(room);
+        Ok(())
+    }
+
+    fn analyse(&self, image: &ImageFile, item: &Item) -> Result<Option<Analysis<WaterEstimate>>, FileError> {
+        let operation = &self.recipe.operation;
+        let analyse = || analyse_in(operation.encoding(), image, &item.depth);
+        operation.needs_analysis().then(analyse).transpose()
+    }
+
+    fn apply(&self, image: &mut ImageFile, found: Option<&Analysis<WaterEstimate>>) -> Outcome {
+        let operation = &self.recipe.operation;
+        let outcome = match &self.steady {
+            Some(steady) => {
+                let mut steady = steady.lock().unwrap_or_else(PoisonError::into_inner);
+                operation.apply_next(&mut image.pixels, found, &mut steady)
+            }
+            None => operation.apply(&mut image.pixels, found),
+        };
+        outcome.expect("the depth map is this image's")
     }
 
     fn operate(
@@ -254,16 +311,14 @@ impl Work<'_> {
         options.stop.check(&item.output)?;
         let mut image = opened.decode()?;
         options.stop.check(&item.output)?;
-        let analyse = || analyse_in(recipe.operation.encoding(), &image, &item.depth);
-        let found = recipe.operation.needs_analysis().then(analyse).transpose()?;
+        let found = self.analyse(&image, item)?;
         options.stop.check(&item.output)?;
         let scored = |image: &ImageFile| self.plan.scores().then(|| Scores::of(&image.bytes()));
         let before = scored(&image);
         if let (Some(folder), Some(found)) = (self.plan.maps(), &found) {
             maps::write(folder, &item.input, &image, found, &recipe.operation)?;
         }
-        let outcome =
-            recipe.operation.apply(&mut image.pixels, found.as_ref()).expect("the depth map is this image's");
+        let outcome = self.apply(&mut image, found.as_ref());
         let (estimate, supplied) = found.map(|found| (found.estimate, found.supplied)).unzip();
         image.pixels = image.pixels.smoothed(recipe.smoothing);
         let scores = before.zip(scored(&image)).map(|(before, after)| [before, after]);

@@ -138,7 +138,15 @@ pub fn restore_mut<'a, T: Sample, E: Encoding>(
     water: &Waterbody<E>,
     options: &RestoreOptions,
 ) -> Result<Clipping, ImageError> {
-    let image = image.into();
+    restore_by_mut(image.into(), depth, undoing(water, options))
+}
+
+/// [`restore_mut`] by gain and backscatter at a distance.
+fn restore_by_mut<T: Sample, E: Encoding>(
+    image: ImageMut<'_, T, E>,
+    depth: &DepthMap,
+    law: impl Fn(f32) -> ([f32; 3], [f32; 3]) + Sync,
+) -> Result<Clipping, ImageError> {
     depth.check_fits(image.size())?;
     let count = image.width() as u64 * image.height() as u64;
     let change = |pixel: &mut [T; 3], (gain, backscatter): ([f32; 3], [f32; 3]), clipped: &mut [u64; 3]| {
@@ -149,7 +157,7 @@ pub fn restore_mut<'a, T: Sample, E: Encoding>(
         }
     };
     let add = |a: [u64; 3], b: [u64; 3]| std::array::from_fn(|c| a[c] + b[c]);
-    let values = depth.sum_over_pixels(image, undoing(water, options), change, add);
+    let values = depth.sum_over_pixels(image, law, change, add);
     Ok(Clipping { values, pixels: count })
 }
 

@@ -1,13 +1,18 @@
 //! The front door: one image in another's water, every step within its safety bounds.
 
+mod memory;
+
+pub(crate) use memory::Memory;
+
 use std::borrow::Cow;
 
-use crate::depth::{Buffers, DepthMap, DepthModel};
-use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, Model, OptionError};
+use crate::depth::{DepthMap, DepthModel};
+use crate::fusion::{self, Bounded, Bounds, Gain, Incidence, LawInUse, Model, OptionError, TransferLaw};
 use crate::image::{Clipping, Image, ImageError, ImageMut, ImageRef, Sample, check_same_size};
 use crate::scene_area::{Border, Margins, SceneArea};
 use crate::smooth::{self, Smoothing};
-use crate::waterbody::{self, Estimate, EstimateOptions, Look, Scratch, WaterShare, Waterbody};
+use crate::stream::Steady;
+use crate::waterbody::{self, Estimate, EstimateOptions, Look, Scratch, WaterShare, Waterbody, sureness};
 
 /// Fuses images with the water of one reference.
 ///
@@ -305,55 +310,95 @@ impl<'z> Fuser<'z> {
     ) -> Result<Report, ImageError> {
         let source = content.unwrap_or(fused.as_ref());
         let depth = self.options.depth_in(source, depth, memory);
-        let (content_water, share) = self.content_in(source, &depth, known, memory)?;
-        let bounded = Bounded::new(&content_water, &self.reference, self.options.fusion);
-        let (waters, options) = (bounded.waters().with_share(&share), &bounded.options);
-        let clipping = match (self.options.smoothing, content) {
-            (Smoothing::None, Some(content)) => fusion::fuse_into(content, &depth, waters, options, fused)?,
-            (Smoothing::None, None) => fusion::fuse_mut(fused, &depth, waters, options)?,
-            (Smoothing::Bilateral, _) => {
+        let Memory { scratch, steady, .. } = memory;
+        let found = self.content_in(source, &depth, known, scratch, steady.as_mut())?;
+        let law = LawInUse::new(&found.law, steady.as_ref().and_then(Steady::effect));
+        let share = Some(&found.share);
+        let clipping = match self.options.smoothing {
+            Smoothing::None => fusion::fuse_by(content, fused, &depth, law, share)?,
+            Smoothing::Bilateral => {
                 let mut samples = std::mem::take(&mut memory.samples);
                 samples.resize(3 * source.width() * source.height(), T::default());
                 let mut rough = Image::from_raw(source.width(), source.height(), samples)?;
-                let clipping = fusion::fuse_into(source, &depth, waters, options, &mut rough)?;
+                let clipping = fusion::fuse_by(Some(source), rough.view_mut(), &depth, law, share)?;
                 smooth::bilateral_into(&rough, fused)?;
                 memory.samples = rough.into_raw();
                 clipping
             }
         };
         memory.take_back(depth);
-        let margins = Margins::default();
-        Ok(Report { content: content_water, bounds: bounded.bounds, clipping, margins })
+        Ok(Report { content: found.water, bounds: found.bounds, clipping, margins: Margins::default() })
     }
 }
 
+/// What is found of a content: its water, the law by it, and how much of each pixel is open water, if the model reads that.
+struct Found {
+    water: Estimate,
+    bounds: Bounds,
+    law: TransferLaw,
+    share: WaterShare,
+}
+
 impl Fuser<'_> {
-    /// The content's water, unless it is `known`, and how much of each pixel is open water, if the model reads that.
+    /// The content's water, unless it is `known`, and what follows from it.
     fn content_in<T: Sample>(
         &self,
         content: ImageRef<'_, T>,
         depth: &DepthMap,
         known: Option<Estimate>,
-        memory: &mut Memory<T>,
-    ) -> Result<(Estimate, WaterShare), ImageError> {
+        scratch: &mut Scratch,
+        mut steady: Option<&mut Steady>,
+    ) -> Result<Found, ImageError> {
         let reads_share = self.options.fusion.model != Model::Aquafuse;
-        let none = || WaterShare::none(content.size());
-        on_bytes(content, |bytes| match known {
-            Some(known) if reads_share => {
-                let veil = &known.water.veiling_light;
-                Ok((known, waterbody::water_share(bytes, depth, veil, &self.options.estimate)?))
+        on_bytes(content, |bytes| {
+            if let Some(steady) = &mut steady {
+                steady.look(bytes);
+                if known.is_none() {
+                    steady.is_estimated();
+                }
             }
-            Some(known) => Ok((known, none())),
-            None => waterbody::estimate_in(
-                bytes,
-                depth,
-                &self.options.estimate,
-                &mut memory.scratch,
-                |looked: &Look<_>, whole, depth| match reads_share {
-                    true => looked.judged_with_share(whole, depth),
-                    false => (looked.judged(depth), none()),
-                },
-            ),
+            let law_by = |water: Estimate| {
+                let bounded = Bounded::new(&water, &self.reference, self.options.fusion);
+                (bounded.bounds, TransferLaw::new(bounded.waters(), &bounded.options))
+            };
+            let follow = |water: &Estimate, law: &mut TransferLaw, seen: f32| {
+                let sure = sureness(seen);
+                let sure = steady.map_or(sure, |steady| steady.follow_fusion(water, law, depth, sure));
+                (law.own_veil(), sure)
+            };
+            match known {
+                Some(water) => {
+                    let (bounds, mut law) = law_by(water);
+                    let share = match reads_share {
+                        true => waterbody::water_share_by(bytes, depth, &self.options.estimate, |seen| {
+                            follow(&water, &mut law, seen)
+                        })?,
+                        false => {
+                            follow(&water, &mut law, 0.0);
+                            WaterShare::none(content.size())
+                        }
+                    };
+                    Ok(Found { water, bounds, law, share })
+                }
+                None => waterbody::estimate_in(
+                    bytes,
+                    depth,
+                    &self.options.estimate,
+                    scratch,
+                    |looked: &Look<_>, whole, depth| {
+                        let water = looked.judged(depth);
+                        let (bounds, mut law) = law_by(water);
+                        let share = match reads_share {
+                            true => looked.share_by(whole, depth, |seen| follow(&water, &mut law, seen)),
+                            false => {
+                                follow(&water, &mut law, 0.0);
+                                WaterShare::none(content.size())
+                            }
+                        };
+                        Found { water, bounds, law, share }
+                    },
+                ),
+            }
         })
     }
 }
@@ -416,7 +461,7 @@ impl Options {
         found
     }
 
-    fn depth_in<'z, T: Sample>(
+    pub(crate) fn depth_in<'z, T: Sample>(
         &self,
         image: ImageRef<'_, T>,
         depth: Option<&'z DepthMap>,
@@ -431,7 +476,7 @@ impl Options {
         }
     }
 
-    fn water_in<T: Sample>(
+    pub(crate) fn water_in<T: Sample>(
         &self,
         image: ImageRef<'_, T>,
         depth: &DepthMap,
@@ -441,42 +486,6 @@ impl Options {
             let judged = |looked: &Look<_>, _: waterbody::Seen<'_>, depth: &DepthMap| looked.judged(depth);
             waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.scratch, judged)
         })
-    }
-}
-
-/// What an image needs and the next of its size can use again.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Memory<T> {
-    depth: Buffers,
-    scratch: Scratch,
-    /// What an image consists of before it is smoothed.
-    samples: Vec<T>,
-    /// The part of the last image that is scene, and of how many images it has been.
-    area: Option<SceneArea>,
-    area_age: u32,
-}
-
-/// Images of one size after which the border is looked for again: that of a film does not change, and a look at each frame
-/// would take as long as the rest of a small one.
-const BORDER_EVERY: u32 = 64;
-
-impl<T> Memory<T> {
-    /// The part of an image that is scene: for some images that of the first, so that a border does not come and go from
-    /// frame to frame.
-    fn area(&mut self, image: ImageRef<'_, T>, border: Border) -> Result<SceneArea, ImageError>
-    where
-        T: Sample,
-    {
-        let is_fresh = self.area_age < BORDER_EVERY;
-        let last = self.area.take().filter(|area| is_fresh && area.image_size() == image.size());
-        self.area_age = if last.is_some() { self.area_age + 1 } else { 1 };
-        Ok(last.map_or_else(|| SceneArea::of(image, border), Ok)?)
-    }
-
-    fn take_back(&mut self, depth: Cow<'_, DepthMap>) {
-        if let Cow::Owned(depth) = depth {
-            self.depth = depth.into_buffers();
-        }
     }
 }
 

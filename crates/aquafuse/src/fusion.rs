@@ -19,6 +19,7 @@ mod shared;
 mod shift;
 
 pub use bound::{Bounded, Bounds};
+pub(crate) use law::LawInUse;
 pub use law::{PixelTransform, TransferLaw};
 pub use options::{Gain, Incidence, Model, OptionError, Options};
 
@@ -155,28 +156,40 @@ pub fn fuse_into<'a, 'b, T: Sample, E: Encoding>(
 /// Fuses the content, or `fused` itself if there is none, into `fused`.
 fn fuse_from<T: Sample, E: Encoding>(
     content: Option<ImageRef<'_, T, E>>,
-    mut fused: ImageMut<'_, T, E>,
+    fused: ImageMut<'_, T, E>,
     depth: &DepthMap,
     waters: Waters<'_, E>,
     options: &Options,
 ) -> Result<Clipping, ImageError> {
-    depth.check_fits(fused.size())?;
     let law = TransferLaw::new(waters, options);
+    fuse_by(content, fused, depth, LawInUse::new(&law, None), waters.share)
+}
+
+/// Fuses the content, or `fused` itself if there is none, into `fused` by a law.
+pub(crate) fn fuse_by<T: Sample, E: Encoding>(
+    content: Option<ImageRef<'_, T, E>>,
+    mut fused: ImageMut<'_, T, E>,
+    depth: &DepthMap,
+    law: LawInUse<'_, E>,
+    share: Option<&WaterShare>,
+) -> Result<Clipping, ImageError> {
+    depth.check_fits(fused.size())?;
+    let model = law.model();
     let pixels = fused.width() as u64 * fused.height() as u64;
-    if let Some(share) = waters.share {
+    if let Some(share) = share {
         check_same_size(fused.size(), share.size())?;
     }
-    if let Some(share) = waters.share.filter(|share| options.model != Model::Aquafuse && !share.is_none()) {
-        let values = shared::fuse(content, fused, depth, &law, share, options.model)?;
+    if let Some(share) = share.filter(|share| model != Model::Aquafuse && !share.is_none()) {
+        let values = shared::fuse(content, fused, depth, law, share)?;
         return Ok(Clipping { values, pixels });
     }
-    if let Some(values) = shift_of_bytes(content, fused.reborrow(), depth, &law, options.model) {
+    if let Some(values) = shift_of_bytes(content, fused.reborrow(), depth, law) {
         return Ok(Clipping { values, pixels });
     }
     if let Some(content) = content {
         fused.copy_from(content)?;
     }
-    Ok(Clipping { values: change_pixels(fused, depth, &law, options.model), pixels })
+    Ok(Clipping { values: change_pixels(fused, depth, law), pixels })
 }
 
 /// The law where it is a shift of bytes by depth in steps, the everyday case; how many values were clipped.
@@ -184,10 +197,9 @@ fn shift_of_bytes<T: Sample, E: Encoding>(
     content: Option<ImageRef<'_, T, E>>,
     fused: ImageMut<'_, T, E>,
     depth: &DepthMap,
-    law: &TransferLaw<E>,
-    model: Model,
+    law: LawInUse<'_, E>,
 ) -> Option<[u64; 3]> {
-    let depths = depth.in_steps().filter(|_| model.is_shift())?;
+    let depths = depth.in_steps().filter(|_| law.model().is_shift())?;
     let (content, fused) = (content.and_then(|content| content.as_bytes()), fused.into_bytes()?);
     match depths {
         InSteps::Levels(levels) => shift_by(content, fused, levels, law),
@@ -199,7 +211,7 @@ fn shift_by<S: Stepped, E: Encoding>(
     content: Option<ImageRef<'_, u8, E>>,
     fused: ImageMut<'_, u8, E>,
     depths: &[S],
-    law: &TransferLaw<E>,
+    law: LawInUse<'_, E>,
 ) -> Option<[u64; 3]> {
     let (width, stride) = (fused.width(), fused.stride());
     let of_step = |place| law.at(S::z(place)).offset.map(u8::shift_from_unit);
@@ -223,14 +235,13 @@ fn shift_by<S: Stepped, E: Encoding>(
 fn change_pixels<T: Sample, E: Encoding>(
     content: ImageMut<'_, T, E>,
     depth: &DepthMap,
-    law: &TransferLaw<E>,
-    model: Model,
+    law: LawInUse<'_, E>,
 ) -> [u64; 3] {
     let store = |pixel: &mut [T; 3], c: usize, (value, is_clipped): (T, bool), clipped: &mut [u64; 3]| {
         pixel[c] = value;
         clipped[c] += u64::from(is_clipped);
     };
-    if model.is_shift() {
+    if law.model().is_shift() {
         // In whole steps of the samples, which is exact and rounds once a depth.
         let steps = |z| law.at(z).offset.map(T::shift_from_unit);
         let change = |pixel: &mut [T; 3], shift: [T::Shift; 3], clipped: &mut [u64; 3]| {

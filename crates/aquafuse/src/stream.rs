@@ -1,10 +1,23 @@
 //! Frame after frame into one water: what a frame needs is kept for the next.
 
+mod clear;
+mod effect;
+mod glance;
+mod levels;
+mod steady;
+
+pub use clear::{EnhanceStream, RestoreReport, RestoreStream};
+pub(crate) use effect::{EffectTable, WaterEffect};
+pub use steady::Steady;
+
 use crate::fuser::{Fuser, Memory, Report};
 use crate::image::{ImageError, ImageMut, ImageRef};
 use crate::waterbody::Estimate;
 
-/// Fuses the frames of a sequence with one reference, as its [`Fuser`] fuses images, to the bit (but for a border that changes).
+/// Fuses the frames of a sequence with one reference, as its [`Fuser`] fuses images, with a water that changes smoothly ([`Steady`]).
+///
+/// A first frame, and each one where nothing is averaged ([`Stream::steady_over`]), is what the fuser makes of it, to the bit (but
+/// for a border that changes).
 ///
 /// Depth is estimated of every frame, the content's water of every one or of [every so many](Stream::every). Frames
 /// may differ in size. Once the memory for a frame is there, the next of that size takes nothing more that grows with
@@ -36,6 +49,8 @@ use crate::waterbody::Estimate;
 pub struct Stream<'z> {
     fuser: Fuser<'z>,
     every: usize,
+    /// The content's water, where it is not estimated.
+    given: Option<Estimate>,
     content: Option<Estimate>,
     /// Frames since the content's water was estimated.
     age: usize,
@@ -45,7 +60,18 @@ pub struct Stream<'z> {
 impl<'z> Stream<'z> {
     /// A stream of frames that are fused by `fuser`.
     pub fn new(fuser: Fuser<'z>) -> Self {
-        Self { fuser, every: 1, content: None, age: 0, memory: Memory::default() }
+        Self { fuser, every: 1, given: None, content: None, age: 0, memory: Memory::default() }
+            .steady_over(Steady::FRAMES)
+    }
+
+    /// Averages the water over about so many frames, in a mean that forgets. Default: 8. 1, or 0: each frame by itself.
+    #[must_use]
+    pub fn steady_over(mut self, frames: usize) -> Self {
+        self.memory.steady = (frames > 1).then(|| Steady::over(frames));
+        match self.given {
+            Some(content) => self.content_water(content),
+            None => self,
+        }
     }
 
     /// Estimates the content's water of the first frame and of each so many frames; 0 counts as 1. Without this, of
@@ -56,9 +82,24 @@ impl<'z> Stream<'z> {
         self
     }
 
+    /// Takes `content` for the water of every frame, instead of estimates: the water of the whole sequence, by
+    /// [`waterbody::pool`](crate::waterbody::pool), or a known one. The exposure is then not followed.
+    #[must_use]
+    pub fn content_water(mut self, content: Estimate) -> Self {
+        self.given = Some(content);
+        if let Some(steady) = &mut self.memory.steady {
+            steady.ignore_exposure();
+        }
+        self
+    }
+
     /// Takes another water for the frames to come.
     pub fn refer_to(&mut self, reference: Estimate) {
         self.fuser.refer_to(reference);
+        // A bound on the gain depends on the reference.
+        if let Some(steady) = &mut self.memory.steady {
+            steady.reset();
+        }
     }
 
     /// The content's water that the last frame was fused by; none before the first.
@@ -100,7 +141,7 @@ impl<'z> Stream<'z> {
         frame: Option<ImageRef<'_, u8>>,
         fused: ImageMut<'_, u8>,
     ) -> Result<Report, ImageError> {
-        let known = self.content.filter(|_| self.age < self.every);
+        let known = self.given.or(self.content.filter(|_| self.age < self.every));
         let report = self.fuser.fuse_in(frame, fused, known, &mut self.memory)?;
         self.age = if known.is_some() { self.age + 1 } else { 1 };
         self.content = Some(report.content);

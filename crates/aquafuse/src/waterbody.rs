@@ -27,6 +27,7 @@ pub use evidence::{DepthBin, Evidence, estimate_with_evidence, evidence};
 pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use share::{WaterShare, water_share};
+pub(crate) use share::{sureness, water_share_by};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
 
 use crate::bands;
@@ -291,10 +292,22 @@ impl<E: Encoding> Look<E> {
     pub(crate) fn judged_with_share(&self, whole: Seen<'_>, depth: &DepthMap) -> (Estimate<E>, WaterShare) {
         let estimate = self.judged(depth);
         let veil = estimate.water.veiling_light.rgb().map(E::to_encoded);
-        let size = whole.image.size();
-        let of_region = |region| WaterShare::of(size, region, veil);
+        let share = self.share_by(whole, depth, |seen| (veil, sureness(seen)));
+        (estimate, share)
+    }
+
+    /// How much of each pixel is open water, by the water's colour (encoded) and how sure it is that water is in view, which may
+    /// depend on the likelihood.
+    pub(crate) fn share_by(
+        &self,
+        whole: Seen<'_>,
+        depth: &DepthMap,
+        water: impl FnOnce(f32) -> ([f32; 3], f32),
+    ) -> WaterShare {
         let region = self.region.as_ref().filter(|_| !depth.is_measured());
-        (estimate, region.map_or_else(|| WaterShare::none(size), of_region))
+        let (veil, sure) = water(region.map_or(0.0, |region| region.seen));
+        let size = whole.image.size();
+        region.map_or_else(|| WaterShare::none(size), |region| WaterShare::of(size, region, veil, sure))
     }
 }
 

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use aquafuse::depth::DepthModel;
-use aquafuse_data::batch::{Plan, Request};
+use aquafuse::stream::Steady;
+use aquafuse_data::batch::{Plan, Recipe, Request};
 use aquafuse_data::files::FileError;
-use aquafuse_data::pipeline::PixelEncoding;
+use aquafuse_data::pipeline::{Operation, PixelEncoding};
 use clap::Args;
 
 use crate::args::border::BorderArgument;
@@ -50,6 +51,18 @@ pub(crate) struct BatchArguments {
     /// 32-bit floats of shape (height, width, 3), after all safety bounds.
     #[arg(long, value_name = "DIR")]
     pub(crate) maps: Option<PathBuf>,
+    /// Take the images of a folder for frames of one sequence, in the order of their names: water and levels are means over about so
+    /// many frames (8 without a number), so that the outputs do not flicker. A scene cut begins again.
+    #[arg(
+        long,
+        value_name = "FRAMES",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = STEADY_OVER,
+        value_parser = clap::value_parser!(u16).range(1..),
+        conflicts_with = "maps",
+    )]
+    sequence: Option<u16>,
     /// Write the settings, the waters and a record of each image to this JSON file.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
@@ -59,7 +72,21 @@ pub(crate) struct BatchArguments {
     linear: bool,
 }
 
+/// [`Steady::FRAMES`], in words.
+const STEADY_OVER: &str = "8";
+const _: () = assert!(Steady::FRAMES == 8, "the help says 8");
+
 impl BatchArguments {
+    /// An operation, written as these arguments say.
+    pub(crate) fn recipe(&self, operation: Operation) -> Recipe {
+        Recipe {
+            upright: self.upright,
+            quality: self.quality,
+            steady_over: self.sequence.map(usize::from),
+            ..Recipe::new(operation)
+        }
+    }
+
     /// The encoding to work in.
     pub(crate) fn encoding(&self) -> PixelEncoding {
         encoding(self.linear)

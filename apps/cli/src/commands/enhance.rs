@@ -106,6 +106,6 @@ impl Enhance {
     }
 
     fn recipe(&self, operation: Operation) -> Recipe {
-        Recipe { upright: self.batch.upright, quality: self.batch.quality, ..Recipe::new(operation) }
+        self.batch.recipe(operation)
     }
 }

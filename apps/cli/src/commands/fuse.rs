@@ -46,7 +46,7 @@ pub(crate) struct Fuse {
     water_depth: WaterDepthArguments,
     /// Write a contact sheet of CONTENT and one fused image per value, for example theta=0,30,60,90 or
     /// alpha=0.5,1,2.
-    #[arg(long, value_name = "NAME=V,V", conflicts_with_all = ["json", "maps", "report", "upright"])]
+    #[arg(long, value_name = "NAME=V,V", conflicts_with_all = ["json", "maps", "report", "sequence", "upright"])]
     sweep: Option<Sweep>,
 }
 
@@ -91,12 +91,7 @@ impl Fuse {
                 "quality": reference.quality(),
             }),
         };
-        let recipe = Recipe {
-            operation: Operation::Fuse { reference, options },
-            smoothing,
-            upright: self.batch.upright,
-            quality: self.batch.quality,
-        };
+        let recipe = Recipe { smoothing, ..self.batch.recipe(Operation::Fuse { reference, options }) };
         batch::run(&plan, &recipe, words, &self.batch, common)
     }
 }

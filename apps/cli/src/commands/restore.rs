@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use aquafuse::formation::RestoreOptions;
-use aquafuse_data::batch::Recipe;
 use aquafuse_data::pipeline::Operation;
 use clap::Args;
 use serde_json::json;
@@ -25,6 +24,7 @@ true colours: red is kept from leading where it did not lead. With a depth map i
 Examples:
   aquafuse restore reef.jpg -o clear.png
   aquafuse restore photos/ -o clear/ --depth depths/ --depth-kind metres
+  aquafuse restore frames/ -o clear/ --sequence
   aquafuse restore reef.jpg -o eq2.png --white none --exposure none";
 
 /// Remove the water from an image or a folder of images.
@@ -55,8 +55,7 @@ impl Restore {
         let options = RestoreOptions::default().with_max_gain([self.max_gain; 3]);
         let levels = self.levels.options();
         let operation = Operation::Restore { options, levels, encoding };
-        let recipe =
-            Recipe { upright: self.batch.upright, quality: self.batch.quality, ..Recipe::new(operation) };
+        let recipe = self.batch.recipe(operation);
         let settings = json!({
             "command": "restore",
             "encoding": encoding.name(),

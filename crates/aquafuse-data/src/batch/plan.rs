@@ -129,6 +129,15 @@ pub enum PlanError {
         /// The other.
         other: PathBuf,
     },
+    /// Maps are of an image by itself.
+    #[error(
+        "{} cannot have maps of a sequence, whose water is that of several frames; ask for maps without the sequence",
+        display(folder)
+    )]
+    MapsOfSequence {
+        /// The folder for maps.
+        folder: PathBuf,
+    },
     /// Several outputs exist.
     #[error("{first} ({others} more outputs exist)")]
     Exist {

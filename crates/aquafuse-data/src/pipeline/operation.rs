@@ -4,6 +4,7 @@ use aquafuse::formation::{BoundedRestoration, RestoreBounds, RestoreOptions, res
 use aquafuse::fusion::{Bounded, Bounds, Clipping, Options, TransferLaw, fuse_mut};
 use aquafuse::image::{Encoding, Image, ImageError, Sample};
 use aquafuse::levels::{Levels, LevelsOptions, lightness};
+use aquafuse::stream::Steady;
 use aquafuse::waterbody::Estimate;
 
 use super::encoding::{PixelEncoding, Space, WaterEstimate, with_estimate};
@@ -152,10 +153,34 @@ impl Operation {
         pixels: &mut Pixels,
         found: Option<&Analysis<WaterEstimate>>,
     ) -> Result<Outcome, OperationError> {
+        self.apply_by(pixels, found, None)
+    }
+
+    /// As [`apply`](Self::apply) for the next frame of a sequence, with the water and the levels of the sequence.
+    ///
+    /// # Errors
+    ///
+    /// As [`apply`](Self::apply).
+    pub fn apply_next(
+        &self,
+        pixels: &mut Pixels,
+        found: Option<&Analysis<WaterEstimate>>,
+        steady: &mut Steady,
+    ) -> Result<Outcome, OperationError> {
+        steady.look(&*pixels.bytes());
+        self.apply_by(pixels, found, Some(steady))
+    }
+
+    fn apply_by(
+        &self,
+        pixels: &mut Pixels,
+        found: Option<&Analysis<WaterEstimate>>,
+        steady: Option<&mut Steady>,
+    ) -> Result<Outcome, OperationError> {
         match pixels {
-            Pixels::Bytes(layers) => self.measured(&mut layers.image, found),
-            Pixels::Words(layers) => self.measured(&mut layers.image, found),
-            Pixels::Floats(layers) => self.measured(&mut layers.image, found),
+            Pixels::Bytes(layers) => self.measured(&mut layers.image, found, steady),
+            Pixels::Words(layers) => self.measured(&mut layers.image, found, steady),
+            Pixels::Floats(layers) => self.measured(&mut layers.image, found, steady),
         }
     }
 
@@ -164,9 +189,10 @@ impl Operation {
         &self,
         image: &mut Image<T>,
         found: Option<&Analysis<WaterEstimate>>,
+        steady: Option<&mut Steady>,
     ) -> Result<Outcome, OperationError> {
         let before = Sampled::of(image);
-        let Done { clipping, limited, levels } = self.change(image, found)?;
+        let Done { clipping, limited, levels } = self.change(image, found, steady)?;
         let after = Sampled::of(image);
         let (contrast_left, change) = (after.contrast_beside(&before), after.change_from(&before));
         Ok(Outcome { clipping, limited, contrast_left, change, levels })
@@ -177,10 +203,17 @@ impl Operation {
         &self,
         image: &mut Image<T>,
         found: Option<&Analysis<WaterEstimate>>,
+        steady: Option<&mut Steady>,
     ) -> Result<Done, OperationError> {
-        if let Self::Enhance { levels } = self {
-            let levels = Levels::of(&*image, levels);
-            return Ok(Done { clipping: levels.apply(image), levels: Some(levels), ..Done::default() });
+        if let Self::Enhance { levels: options } = self {
+            let (clipping, levels) = match steady {
+                Some(steady) => steady.enhance_mut(image, options),
+                None => {
+                    let levels = Levels::of(&*image, options);
+                    (levels.apply(image), levels)
+                }
+            };
+            return Ok(Done { clipping, levels: Some(levels), ..Done::default() });
         }
         let found = found.ok_or(OperationError::NoAnalysis)?;
         let (operation, analysis) = (self.encoding(), found.estimate.encoding());
@@ -188,15 +221,15 @@ impl Operation {
             return Err(OperationError::Encodings { operation, analysis });
         }
         match self {
-            Self::Restore { options, levels, .. } => restored(image, found, options, levels),
+            Self::Restore { options, levels, .. } => restored(image, found, options, levels, steady),
             Self::Clarify { .. } => {
                 let before = lightness(&*image);
-                let outcome = self.fused(image, found)?;
+                let outcome = self.fused(image, found, steady)?;
                 let levels = Levels::of_lightness(&*image, before);
                 levels.apply(image);
                 Ok(Done { levels: Some(levels), ..outcome })
             }
-            _ => self.fused(image, found),
+            _ => self.fused(image, found, steady),
         }
     }
 
@@ -205,12 +238,13 @@ impl Operation {
         &self,
         image: &mut Image<T>,
         found: &Analysis<WaterEstimate>,
+        steady: Option<&mut Steady>,
     ) -> Result<Done, OperationError> {
         match &found.estimate {
-            WaterEstimate::Encoded(own) => self.fuse(image, found, own),
+            WaterEstimate::Encoded(own) => self.fuse(image, found, own, steady),
             WaterEstimate::Linear(own) => {
                 let mut light = image.to_linear();
-                let outcome = self.fuse(&mut light, found, own)?;
+                let outcome = self.fuse(&mut light, found, own, steady)?;
                 *image = light.to_encoded().convert();
                 Ok(outcome)
             }
@@ -223,12 +257,18 @@ impl Operation {
         image: &mut Image<T, E>,
         found: &Analysis<WaterEstimate>,
         own: &Estimate<E>,
+        steady: Option<&mut Steady>,
     ) -> Result<Done, OperationError> {
         let (operation, analysis) = (self.encoding(), found.estimate.encoding());
         let fusion = self.fusion().and_then(|(reference, options)| bounded(own, reference, *options));
         let bounded = fusion.ok_or(OperationError::Encodings { operation, analysis })?;
-        let waters = bounded.waters().with_share(&found.share);
-        let clipping = fuse_mut(&mut *image, &found.depth, waters, &bounded.options)?;
+        let clipping = match steady {
+            Some(steady) => steady.fuse_mut(&mut *image, &found.depth, own, &found.share, &bounded)?,
+            None => {
+                let waters = bounded.waters().with_share(&found.share);
+                fuse_mut(&mut *image, &found.depth, waters, &bounded.options)?
+            }
+        };
         let limited = Limited { fusion: bounded.bounds, ..Limited::default() };
         Ok(Done { clipping, limited, levels: None })
     }
@@ -278,40 +318,63 @@ fn restored<T: Sample>(
     found: &Analysis<WaterEstimate>,
     options: &RestoreOptions,
     levels: &LevelsOptions,
+    steady: Option<&mut Steady>,
 ) -> Result<Done, OperationError> {
     match &found.estimate {
         WaterEstimate::Encoded(own) => {
             let bounded = BoundedRestoration::new(&*image, &found.depth, own, options)?;
-            levelled(image, found, &bounded, levels, |image| {
-                restore_mut(image, &found.depth, &bounded.water, &bounded.options)
-            })
+            if levels.sets_nothing() {
+                return Ok(restored_alone(image, found, own, &bounded, steady)?);
+            }
+            Ok(levelled(image, found, own, &bounded, levels, steady)?)
         }
         WaterEstimate::Linear(own) => {
-            let bounded = BoundedRestoration::new(&image.to_linear(), &found.depth, own, options)?;
-            levelled(image, found, &bounded, levels, |image| {
-                let mut light = image.to_linear();
-                let clipping = restore_mut(&mut light, &found.depth, &bounded.water, &bounded.options)?;
+            let mut light = image.to_linear();
+            let bounded = BoundedRestoration::new(&light, &found.depth, own, options)?;
+            if levels.sets_nothing() {
+                let done = restored_alone(&mut light, found, own, &bounded, steady)?;
                 *image = light.to_encoded().convert();
-                Ok(clipping)
-            })
+                return Ok(done);
+            }
+            drop(light);
+            Ok(levelled(image, found, own, &bounded, levels, steady)?)
         }
     }
 }
 
-/// Restores an image and sets its levels in one pass, or restores it `alone` where no levels are wanted.
+/// Restores an image whose levels stay.
+fn restored_alone<T: Sample, E: Encoding>(
+    image: &mut Image<T, E>,
+    found: &Analysis<WaterEstimate>,
+    own: &Estimate<E>,
+    bounded: &BoundedRestoration<E>,
+    steady: Option<&mut Steady>,
+) -> Result<Done, ImageError> {
+    let clipping = match steady {
+        Some(steady) => steady.restore_mut(image, &found.depth, own, bounded)?,
+        None => restore_mut(image, &found.depth, &bounded.water, &bounded.options)?,
+    };
+    let limited = Limited { restoration: bounded.bounds, ..Limited::default() };
+    Ok(Done { clipping, limited, levels: None })
+}
+
+/// Restores an image and sets its levels in one pass.
 fn levelled<T: Sample, E: Encoding>(
     image: &mut Image<T>,
     found: &Analysis<WaterEstimate>,
+    own: &Estimate<E>,
     bounded: &BoundedRestoration<E>,
     options: &LevelsOptions,
-    alone: impl FnOnce(&mut Image<T>) -> Result<Clipping, ImageError>,
-) -> Result<Done, OperationError> {
+    steady: Option<&mut Steady>,
+) -> Result<Done, ImageError> {
+    let (clipping, levels) = match steady {
+        Some(steady) => steady.restore_and_level_mut(image, &found.depth, own, bounded, options)?,
+        None => {
+            let levels = bounded.levels(&*image, &found.depth, options)?;
+            (bounded.restore_and_level_mut(image, &found.depth, &levels)?, levels)
+        }
+    };
     let limited = Limited { restoration: bounded.bounds, ..Limited::default() };
-    if options.sets_nothing() {
-        return Ok(Done { clipping: alone(image)?, limited, ..Done::default() });
-    }
-    let levels = bounded.levels(&*image, &found.depth, options)?;
-    let clipping = bounded.restore_and_level_mut(image, &found.depth, &levels)?;
     Ok(Done { clipping, limited, levels: Some(levels) })
 }
 

@@ -472,6 +472,12 @@ impl DepthMap {
         self.sum_over_pixels(image, law, |pixel, value, ()| change(pixel, value), |(), ()| ());
     }
 
+    /// The farthest distance that is distinguished from what is farther.
+    pub(crate) fn reach(&self) -> f32 {
+        let quantised = self.quantised();
+        quantised.step * (LEVELS - 1) as f32
+    }
+
     /// This map in 256 even steps, for estimators that count.
     pub(crate) fn quantised(&self) -> Quantised<'_> {
         match &self.values {

@@ -2,10 +2,11 @@
 
 use std::marker::PhantomData;
 
-use super::{BoundedRestoration, undoing};
+use super::{BoundedRestoration, restore_by_mut, undoing};
 use crate::depth::{DepthMap, InSteps};
 use crate::image::{Clipping, Encoding, ImageError, ImageMut, ImageRef, Sample};
 use crate::levels::{Before, Levels, LevelsOptions};
+use crate::stream::{EffectTable, WaterEffect};
 
 impl<E: Encoding> BoundedRestoration<E> {
     /// The levels of what [`restore_and_level_mut`](Self::restore_and_level_mut) restores. With depth from colour red is kept from
@@ -57,11 +58,64 @@ impl<E: Encoding> BoundedRestoration<E> {
         Ok(levels.apply_restored(image, &self.restored(depth)))
     }
 
-    fn restored<'a>(&self, depth: &'a DepthMap) -> Restored<'a, E, impl Fn(f32) -> Change + Sync> {
-        let law = undoing(&self.water, &self.options);
-        let table = depth.in_steps().map(|steps| (steps, steps.table(&law)));
-        Restored { depth, table, law, encoding: PhantomData::<E> }
+    /// [`levels`](Self::levels) where this is the veiling light, and the rest is read from a table if there is one.
+    pub(crate) fn levels_by<T: Sample>(
+        &self,
+        image: ImageRef<'_, T>,
+        depth: &DepthMap,
+        options: &LevelsOptions,
+        veil: [f32; 3],
+        effect: Option<&EffectTable>,
+    ) -> Levels {
+        let restored = restored::<E, _>(depth, self.by_effect(veil, effect));
+        Levels::of_restored(image, options, self.depth_from_colour, &restored)
     }
+
+    /// [`restore_and_level_mut`](Self::restore_and_level_mut), likewise.
+    pub(crate) fn restore_and_level_by_mut<T: Sample>(
+        &self,
+        image: ImageMut<'_, T>,
+        depth: &DepthMap,
+        levels: &Levels,
+        veil: [f32; 3],
+        effect: Option<&EffectTable>,
+    ) -> Clipping {
+        levels.apply_restored(image, &restored::<E, _>(depth, self.by_effect(veil, effect)))
+    }
+
+    /// [`restore_mut`](super::restore_mut), likewise.
+    pub(crate) fn restore_by_mut<T: Sample>(
+        &self,
+        image: ImageMut<'_, T, E>,
+        depth: &DepthMap,
+        veil: [f32; 3],
+        effect: Option<&EffectTable>,
+    ) -> Result<Clipping, ImageError> {
+        restore_by_mut(image, depth, self.by_effect(veil, effect))
+    }
+
+    /// What the water does at a distance, and the gain that undoes it.
+    pub(crate) fn effect(&self) -> impl Fn(f32) -> WaterEffect {
+        let law = undoing(&self.water, &self.options);
+        move |z| WaterEffect { factor: self.water.depth_factor(z), gain: law(z).0 }
+    }
+
+    fn by_effect(&self, veil: [f32; 3], effect: Option<&EffectTable>) -> impl Fn(f32) -> Change {
+        let own = self.effect();
+        move |z| {
+            let WaterEffect { factor, gain } = effect.map_or_else(|| own(z), |effect| effect.at(z));
+            (gain, std::array::from_fn(|c| veil[c] * (1.0 - factor[c])))
+        }
+    }
+
+    fn restored<'a>(&self, depth: &'a DepthMap) -> Restored<'a, E, impl Fn(f32) -> Change + Sync> {
+        restored(depth, undoing(&self.water, &self.options))
+    }
+}
+
+fn restored<E: Encoding, L: Fn(f32) -> Change + Sync>(depth: &DepthMap, law: L) -> Restored<'_, E, L> {
+    let table = depth.in_steps().map(|steps| (steps, steps.table(&law)));
+    Restored { depth, table, law, encoding: PhantomData::<E> }
 }
 
 /// Gain and backscatter.

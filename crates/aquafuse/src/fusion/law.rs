@@ -2,7 +2,8 @@
 
 use super::{Model, Options, Waters};
 use crate::image::{Encoded, Encoding};
-use crate::waterbody::{DepthFactors, Waterbody};
+use crate::stream::{EffectTable, WaterEffect};
+use crate::waterbody::{DepthFactors, VeilingLight, Waterbody};
 
 /// What fusion does to the pixels of each depth.
 ///
@@ -134,17 +135,40 @@ impl<E: Encoding> TransferLaw<E> {
 
     /// What happens at distance `z`.
     pub fn at(&self, z: f32) -> PixelTransform {
+        self.at_with(z, self.of_content(z))
+    }
+
+    /// What happens at distance `z` where the content's water does this there.
+    pub(super) fn at_with(&self, z: f32, content: WaterEffect) -> PixelTransform {
         match self.model {
-            Model::Aquafuse => self.shift(z, |factor| factor * (1.0 - factor)),
-            Model::Physical => self.shift(z, |factor| 1.0 - factor),
-            Model::Exchange => self.exchange(z),
+            Model::Aquafuse => self.shift(content.factor, |factor| factor * (1.0 - factor)),
+            Model::Physical => self.shift(content.factor, |factor| 1.0 - factor),
+            Model::Exchange => self.exchange(z, content),
         }
     }
 
+    /// What the content's water does at distance `z`, and the gain that undoes it.
+    pub(crate) fn of_content(&self, z: f32) -> WaterEffect {
+        let gain = match self.model {
+            Model::Aquafuse | Model::Physical => [1.0; 3],
+            Model::Exchange => std::array::from_fn(|c| self.net_gain(c, z)),
+        };
+        WaterEffect { factor: self.depth_factor(z, 0.0), gain }
+    }
+
+    /// The content's veiling light B1∞.
+    pub(crate) fn own_veil(&self) -> [f32; 3] {
+        self.content.veiling_light.rgb()
+    }
+
+    /// Takes another veiling light for the content's.
+    pub(crate) fn set_own_veil(&mut self, veil: [f32; 3]) {
+        self.content.veiling_light = VeilingLight::new(veil);
+    }
+
     /// Adds a share of the veils' difference, which depends on the content's depth factor.
-    fn shift(&self, z: f32, weight: impl Fn(f32) -> f32) -> PixelTransform {
+    fn shift(&self, factor: [f32; 3], weight: impl Fn(f32) -> f32) -> PixelTransform {
         let own = self.content.veiling_light.rgb();
-        let factor = self.depth_factor(z, 0.0);
         let offset = |c: usize| weight(factor[c]) * (self.cosine * (self.veil[c] - own[c]));
         PixelTransform { gain: [1.0; 3], offset: std::array::from_fn(offset) }
     }
@@ -158,15 +182,15 @@ impl<E: Encoding> TransferLaw<E> {
     /// A direct signal U1 - B1 below 0 is noise, or the backscatter was taken too bright. It is kept and
     /// changed as any other: cut off at 0, one's own water would no longer give the image back, and noise
     /// around 0 would lighten the image on average.
-    fn exchange(&self, z: f32) -> PixelTransform {
-        let own = self.content.backscatter(z);
+    fn exchange(&self, z: f32, content: WaterEffect) -> PixelTransform {
+        let veil = self.content.veiling_light.rgb();
         let factor = self.reference.depth_factor(z);
         let mut change = PixelTransform { gain: [1.0; 3], offset: [0.0; 3] };
         for c in 0..3 {
-            let other = self.veil[c] * (1.0 - factor[c]);
-            let gain = self.net_gain(c, z);
+            let (own, other) = (veil[c] * (1.0 - content.factor[c]), self.veil[c] * (1.0 - factor[c]));
+            let gain = content.gain[c];
             change.gain[c] = 1.0 + self.cosine * (gain - 1.0);
-            change.offset[c] = self.cosine * (other - own[c] * gain);
+            change.offset[c] = self.cosine * (other - own * gain);
         }
         change
     }
@@ -177,5 +201,38 @@ impl<E: Encoding> TransferLaw<E> {
         // The difference first: of equal curves nothing is left however far away, where τ would be infinite.
         let difference = (own - other) * z;
         if difference.is_nan() { 1.0 } else { difference.exp().min(self.max_gain) }
+    }
+}
+
+/// A law, of one image or of a sequence: there the content's water is read from a table.
+#[derive(Clone, Copy)]
+pub(crate) struct LawInUse<'a, E: Encoding> {
+    law: &'a TransferLaw<E>,
+    table: Option<&'a EffectTable>,
+}
+
+impl<'a, E: Encoding> LawInUse<'a, E> {
+    /// The law, with the content's water read from `table` if there is one.
+    pub(crate) fn new(law: &'a TransferLaw<E>, table: Option<&'a EffectTable>) -> Self {
+        Self { law, table }
+    }
+
+    /// Which model it is of.
+    pub(super) fn model(&self) -> Model {
+        self.law.model
+    }
+
+    /// What happens at distance `z`.
+    pub(super) fn at(&self, z: f32) -> PixelTransform {
+        match self.table {
+            Some(table) => self.law.at_with(z, table.at(z)),
+            None => self.law.at(z),
+        }
+    }
+
+    /// As [`TransferLaw::in_share`].
+    #[inline(always)]
+    pub(super) fn in_share(&self, things: PixelTransform, w: f32) -> PixelTransform {
+        self.law.in_share(things, w)
     }
 }

@@ -5,7 +5,7 @@
 //! is off by less than 1/64 before it is rounded, and a w that changes slowly shows no steps but those of the bytes.
 
 use super::shift::{BLOCK, Shifts};
-use super::{Model, PixelTransform, TransferLaw};
+use super::{LawInUse, PixelTransform};
 use crate::bands;
 use crate::depth::{DepthMap, InSteps, Stepped, TABLE};
 use crate::image::{Encoding, ImageError, ImageMut, ImageRef, Sample};
@@ -21,16 +21,15 @@ pub(super) fn fuse<T: Sample, E: Encoding>(
     content: Option<ImageRef<'_, T, E>>,
     mut fused: ImageMut<'_, T, E>,
     depth: &DepthMap,
-    law: &TransferLaw<E>,
+    law: LawInUse<'_, E>,
     share: &WaterShare,
-    model: Model,
 ) -> Result<[u64; 3], ImageError> {
     if let Some(content) = content {
         fused.copy_from(content)?;
     }
     Ok(match depth.in_steps() {
-        Some(InSteps::Levels(levels)) => by_steps(fused, levels, law, share, model),
-        Some(InSteps::Steps(steps)) => by_steps(fused, steps, law, share, model),
+        Some(InSteps::Levels(levels)) => by_steps(fused, levels, law, share),
+        Some(InSteps::Steps(steps)) => by_steps(fused, steps, law, share),
         None => change_pixels(fused, law, share, |x, y| law.at(depth.at(x, y))),
     })
 }
@@ -39,11 +38,10 @@ pub(super) fn fuse<T: Sample, E: Encoding>(
 fn by_steps<T: Sample, E: Encoding, S: Stepped>(
     mut fused: ImageMut<'_, T, E>,
     depths: &[S],
-    law: &TransferLaw<E>,
+    law: LawInUse<'_, E>,
     share: &WaterShare,
-    model: Model,
 ) -> [u64; 3] {
-    if model.is_shift()
+    if law.model().is_shift()
         && let Some(bytes) = fused.reborrow().into_bytes()
         && let Some(table) = Table::new::<S, E>(law)
     {
@@ -80,7 +78,7 @@ fn shift_bytes<E: Encoding, S: Stepped>(
 /// The law at each pixel, whatever it is; `things` is the law where nothing is open water.
 fn change_pixels<T: Sample, E: Encoding>(
     image: ImageMut<'_, T, E>,
-    law: &TransferLaw<E>,
+    law: LawInUse<'_, E>,
     share: &WaterShare,
     things: impl Fn(usize, usize) -> PixelTransform + Sync,
 ) -> [u64; 3] {
@@ -121,7 +119,7 @@ struct Table {
 
 impl Table {
     /// None for a law that takes a byte farther than from black to white, or one channel up and down, which no shift does.
-    fn new<S: Stepped, E: Encoding>(law: &TransferLaw<E>) -> Option<Self> {
+    fn new<S: Stepped, E: Encoding>(law: LawInUse<'_, E>) -> Option<Self> {
         let steps = |offset: f32| (255.0 * STEPS * offset).round();
         let water = law.in_share(PixelTransform::NONE, 1.0).offset.map(steps);
         // A NaN is no such shift either.

@@ -73,14 +73,32 @@ pub fn water_share<'a, E: Encoding>(
     veiling_light: &VeilingLight<E>,
     options: &EstimateOptions,
 ) -> Result<WaterShare, ImageError> {
-    let image = image.into();
+    let veil = veiling_light.rgb().map(E::to_encoded);
+    water_share_by(image.into(), depth, options, |seen| (veil, sureness(seen)))
+}
+
+/// [`water_share`] by the water's colour and how sure it is that water is in view, which may depend on the likelihood.
+pub(crate) fn water_share_by(
+    image: ImageRef<'_, u8>,
+    depth: &DepthMap,
+    options: &EstimateOptions,
+    water: impl FnOnce(f32) -> ([f32; 3], f32),
+) -> Result<WaterShare, ImageError> {
     depth.check_fits(image.size())?;
     if options.veiling_light == VeilingLightMethod::Published || depth.is_measured() {
+        water(0.0);
         return Ok(WaterShare::none(image.size()));
     }
     let cells = Cells::new(image, &depth.quantised().levels);
     let region = Region::of(cells, depth.model().is_none(), options.top);
-    Ok(WaterShare::of(image.size(), &region, veiling_light.rgb().map(E::to_encoded)))
+    let (veil, sure) = water(region.seen);
+    Ok(WaterShare::of(image.size(), &region, veil, sure))
+}
+
+/// What is left of w where open water is in view with this likelihood.
+pub(crate) fn sureness(seen: f32) -> f32 {
+    let within = ((seen - UNLIKELY) / (LIKELY - UNLIKELY)).clamp(0.0, 1.0);
+    within * within * (3.0 - 2.0 * within)
 }
 
 impl WaterShare {
@@ -90,21 +108,35 @@ impl WaterShare {
         Self { width, height, seen: 0.0, mean: 0.0, sure: 0.0, map: None }
     }
 
-    /// The share of an image of this size, by the region that is likeliest to be water; `veil` is the water's colour, encoded.
-    pub(super) fn of(size: (usize, usize), region: &Region, veil: [f32; 3]) -> Self {
+    /// The share of an image of this size, by the region that is likeliest to be water; `veil` is the water's colour, encoded, and
+    /// `sure` what is left of w.
+    pub(super) fn of(size: (usize, usize), region: &Region, veil: [f32; 3], sure: f32) -> Self {
         let none = Self { seen: region.seen, ..Self::none(size) };
-        let within = ((region.seen - UNLIKELY) / (LIKELY - UNLIKELY)).clamp(0.0, 1.0);
-        if within == 0.0 || veil.iter().all(|&channel| channel < FAINTEST_WATER) {
+        if sure == 0.0 || veil.iter().all(|&channel| channel < FAINTEST_WATER) {
             return none;
         }
         let colours: Vec<[f32; 3]> =
             region.cells.all().iter().map(|cell| cell.mean.map(|v| v / 255.0)).collect();
         let map: Vec<f32> =
             (0..colours.len()).map(|i| share_of_cell(region, i, &colours[i], &veil)).collect();
-        let sure = within * within * (3.0 - 2.0 * within);
         let mean = map.iter().map(|&share| f64::from(share)).sum::<f64>() / map.len() as f64;
         let map = Guided::new(region.cells.grid(), &colours, &map, FLAT);
         Self { sure, mean: (f64::from(sure) * mean) as f32, map: Some(map), ..none }
+    }
+
+    /// What is left of w where it is not sure that water is in view.
+    pub(crate) fn sure(&self) -> f32 {
+        self.sure
+    }
+
+    /// The same where it is as sure as this.
+    pub(crate) fn with_sure(self, sure: f32) -> Self {
+        // Neither is known where there are no fits.
+        if self.is_none() || sure == self.sure {
+            return self;
+        }
+        let mean = if self.sure > 0.0 { self.mean * sure / self.sure } else { 0.0 };
+        Self { sure, mean, ..self }
     }
 
     /// Columns and rows of the image.

@@ -1,4 +1,4 @@
-use super::super::{Options, Waters, fuse, fuse_mut};
+use super::super::{Model, Options, Waters, fuse, fuse_mut};
 use super::*;
 use crate::depth;
 use crate::image::Image;

@@ -10,9 +10,10 @@ use aquafuse::depth::DepthKind;
 use aquafuse::fusion::Options;
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Shard, Water as Drawable};
-use aquafuse_data::dataset::{Dataset, Layout};
+use aquafuse_data::dataset::{Dataset, Layout, Splits};
 use aquafuse_data::files::{display, make_folder, sha256};
 use aquafuse_data::image_file::ReadOptions;
+use aquafuse_data::pipeline::MapSize;
 use aquafuse_data::run::{self, RunOptions, Summary};
 use aquafuse_data::water_file::WaterFile;
 use pyo3::prelude::*;
@@ -57,6 +58,9 @@ pub(crate) struct Settings<'py> {
 /// What a run reports: `started` with a total, then `done`, `skipped` or `failed` with an item and a message.
 type Told = (&'static str, String, String, usize);
 
+/// Images on the sheet of a run, as by the command.
+const PREVIEW: usize = 4;
+
 /// Multiplies a dataset; returns how many images are done, skipped, failed and left.
 #[pyfunction]
 pub(crate) fn augment<'py>(
@@ -88,8 +92,20 @@ pub(crate) fn augment<'py>(
     let (overwrite, on_bad) = (settings.overwrite, recipe.on_bad_annotation);
     let job = threads::work(py, || {
         let mut dataset = Dataset::open(&dataset, layout, &run_options.reading).map_err(Fault::run)?;
+        // As the command does by default.
+        let splits = dataset.splits(None).map_err(Fault::run)?;
         without_bad(&mut dataset, on_bad)?;
-        Ok(Augmentation { dataset, output, recipe, shard, overwrite, manifest_table: false, run_options })
+        let recipe = Recipe { splits, ..recipe };
+        Ok(Augmentation {
+            dataset,
+            output,
+            recipe,
+            shard,
+            overwrite,
+            manifest_table: false,
+            preview: PREVIEW,
+            run_options,
+        })
     })?;
     let Summary { done, skipped, failed, left } = run(py, &job, listener)?;
     Ok((done, skipped, failed, left))
@@ -214,7 +230,9 @@ impl Settings<'_> {
         };
         let depth = match (&self.depth, self.depth_kind.as_deref()) {
             (None, None) => DepthPlan::Estimated(reading.depth_model()?),
-            (Some(folder), Some(name)) => DepthPlan::Maps { folder: folder.clone(), kind: kind(name)? },
+            (Some(folder), Some(name)) => {
+                DepthPlan::Maps { folder: folder.clone(), kind: kind(name)?, size: MapSize::Exact }
+            }
             _ => {
                 return Err(Fault::argument("depth, a folder of maps, and depth_kind need each other").into());
             }
@@ -230,6 +248,7 @@ impl Settings<'_> {
             on_doubtful,
             on_bad_annotation,
             keep_originals: self.keep_originals,
+            splits: Splits::All,
             quality: self.quality,
         })
     }

@@ -10,7 +10,7 @@ use aquafuse::depth::DepthKind;
 use aquafuse::fusion::Options;
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Shard, Water as Drawable};
-use aquafuse_data::dataset::{Dataset, Layout, Splits};
+use aquafuse_data::dataset::{Dataset, DatasetOptions, Layout, Splits};
 use aquafuse_data::files::{display, make_folder, sha256};
 use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::pipeline::MapSize;
@@ -31,6 +31,9 @@ type Named<'py> = (String, Bound<'py, Water>, Option<PathBuf>);
 #[pyo3(from_item_all)]
 pub(crate) struct Settings<'py> {
     layout: Option<String>,
+    sidecars: Vec<String>,
+    splits: Option<String>,
+    preview: u16,
     per_image: u32,
     keep_originals: bool,
     seed: u64,
@@ -47,6 +50,7 @@ pub(crate) struct Settings<'py> {
     max_errors: Option<usize>,
     depth: Option<PathBuf>,
     depth_kind: Option<String>,
+    depth_resize: bool,
     model: String,
     theta: Option<f32>,
     alpha: Option<f32>,
@@ -57,9 +61,6 @@ pub(crate) struct Settings<'py> {
 
 /// What a run reports: `started` with a total, then `done`, `skipped` or `failed` with an item and a message.
 type Told = (&'static str, String, String, usize);
-
-/// Images on the sheet of a run, as by the command.
-const PREVIEW: usize = 4;
 
 /// Multiplies a dataset; returns how many images are done, skipped, failed and left.
 #[pyfunction]
@@ -87,25 +88,20 @@ pub(crate) fn augment<'py>(
         reading: ReadOptions { border, ..ReadOptions::default() },
         ..RunOptions::default()
     };
+    let reading = run_options.reading.clone();
     let layout = settings.layout.as_deref().map(layout).transpose()?;
+    let how = DatasetOptions { layout, sidecars: settings.sidecars.clone(), reading };
+    let splits = settings.splits.as_deref().map(str::parse::<Splits>).transpose().map_err(Fault::argument)?;
     let shard = shard(settings.shard)?;
-    let (overwrite, on_bad) = (settings.overwrite, recipe.on_bad_annotation);
+    let (overwrite, on_bad, preview) =
+        (settings.overwrite, recipe.on_bad_annotation, settings.preview.into());
     let job = threads::work(py, || {
-        let mut dataset = Dataset::open(&dataset, layout, &run_options.reading).map_err(Fault::run)?;
-        // As the command does by default.
-        let splits = dataset.splits(None).map_err(Fault::run)?;
+        let mut dataset = Dataset::open_with(&dataset, &how).map_err(Fault::run)?;
+        let splits = dataset.splits(splits.as_ref()).map_err(Fault::run)?;
         without_bad(&mut dataset, on_bad)?;
         let recipe = Recipe { splits, ..recipe };
-        Ok(Augmentation {
-            dataset,
-            output,
-            recipe,
-            shard,
-            overwrite,
-            manifest_table: false,
-            preview: PREVIEW,
-            run_options,
-        })
+        let manifest_table = false;
+        Ok(Augmentation { dataset, output, recipe, shard, overwrite, manifest_table, preview, run_options })
     })?;
     let Summary { done, skipped, failed, left } = run(py, &job, listener)?;
     Ok((done, skipped, failed, left))
@@ -231,7 +227,8 @@ impl Settings<'_> {
         let depth = match (&self.depth, self.depth_kind.as_deref()) {
             (None, None) => DepthPlan::Estimated(reading.depth_model()?),
             (Some(folder), Some(name)) => {
-                DepthPlan::Maps { folder: folder.clone(), kind: kind(name)?, size: MapSize::Exact }
+                let size = if self.depth_resize { MapSize::Scaled } else { MapSize::Exact };
+                DepthPlan::Maps { folder: folder.clone(), kind: kind(name)?, size }
             }
             _ => {
                 return Err(Fault::argument("depth, a folder of maps, and depth_kind need each other").into());

@@ -60,7 +60,7 @@ impl Estimate {
     /// The reasons in words.
     #[getter]
     fn reasons_in_words(&self) -> Vec<&'static str> {
-        self.found.estimate.quality.reasons.iter().map(|reason| reason.describe()).collect()
+        self.found.estimate.quality.reasons.iter().map(aquafuse::waterbody::Reason::describe).collect()
     }
 
     #[getter]

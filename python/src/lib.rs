@@ -2,6 +2,8 @@
 //!
 //! Names, defaults and documentation stand in the Python files beside this crate. Nothing here is physics.
 
+#![allow(clippy::needless_pass_by_value, reason = "what Python passes is taken from it by value")]
+
 mod array;
 mod augment;
 mod command;

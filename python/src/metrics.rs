@@ -47,9 +47,12 @@ pub(crate) fn depth_rmse(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, model: &str
     Ok(found.percent())
 }
 
-/// Scores without a reference: UCIQE, UIQM, colour, contrast, sharpness and lightness.
+/// UCIQE, UIQM, colour, contrast, sharpness and lightness.
+type WithoutReference = (f64, Option<f64>, f64, f64, Option<f64>, f64);
+
+/// Scores without a reference.
 #[pyfunction]
-pub(crate) fn scores(image: &Bound<'_, PyAny>) -> PyResult<(f64, Option<f64>, f64, f64, Option<f64>, f64)> {
+pub(crate) fn scores(image: &Bound<'_, PyAny>) -> PyResult<WithoutReference> {
     let pixels = take(image)?.pixels;
     let Scores { uciqe, uiqm, colour, contrast, sharpness, lightness } =
         threads::work(image.py(), || Ok(Scores::of(&pixels.bytes())))?;

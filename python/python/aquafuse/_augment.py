@@ -87,6 +87,9 @@ def augment(
     on_doubtful: str = "flag",
     on_bad_annotation: Literal["refuse", "skip", "keep"] = "refuse",
     layout: Layout | None = None,
+    splits: str | None = None,
+    sidecars: Sequence[str] = (),
+    preview: int = 4,
     shard: tuple[int, int] = (1, 1),
     overwrite: bool = False,
     quality: int = 95,
@@ -94,6 +97,7 @@ def augment(
     max_errors: int | None = None,
     depth: str | os.PathLike[str] | None = None,
     depth_kind: DepthKind | None = None,
+    depth_resize: bool = False,
     model: Model = "physical",
     theta: float | None = None,
     alpha: float | None = None,
@@ -123,6 +127,10 @@ def augment(
         on_doubtful: ``flag``, ``skip`` or ``preset:NAME``, for doubtful estimates.
         on_bad_annotation: What to do about bad annotations.
         layout: The layout of the dataset; by default it is detected.
+        splits: ``all``, or some of ``train,val,test``; by default the training split, if there is one beside others. Images of
+            other splits are copied.
+        sidecars: Extensions of further files that belong to the images of the same name.
+        preview: Images on the sheet ``preview.jpg``, 0 to 100; 0 for no sheet.
         shard: Part I of N, as (I, N), for several machines.
         overwrite: Delete what a run with other settings wrote, and start over.
         quality: JPEG quality, 1 to 100.
@@ -130,6 +138,7 @@ def augment(
         max_errors: Stop when more images than this have failed.
         depth: A folder of depth maps with the same stems.
         depth_kind: What the values of those maps are.
+        depth_resize: Accept maps of another size and the same proportions.
         on_event: Called with an :class:`Event` for each image, in this thread.
         progress: Show progress by ``tqdm``, if it is installed.
 
@@ -160,6 +169,9 @@ def augment(
             how,
             {
                 "layout": layout,
+                "splits": splits,
+                "sidecars": list(sidecars),
+                "preview": preview,
                 "per_image": per_image,
                 "keep_originals": keep_originals,
                 "seed": seed,
@@ -176,6 +188,7 @@ def augment(
                 "max_errors": max_errors,
                 "depth": None if depth is None else os.fspath(depth),
                 "depth_kind": depth_kind,
+                "depth_resize": depth_resize,
                 "model": model,
                 "theta": theta,
                 "alpha": alpha,

@@ -5,9 +5,6 @@ mod avx2;
 
 use crate::simd::Level;
 
-/// Pixels packed at once by vectors.
-const BLOCK: usize = 8;
-
 /// Packs as many pixels as there are words.
 pub(crate) fn pack(level: Level, pixels: &[[u8; 3]], words: &mut [u32]) {
     match level {

@@ -6,8 +6,10 @@ use std::arch::x86_64::{
     __m128i, _mm_loadu_si128, _mm256_set_m128i, _mm256_setr_epi8, _mm256_shuffle_epi8, _mm256_storeu_si256,
 };
 
-use super::BLOCK;
 use crate::simd::Avx2;
+
+/// Pixels packed at once.
+const BLOCK: usize = 8;
 
 /// [`super::pack`] of whole blocks.
 #[inline]

@@ -88,7 +88,7 @@ pub(crate) fn augment<'py>(
         reading: ReadOptions { border, ..ReadOptions::default() },
         ..RunOptions::default()
     };
-    let reading = run_options.reading.clone();
+    let reading = run_options.reading;
     let layout = settings.layout.as_deref().map(layout).transpose()?;
     let how = DatasetOptions { layout, sidecars: settings.sidecars.clone(), reading };
     let splits = settings.splits.as_deref().map(str::parse::<Splits>).transpose().map_err(Fault::argument)?;

@@ -194,13 +194,11 @@ fn mixed(from: &Affine, to: &Affine, [of_from, of_to]: [f32; 2]) -> Affine {
 
 /// For each cell the affine function of colour, in `[0, 1]`, that follows `map` around it, a mean of those of its neighbours.
 fn fit(columns: usize, colours: &[[f32; 3]], map: &[f32], flat: f32) -> Vec<Affine> {
-    let mean = |of: &dyn Fn(usize) -> f32| {
-        mean_around(columns, REACH, &(0..map.len()).map(of).collect::<Vec<f32>>())
-    };
-    let of_colour = [0, 1, 2].map(|c| mean(&|i| colours[i][c]));
-    let of_map = mean(&|i| map[i]);
-    let products = [0, 1, 2].map(|c| mean(&|i| colours[i][c] * map[i]));
-    let squares = PAIRS.map(|(a, b)| mean(&|i| colours[i][a] * colours[i][b]));
+    let cells = map.len();
+    let of_colour = [0, 1, 2].map(|c| mean(columns, cells, |i| colours[i][c]));
+    let of_map = mean(columns, cells, |i| map[i]);
+    let products = [0, 1, 2].map(|c| mean(columns, cells, |i| colours[i][c] * map[i]));
+    let squares = PAIRS.map(|(a, b)| mean(columns, cells, |i| colours[i][a] * colours[i][b]));
     let fits: Vec<Affine> = (0..map.len())
         .map(|i| {
             let means = of_colour.each_ref().map(|mean| mean[i]);
@@ -213,8 +211,13 @@ fn fit(columns: usize, colours: &[[f32; 3]], map: &[f32], flat: f32) -> Vec<Affi
             [r, g, b, of_map[i] - r * means[0] - g * means[1] - b * means[2]]
         })
         .collect();
-    let [r, g, b, one] = [0, 1, 2, 3].map(|k| mean(&|i| fits[i][k]));
+    let [r, g, b, one] = [0, 1, 2, 3].map(|k| mean(columns, cells, |i| fits[i][k]));
     (0..map.len()).map(|i| [r[i] / 255.0, g[i] / 255.0, b[i] / 255.0, one[i]]).collect()
+}
+
+/// The mean around each cell of what is known of it.
+fn mean(columns: usize, cells: usize, of: impl Fn(usize) -> f32) -> Vec<f32> {
+    mean_around(columns, REACH, &(0..cells).map(of).collect::<Vec<f32>>())
 }
 
 /// The entries of a symmetric matrix, in the order in which they are kept.

@@ -140,11 +140,13 @@ fn some_rows(from: usize, to: usize) -> impl ExactSizeIterator<Item = usize> {
 
 fn cell<R: Raw>(values: &[u32], depths: &[u32], columns: Range<usize>, rows: usize) -> ([f32; 3], f32) {
     let count = (columns.len() * rows) as f64;
-    let sum = |values: &mut dyn Iterator<Item = u32>| values.map(u64::from).sum::<u64>() as f64;
-    let depth = sum(&mut depths[columns.clone()].iter().copied()) / (f64::from(R::ONE) * count);
-    let pixels = values[3 * columns.start..3 * columns.end].as_chunks::<3>().0;
-    let colour = [0, 1, 2].map(|c| (sum(&mut pixels.iter().map(|pixel| pixel[c])) / (255.0 * count)) as f32);
-    (colour, depth as f32)
+    let depth: u64 = depths[columns.clone()].iter().map(|&sum| u64::from(sum)).sum();
+    let mut colour = [0_u64; 3];
+    for pixel in values[3 * columns.start..3 * columns.end].as_chunks::<3>().0 {
+        (0..3).for_each(|c| colour[c] += u64::from(pixel[c]));
+    }
+    let mean = |sum: u64, one: f64| (sum as f64 / (one * count)) as f32;
+    (colour.map(|sum| mean(sum, 255.0)), mean(depth, f64::from(R::ONE)))
 }
 
 struct AddRow<'a, T, R> {

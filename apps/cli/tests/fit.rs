@@ -25,7 +25,7 @@ fn pairs(run: &Run, known: Eq3) {
     for (seed, water, format) in pairs {
         let rgb = run.path(&format!("pairs/rgb/{water}.png"));
         scene(&rgb, seed, water);
-        let depth = DepthModel::Eq3(known).estimate(&ImageFile::read(&rgb).unwrap().bytes());
+        let depth = DepthModel::Eq3(known).estimate_unfiltered(&ImageFile::read(&rgb).unwrap().bytes());
         depth_file::write(&run.path(&format!("pairs/depth/{water}.{format}")), &depth, &Default::default())
             .unwrap();
     }

@@ -76,8 +76,9 @@ fn compare(run: &Run, python: &Path, content: &str, reference: &str, model: &str
     };
     fused("theirs.png", &["--depth", "their_z.png"]);
     fused("fast.png", &["--fast"]);
-    run.ok(&["fuse", content, reference, "-o", "ours.png", "--model", model, "--overwrite"]);
-    run.ok(&["depth", content, "-o", "our_z.png", "--overwrite"]);
+    let median = ["--depth-model", "eq3-median", "--overwrite"];
+    run.ok(&[&["fuse", content, reference, "-o", "ours.png", "--model", model], &median[..]].concat());
+    run.ok(&[&["depth", content, "-o", "our_z.png"], &median[..]].concat());
 
     let depth = |name: &str| image::open(run.path(name)).unwrap().into_luma16().into_raw();
     assert_eq!(depth("our_z.png"), depth("their_z.png"), "{content}: the depth differs");

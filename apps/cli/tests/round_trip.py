@@ -1,5 +1,5 @@
 """Ten layouts of datasets, written as their tools write them, multiplied by `aquafuse augment`, and read by the readers that
-people use: every box, outline, run-length mask, mask, key point and caption must be that of the image it was made from.
+people use: every box, outline, run-length mask, mask, key point and caption must equal the one in the source image.
 
     round_trip.py AQUAFUSE WORK [IMAGES]
 

@@ -257,7 +257,7 @@ pub struct DatasetOptions {
     /// Its layout. Default: detected.
     pub layout: Option<Layout>,
     /// Extensions of files, without a dot, that belong to the image with their stem and go with each variant; the name of
-    /// the image in them becomes that of the variant. Default: none.
+    /// the image in them becomes the variant's name. Default: none.
     pub sidecars: Vec<String>,
     /// How files are read.
     pub reading: ReadOptions,

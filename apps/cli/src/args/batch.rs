@@ -22,8 +22,8 @@ pub(crate) struct BatchArguments {
     /// selects the format: .png and .tif keep 16 bits and transparency, .webp is lossless, .jpg is 4:4:4.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Also enter the folders in CONTENT, except hidden ones and links. Outputs stand in folders of the same names, and so
-    /// must the maps of --depth.
+    /// Also enter the folders in CONTENT, except hidden ones and links. Outputs are in folders of the same names, and so
+    /// must be the maps of --depth.
     #[arg(long)]
     pub(crate) recursive: bool,
     #[command(flatten)]

@@ -14,7 +14,7 @@ use crate::pipeline::{DepthSource, DepthSupply, Operation, maps};
 pub struct Request<'a> {
     /// Images, or folders of images.
     pub contents: &'a [PathBuf],
-    /// Also enter the folders in folders; outputs then stand in folders of the same names.
+    /// Also enter the folders in folders; outputs are then in folders of the same names.
     pub recursive: bool,
     /// A file or a folder for one image, else a folder.
     pub output: &'a Path,
@@ -131,7 +131,7 @@ pub enum PlanError {
     },
     /// Maps are of an image by itself.
     #[error(
-        "{} cannot have maps of a sequence, whose water is that of several frames; ask for maps without the sequence",
+        "{} cannot have maps of a sequence: its water comes from several frames; leave out --maps or --sequence",
         display(folder)
     )]
     MapsOfSequence {

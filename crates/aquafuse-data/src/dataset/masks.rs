@@ -1,4 +1,4 @@
-//! Masks, and other images about images: each has the name of its image and stands in a folder whose name says masks.
+//! Masks, and other images about images: each has the name of its image and is in a folder whose name says masks.
 //!
 //! `images/a.jpg` has `masks/a.png` or `masks/a_mask.png`; with a mask for each class, `masks/CLASS/a.png` too;
 //! `train/a.jpg` has `train_labels/a.png`.

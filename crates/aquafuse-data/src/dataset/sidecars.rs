@@ -1,5 +1,5 @@
 //! Files of any kind that belong to one image: they have its stem and an extension that was given. They go with each variant,
-//! and the name of the image in them becomes that of the variant.
+//! and the name of the image in them becomes the variant's name.
 
 use super::places::{Stems, of_images};
 use super::tree::Tree;
@@ -33,7 +33,7 @@ pub(super) fn attach(tree: &Tree, extensions: &[String], dataset: &mut Dataset) 
     }
 }
 
-/// A file with the file name of a variant wherever it had that of the image. Pixels that labelme puts into its files are
+/// A file in which the variant's file name replaces the image's. Pixels that labelme puts into its files are
 /// those of the image: they are left out, so that labelme reads the variant.
 pub(super) fn renamed(bytes: &[u8], image: &str, variant: &str) -> Vec<u8> {
     // Of files that are no text, the bytes that look like the name may be anything.

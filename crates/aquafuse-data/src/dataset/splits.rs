@@ -166,7 +166,7 @@ pub(super) fn find(tree: &Tree, dataset: &mut Dataset) {
     for index in &dataset.indices {
         let path = index.path();
         let in_config = configured.iter().find(|(_, place)| named(place, |name| name == path).is_some());
-        // The name of a file, and for COCO that of its folder: `train/_annotations.coco.json`.
+        // The name of a file, and for COCO its folder's name: `train/_annotations.coco.json`.
         let of_name = || {
             let (folder, name) = split(path);
             Split::of_name(stem(name)).or_else(|| Split::of_name(split(folder).1))

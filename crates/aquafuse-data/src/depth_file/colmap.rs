@@ -6,7 +6,7 @@ use std::io::{BufRead, Read, Seek};
 use super::{Fault, Raster, Wanted, check_size, read_values};
 
 /// What the names end in, behind the name of the image. Maps before the geometric check are called `.photometric.bin`; they
-/// stand in the same folder, and are not taken for a second map.
+/// are in the same folder, and are not taken for a second map.
 pub(super) const END: &str = ".geometric.bin";
 /// A number of the header has no more digits.
 const DIGITS: u8 = 10;

@@ -31,7 +31,7 @@ impl DepthSupply {
         }
     }
 
-    /// The depth of the images in a folder within a content: maps in a folder stand in a folder of the same name.
+    /// The depth of the images in a folder within a content: its maps are in a folder of the same name.
     ///
     /// # Errors
     ///

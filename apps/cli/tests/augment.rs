@@ -107,6 +107,29 @@ fn a_data_set_is_multiplied_checked_and_made_again() {
 }
 
 #[test]
+fn drawn_waters_need_no_reference_and_are_made_again() {
+    let run = fish(2);
+    let sea = ["augment", "fish", "--waters", "sea", "--model", "relight", "--per-image", "3", "-o", "sea"];
+    let said = run.ok(&[&sea[..], &["--splits", "all", "--preview", "0"]].concat());
+    assert!(said.stdout.contains("layout yolo, 32 waters"), "{}", said.stdout);
+    let made = files(&run.path("sea"));
+    let variants: Vec<&String> = made.keys().filter(|name| name.contains("__sea-")).collect();
+    // Images and labels.
+    assert_eq!(variants.len(), 2 * 3 * 2, "{variants:?}");
+    let manifest = std::str::from_utf8(&made["manifest.jsonl"]).unwrap();
+    assert!(manifest.contains("\"name\":\"sea:31\"") && manifest.contains("near_colour"));
+    let checked = run.ok(&["verify", "sea", "--dataset", "fish"]);
+    assert!(checked.stdout.ends_with("files are unchanged\n"), "{}", checked.stdout);
+    let images = variants.iter().filter(|name| name.starts_with("images/"));
+    for name in images {
+        run.ok(&["replay", "sea", "--only", name, "-o", "again"]);
+        assert_eq!(run.bytes(&format!("again/{name}")), made[*name]);
+    }
+    let refused = run.fails(2, &["fuse", "fish/images/train/1.png", "sea:many", "-o", "o.png"]);
+    assert!(refused.stderr.contains("sea:NUMBER"), "{}", refused.stderr);
+}
+
+#[test]
 fn what_cannot_be_done_is_said_before_anything_is_made() {
     let run = fish(2);
     let equal = run.fails(2, &with(&["--per-image", "3"]));

@@ -141,6 +141,9 @@ struct Stored {
     intervals: Intervals,
     veiling_light_source: VeilingLightSource,
     veiling_light_share: f32,
+    /// The colour of near things; files of before have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    near_colour: Option<[f32; 3]>,
     quality: StoredQuality,
 }
 
@@ -232,6 +235,9 @@ impl WaterFile {
         if !(0.0..=1.0).contains(&stored.veiling_light_share) {
             return Err(wrong("veiling_light_share must be from 0 to 1".into()));
         }
+        if !stored.near_colour.iter().flatten().all(|value| *value > 0.0 && *value <= 1.0) {
+            return Err(wrong("near_colour must be above 0, and at most 1".into()));
+        }
         let model = |name: String| {
             name.parse::<DepthModel>()
                 .ok()
@@ -242,6 +248,7 @@ impl WaterFile {
         estimate.veiling_light_source = stored.veiling_light_source;
         estimate.veiling_light_share = stored.veiling_light_share;
         estimate.depth_model = stored.depth.model.map(model).transpose()?;
+        estimate.near_colour = stored.near_colour;
         estimate.intervals = stored.intervals;
         // The verdict follows from the reasons.
         estimate.quality = reasons.fold(Quality::default(), Quality::with);
@@ -272,6 +279,7 @@ impl WaterFile {
             intervals: self.estimate.intervals(),
             veiling_light_source,
             veiling_light_share,
+            near_colour: self.estimate.near_colour(),
             quality: StoredQuality {
                 verdict: quality.verdict.name().to_owned(),
                 reasons: quality.reasons.iter().collect(),
@@ -319,6 +327,7 @@ mod tests {
         let mut estimate: Estimate = Estimate::given(waters()[0].water);
         estimate.quality = Quality::default().with(Reason::FewDarkPixels);
         estimate.depth_model = Some(DepthModel::Ratio);
+        estimate.near_colour = Some([0.25, 0.5, 0.75]);
         WaterFile {
             from: vec!["reef.jpg".into()],
             depth_kind: DepthKind::Relative,
@@ -348,6 +357,7 @@ mod tests {
             (text.replace("\"schema\": 1", "\"schema\": 7"), "has schema 7"),
             (text.replace("\"encoded\"", "\"linear\""), "add --linear"),
             (text.replace("\"few_dark_pixels\"", "\"bad_mood\""), "unknown variant `bad_mood`"),
+            (text.replace("0.75", "1.75"), "near_colour must be above 0"),
             (text.replace("\"ratio\"", "\"rat\""), "no depth model rat"),
             (text.replace(held_beyond, "\"attenuation_held_beyond\": [\n      -5"), "attenuation: "),
             (

@@ -1,20 +1,23 @@
 //! A scene in another image's water (Eq. 9-11).
 //!
 //! What happens to a pixel depends on its depth and channel alone. Two models add a **shift**, a weight of
-//! the depth factor F times the difference of the veiling lights; the third changes the direct signal too:
+//! the depth factor F times the difference of the veiling lights; the others change the direct signal too:
 //!
 //! | model | what happens | at the camera | in open water |
 //! |---|---|---|---|
 //! | [`Model::Aquafuse`] | shift of weight `F (1 - F)`, at most 1/4 | nothing | nothing |
 //! | [`Model::Physical`] | shift of weight `1 - F` | nothing | the reference's veil |
+//! | [`Model::Relight`] | shift of weight `1 - F`, and near things take the hue of the reference's light | the reference's light | the reference's veil |
 //! | [`Model::Exchange`] | the water is taken out, the other put in | nothing | the reference's veil |
 //!
-//! F is `e^(-β_B z)`; for `Physical` with depth from colour and open water in view, a table ([`DepthFactors`]), which
+//! F is `e^(-β_B z)`; for `Physical` and `Relight` with depth from colour and open water in view, a table ([`DepthFactors`]), which
 //! [`Bounded::waters`] hands on.
 
 mod bound;
 mod law;
+mod light;
 mod options;
+mod relit;
 mod shared;
 mod shift;
 
@@ -57,11 +60,17 @@ pub struct Waters<'a, E: Encoding> {
     /// are depths from colour by one [`DepthModel`](crate::depth::DepthModel).
     pub reference: &'a Waterbody<E>,
     /// The content's F by the depth map it was estimated with, where β_B does not describe it (see
-    /// [`Estimate::depth_factors`](crate::waterbody::Estimate::depth_factors)); only [`Model::Physical`] reads it.
+    /// [`Estimate::depth_factors`](crate::waterbody::Estimate::depth_factors)); [`Model::Physical`] and [`Model::Relight`] read it.
     pub depth_factors: Option<&'a DepthFactors>,
     /// How much of each of the content's pixels is open water; none at all where there is none. [`Model::Aquafuse`], which is
     /// the paper's to the letter, does not read it.
     pub share: Option<&'a WaterShare>,
+    /// The light on near things in the reference's water over the light in the content's, above 0; 1 is the same light. Only
+    /// [`Model::Relight`] reads it.
+    pub light_gain: [f32; 3],
+    /// How many times as thick as the content's water the reference's is, above 0: k of `F2 = F^k`. Only [`Model::Relight`] reads
+    /// it.
+    pub haze: [f32; 3],
 }
 
 impl<'a, E: Encoding> Waters<'a, E> {
@@ -69,13 +78,25 @@ impl<'a, E: Encoding> Waters<'a, E> {
     /// estimate then paints what is not there. Of two estimates, take [`Bounded::waters`], or leave it all to
     /// [`Fuser`](crate::Fuser).
     pub fn new(content: &'a Waterbody<E>, reference: &'a Waterbody<E>) -> Self {
-        Self { content, reference, depth_factors: None, share: None }
+        Self { content, reference, depth_factors: None, share: None, light_gain: [1.0; 3], haze: [1.0; 3] }
     }
 
     /// The same with the content's F by depth.
     #[must_use]
     pub fn with_depth_factors(self, depth_factors: Option<&'a DepthFactors>) -> Self {
         Self { depth_factors, ..self }
+    }
+
+    /// The same with another light on near things.
+    #[must_use]
+    pub fn with_light_gain(self, light_gain: [f32; 3]) -> Self {
+        Self { light_gain, ..self }
+    }
+
+    /// The same with water of another thickness.
+    #[must_use]
+    pub fn with_haze(self, haze: [f32; 3]) -> Self {
+        Self { haze, ..self }
     }
 
     /// The same with the content's share of water, pixel by pixel.
@@ -179,7 +200,12 @@ pub(crate) fn fuse_by<T: Sample, E: Encoding>(
     if let Some(share) = share {
         check_same_size(fused.size(), share.size())?;
     }
-    if let Some(share) = share.filter(|share| model != Model::Aquafuse && !share.is_none()) {
+    let share = share.filter(|share| model != Model::Aquafuse && !share.is_none());
+    if law.is_light_alone() && depth.in_steps().is_some() && fused.reborrow().into_bytes().is_some() {
+        let values = relit::fuse(content, fused, depth, law, share);
+        return Ok(Clipping { values, pixels });
+    }
+    if let Some(share) = share {
         let values = shared::fuse(content, fused, depth, law, share)?;
         return Ok(Clipping { values, pixels });
     }

@@ -65,7 +65,8 @@ mod tests {
     #[test]
     fn an_unknown_name_is_an_error_that_lists_the_known_ones() {
         let error = "Physical".parse::<Model>().unwrap_err();
-        let expected = "there is no fusion model `Physical`; choose one of aquafuse, physical, exchange";
+        let expected =
+            "there is no fusion model `Physical`; choose one of aquafuse, physical, relight, exchange";
         assert_eq!(error.to_string(), expected);
         // A fitted model is called by its file.
         let fitted = DepthModel::Eq3(Eq3::new([0.5, 0.5, -6.0, -0.5, -2.0]).unwrap());

@@ -13,7 +13,7 @@ mod thing;
 mod trials;
 mod waters;
 
-pub use trials::{Case, Exchange, Trials};
+pub use trials::{Case, Exchange, LitCase, LitExchange, Trials};
 pub use waters::{NamedWater, waters};
 
 use crate::depth::{DepthKind, DepthMap};

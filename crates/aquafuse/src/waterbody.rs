@@ -11,6 +11,7 @@ mod evidence;
 mod far_region;
 mod given;
 mod judge;
+mod near_colour;
 mod pool;
 pub mod presets;
 mod quality;
@@ -119,6 +120,9 @@ pub struct Estimate<E: Encoding = Encoded> {
     pub depth_model: Option<DepthModel>,
     /// F by depth, where one β_B does not describe it: with depth from colour and open water in view.
     pub depth_factors: Option<DepthFactors>,
+    /// The mean colour of the nearest three tenths of the pixels, in `(0, 1]`: it says what things are lit by. None where nobody
+    /// looked. [`Model::Relight`](crate::fusion::Model::Relight) compares it with another image's.
+    pub near_colour: Option<[f32; 3]>,
     /// How far off the water may be.
     pub intervals: Intervals,
     /// Whether to rely on it.
@@ -283,6 +287,7 @@ impl<E: Encoding> Look<E> {
             veiling_light_share: light.share as f32,
             depth_model: depth.model(),
             depth_factors: growth.depth_factors,
+            near_colour: near_colour::of(statistics),
             intervals: judge::intervals::<E>(growth, light, depth),
             quality: judge::quality(growth, light, statistics, attenuation, depth),
         }

@@ -166,7 +166,7 @@ proptest! {
         scene in waterbody(), other in waterbody(), factors in depth_factors(), degrees in degrees(),
         gain in 0.0..4.0_f32, z in 0.0..20.0_f32, nearer in 0.0..1.0_f32, w in 0.0..=1.0_f32, seen in colour(),
     ) {
-        for model in [Model::Physical, Model::Exchange] {
+        for model in [Model::Physical, Model::Relight, Model::Exchange] {
             let law = |reference: &Waterbody, degrees: f32, gain: f32| {
                 let waters = Waters::new(&scene, reference).with_depth_factors(Some(&factors));
                 TransferLaw::new(waters, &options(model, degrees, gain))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, TypeAlias, TypedDict
 
-Model: TypeAlias = Literal["physical", "aquafuse", "exchange"]
+Model: TypeAlias = Literal["physical", "relight", "aquafuse", "exchange"]
 DepthKind: TypeAlias = Literal["metres", "millimetres", "relative", "inverse", "disparity"]
 Smoothing: TypeAlias = Literal["none", "bilateral"]
 Setting: TypeAlias = Literal["auto", "none"]

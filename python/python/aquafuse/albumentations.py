@@ -50,7 +50,7 @@ class WaterFusion(A.ImageOnlyTransform):
         """The arguments, checked."""
 
         waters: tuple[str, ...] | str
-        model: Literal["physical", "aquafuse", "exchange"]
+        model: Literal["physical", "relight", "aquafuse", "exchange"]
         theta_range: tuple[float, float]
         alpha_range: tuple[float, float]
         channels: Literal["rgb", "bgr"]

@@ -88,7 +88,7 @@ impl WaterDepthArguments {
                 return Ok(DepthSource::Supplied { path: path.to_owned(), kind, size: MapSize::Exact });
             }
             WaterSource::File(_) => "leave it out, or pass the map as --depth to `aquafuse water extract`",
-            WaterSource::Preset(_) => "leave it out",
+            WaterSource::Preset(_) | WaterSource::Sea(_) => "leave it out",
         };
         Err(anyhow!(
             "--water-depth is the depth map of an image, but WATER is {}, whose water is known already; {remedy}",

@@ -20,6 +20,9 @@ F falls with distance, from 1 at the camera to 0 in open water.
              the figures of the paper. Visibility stays as in CONTENT. The default.
   aquafuse   The equations of the paper to the letter: adds cos(theta) F (1 - F) D, a veil over the
              middle distance. Open water keeps its colour.
+  relight    As physical, and near things look lit by the water of WATER: their colour goes most of
+             the way to the colour of its near things, within bounds. With --depth, which needs
+             the same unit as WATER, the water also becomes as thick, within a factor of 2.
   exchange   Replaces the water of CONTENT by WATER, with its attenuation, weighted by cos(theta).
              The strongest change, and the most sensitive to wrong estimates: supply depth.
              Faded colours, and their noise, are amplified at most 2 times.
@@ -33,7 +36,8 @@ Example:
 
 #[derive(Args)]
 pub(crate) struct SettingsArgs {
-    /// Fusion model: `physical` the whole veil, `aquafuse` the paper's equations and subtle, `exchange` the whole water.
+    /// Fusion model: `physical` the whole veil, `relight` its light, too, `aquafuse` the paper's equations and subtle, `exchange` the
+    /// whole water.
     #[arg(long, default_value = Model::default().name(), value_parser = model())]
     model: Model,
     /// Angle of incidence in degrees: 0 is full strength, 90 no change [default: 0; aquafuse: 45].

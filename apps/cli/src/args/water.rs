@@ -1,11 +1,11 @@
-//! `WATER`: an image, a `*.water.json` file, or `preset:NAME`.
+//! `WATER`: an image, a `*.water.json` file, `preset:NAME` or `sea:NUMBER`.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
 use aquafuse::fusion::Model;
-use aquafuse::waterbody::presets::{Conditions, Preset, White};
+use aquafuse::waterbody::presets::{Conditions, Preset, White, sea};
 use aquafuse_data::files::display;
 use aquafuse_data::pipeline::{DepthSource, PixelEncoding, WaterEstimate, analyse_in};
 use aquafuse_data::water_file::{WaterFile, has_suffix};
@@ -20,6 +20,8 @@ pub(crate) enum WaterSource {
     Image(PathBuf),
     File(PathBuf),
     Preset(Preset),
+    /// A drawn water by its number.
+    Sea(u32),
 }
 
 /// Conditions of presets, and the scale of relative depth.
@@ -60,6 +62,11 @@ enum Balance {
 impl WaterSource {
     /// Reads the argument of the command line.
     pub(crate) fn parse(said: &Path) -> Result<Self, Failure> {
+        if let Some(number) = said.to_str().and_then(|text| text.strip_prefix("sea:")) {
+            return number.parse().map(Self::Sea).map_err(|_| {
+                Failure::usage(anyhow!("sea:{number} is no water; write sea:NUMBER, as sea:12"))
+            });
+        }
         let Some(name) = said.to_str().and_then(|text| text.strip_prefix("preset:")) else {
             let named = said.to_str().and_then(|name| name.parse::<Preset>().ok()).filter(|_| !said.exists());
             if let Some(preset) = named {
@@ -81,7 +88,7 @@ impl WaterSource {
     pub(crate) fn path(&self) -> Option<&Path> {
         match self {
             Self::Image(path) | Self::File(path) => Some(path),
-            Self::Preset(_) => None,
+            Self::Preset(_) | Self::Sea(_) => None,
         }
     }
 
@@ -90,6 +97,7 @@ impl WaterSource {
         match self {
             Self::Image(path) | Self::File(path) => display(path).to_string(),
             Self::Preset(preset) => format!("preset:{}", preset.name()),
+            Self::Sea(number) => format!("sea:{number}"),
         }
     }
 }
@@ -146,6 +154,14 @@ impl WaterArguments {
                 depth_kind: DepthKind::Metres,
                 estimate: WaterEstimate::preset(*preset, &self.conditions()?, encoding),
             }),
+            WaterSource::Sea(number) => {
+                let (preset, conditions) = sea(*number);
+                Ok(WaterFile {
+                    from: vec![source.name()],
+                    depth_kind: DepthKind::Metres,
+                    estimate: WaterEstimate::preset(preset, &conditions, encoding),
+                })
+            }
             WaterSource::Image(path) => {
                 let found = analyse_in(encoding, &reading.of_reference().read(path)?, depth)?;
                 Ok(WaterFile {

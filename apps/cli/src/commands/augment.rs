@@ -56,6 +56,8 @@ Examples:
   aquafuse augment fish/ green.jpg blue.jpg -o more/ --per-image 2 --keep-originals
   aquafuse augment fish/ waters/ preset:jerlov-3C -o more/ --per-image 5 --theta-range 0,60
                                                      a folder of reference images, and a preset
+  aquafuse augment fish/ --waters sea --model relight --per-image 5 -o more/
+                                                     drawn waters: no reference is needed
   aquafuse augment coco/ waters/ -o more/ --shard 1/4
                                                      on 1 of 4 machines; to join, put the outputs
                                                      into one folder, repeat without --shard";
@@ -66,9 +68,13 @@ Examples:
 pub(crate) struct Augment {
     /// The folder of the dataset.
     dataset: PathBuf,
-    /// The waters to sample from: images, folders of images, NAME.water.json, preset:NAME.
-    #[arg(required = true)]
+    /// The waters to sample from: images, folders of images, NAME.water.json, preset:NAME, sea:NUMBER.
+    #[arg(required_unless_present = "drawn")]
     waters: Vec<PathBuf>,
+    /// `sea`: also sample from 32 drawn waters, sea:0 to sea:31. Type of water, depth below the surface, camera, balance and
+    /// exposure of each are drawn together. They need no reference.
+    #[arg(long = "waters", id = "drawn", value_name = "FROM", value_enum)]
+    drawn: Option<Drawn>,
     /// Output folder: new, empty, or of a run to continue.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -144,6 +150,24 @@ pub(crate) struct Augment {
     /// Print the lines of the manifest as they are written instead of the summary.
     #[arg(long)]
     json: bool,
+}
+
+/// Where waters come from that need no file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Drawn {
+    /// Jerlov's types of water, looked at from many depths with many cameras.
+    Sea,
+}
+
+/// How many waters are drawn: far more than the eye tells apart.
+const DRAWN: u32 = 32;
+
+impl Drawn {
+    fn waters(self) -> impl Iterator<Item = WaterSource> {
+        match self {
+            Self::Sea => (0..DRAWN).map(WaterSource::Sea),
+        }
+    }
 }
 
 /// How the manifest is written.
@@ -325,7 +349,8 @@ impl Augment {
             Doubtful::Skip => OnDoubtful::Skip,
             Doubtful::Instead(source) => OnDoubtful::Instead(Box::new(read(source)?)),
         };
-        let sources = waters::sources(&self.waters)?;
+        let mut sources = waters::sources(&self.waters)?;
+        sources.extend(self.drawn.into_iter().flat_map(Drawn::waters));
         let waters = sources.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let waters = waters::without_doubtful(waters, &on_doubtful);
         let theta = options.incidence.degrees();

@@ -2,13 +2,14 @@
 //!
 //! Share = 1 - RMSE(out, truth) / RMSE(content, truth) over all pixels and channels, before clipping: 1 is the truth,
 //! 0 the content, below 0 farther from the truth than the content was. Truth A is the content's place with nothing
-//! exchanged but B∞; truth B is the same place wholly in the other water.
+//! exchanged but B∞; truth B is the same place wholly in the other water; truth C is the same place in the other water and in its
+//! light, which is the truth of scenes that are lit by their own water.
 
 mod ways;
 
 use aquafuse::fusion::Model;
-use aquafuse::image::Encoding;
-use aquafuse::truth::{Exchange, Trials};
+use aquafuse::image::{Encoding, Image};
+use aquafuse::truth::Trials;
 use serde_json::json;
 
 use super::chance::Chance;
@@ -16,14 +17,16 @@ use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::{quantile, summarise};
 use super::{EvaluateError, Listener, Palette, Report, Rival};
 use crate::run::{Event, RunOptions};
-use ways::{Found, ways};
+use ways::{Found, Pair, Way, ways};
 
-/// Every method on exchanges of synthetic scenes: the three models with depth and water from each source, the rivals, and
+/// Every method on exchanges of synthetic scenes: the models with depth and water from each source, the rivals, and
 /// the truths themselves.
 #[derive(Clone, Debug)]
 pub struct Truth {
     /// Number of exchanges, each a content and a reference in another water.
     pub exchanges: usize,
+    /// Scenes that are lit by their own water, as a camera exposes and balances them: truth C. Without it, truths A and B.
+    pub lit: bool,
     /// Form scenes, estimate and fuse in linear light.
     pub linear: bool,
     /// Random seed of the bootstrap.
@@ -33,6 +36,14 @@ pub struct Truth {
 }
 
 const SHARE: Shown = Shown::Mean;
+const LIT_SCORES: [Score; 6] = [
+    Score { key: "share_c", title: "truth C, mean", digits: 2, shown: SHARE },
+    Score { key: "share_c_median", title: "median", digits: 2, shown: Shown::Number },
+    Score { key: "worse_percent", title: "worse than the content, %", digits: 0, shown: Shown::Number },
+    Score { key: "share_c_open", title: "open water in both", digits: 2, shown: SHARE },
+    Score { key: "rmse_c", title: "RMSE to C, 0–255", digits: 1, shown: SHARE },
+    Score { key: "structure", title: "structure kept, SSIM", digits: 3, shown: SHARE },
+];
 const SCORES: [Score; 9] = [
     Score { key: "share_a", title: "truth A, mean", digits: 2, shown: SHARE },
     Score { key: "share_a_median", title: "median", digits: 2, shown: Shown::Number },
@@ -44,8 +55,10 @@ const SCORES: [Score; 9] = [
     Score { key: "rmse_b", title: "RMSE to B, 0–255", digits: 1, shown: SHARE },
     Score { key: "structure", title: "structure kept, SSIM", digits: 3, shown: SHARE },
 ];
+
 /// What is known of one result.
 const ITEM_SCORES: [Score; 5] = [SCORES[0], SCORES[4], SCORES[6], SCORES[7], SCORES[8]];
+const LIT_ITEM_SCORES: [Score; 3] = [LIT_SCORES[0], LIT_SCORES[4], LIT_SCORES[5]];
 
 const ABOUT: &str = "Synthetic harbours in Jerlov's waters, half of the contents with open water in view; the reference is \
     another place in a water whose veil differs by at least .2 in some channel. Share of the true change: 1 is the truth, 0 \
@@ -53,6 +66,14 @@ const ABOUT: &str = "Synthetic harbours in Jerlov's waters, half of the contents
     the scene with the whole water exchanged. Structure kept: SSIM of luma with the content; the last rows give it for \
     the truths, because a true change also changes contrast. Brackets: 95 % bootstrap interval of the mean over \
     exchanges. The rivals get the whole reference image.";
+
+const ABOUT_LIT: &str = "Synthetic harbours in Jerlov's waters, 1 to 20 m below the surface, each lit by what its own water \
+    leaves of daylight, formed in linear light; a camera exposes, balances in part, encodes and adds noise. The reference is \
+    another place in a water whose veil differs by at least .2 in some channel of the image. Share of the true change: 1 is \
+    the truth, 0 the content, below 0 farther from the truth than the content. Truth C is the content's place in the \
+    reference's water and its light, by the reference's camera. Structure kept: SSIM of luma with the content; the last row \
+    shows it for the truth. Brackets: 95 % bootstrap interval of the mean over exchanges. The rivals get the whole reference \
+    image.";
 
 /// A row of the table: what is given or estimated, and the method.
 struct Line {
@@ -78,29 +99,36 @@ impl Truth {
         let trials = Trials::default();
         let numbers: Vec<usize> = (0..self.exchanges).collect();
         let found = self.run_options.map(&numbers, |&number| {
-            let exchange = trials.exchange::<E>(number);
-            let found = all(&exchange);
+            let found = if self.lit {
+                let exchange = trials.lit_exchange(number);
+                let truth = in_encoding::<E>(&exchange.truth);
+                (exchange.open(), all(&Pair::lit(&exchange, &truth), &self.ways()))
+            } else {
+                let exchange = trials.exchange::<E>(number);
+                (exchange.open(), all(&Pair::new(&exchange), &self.ways()))
+            };
             listener(Event::Done { item: &format!("exchange {number}"), result: () });
-            (exchange.open(), found)
+            found
         })?;
         Ok(Report {
             command: "evaluate truth",
             title: "Share of the true change".into(),
-            about: vec![ABOUT.into()],
+            about: vec![if self.lit { ABOUT_LIT } else { ABOUT }.into()],
             settings: json!({
                 "encoding": if self.linear { "linear" } else { "encoded" },
                 "exchanges": self.exchanges,
+                "lit": self.lit,
                 "seed": self.seed,
             }),
             tables: vec![self.table(&found)],
-            items: items(&found),
+            items: self.items(&found),
             failed: Vec::new(),
             gallery: Vec::new(),
         })
     }
 
     fn table(&self, found: &[(bool, Vec<Found>)]) -> Table {
-        let rows = lines().into_iter().enumerate().map(|(place, line)| {
+        let rows = self.lines().into_iter().enumerate().map(|(place, line)| {
             let column = || found.iter().filter_map(move |(open, all)| Some((*open, all.get(place)?)));
             let key = [line.way, &line.method];
             let mean = |values: Vec<f64>| {
@@ -109,71 +137,85 @@ impl Truth {
             };
             let all = |of: fn(&Found) -> f64| column().map(|(_, found)| of(found)).collect::<Vec<f64>>();
             let open = column().filter(|(open, _)| *open).map(|(_, found)| found.share[0]).collect();
-            let [a, b] = [all(|found| found.share[0]), all(|found| found.share[1])];
-            let worse = a.iter().filter(|share| **share < 0.0).count() as f64 / a.len().max(1) as f64;
-            let (middle_a, middle_b) = (quantile(&a, 0.5), quantile(&b, 0.5));
-            let cells = vec![
-                mean(a),
-                Cell::Number(middle_a),
-                Cell::Number(100.0 * worse),
-                mean(open),
-                mean(b),
-                Cell::Number(middle_b),
-                mean(all(|found| found.rmse[0])),
-                mean(all(|found| found.rmse[1])),
-                mean(all(|found| found.structure)),
-            ];
+            let first = all(|found| found.share[0]);
+            let worse = first.iter().filter(|share| **share < 0.0).count() as f64 / first.len().max(1) as f64;
+            let middle = Cell::Number(quantile(&first, 0.5));
+            let mut cells = vec![mean(first), middle, Cell::Number(100.0 * worse), mean(open)];
+            if !self.lit {
+                let second = all(|found| found.share[1]);
+                let middle = Cell::Number(quantile(&second, 0.5));
+                cells.extend([mean(second), middle, mean(all(|found| found.rmse[0]))]);
+            }
+            cells.push(mean(all(|found| *found.rmse.last().expect("a truth"))));
+            cells.push(mean(all(|found| found.structure)));
             Row { labels: vec![line.way.to_owned(), line.method], cells }
         });
         Table {
             name: "truth",
             title: "How much of the true change is made".into(),
             labels: vec!["way", "method"],
-            scores: SCORES.to_vec(),
+            scores: self.scores().to_vec(),
             rows: rows.collect(),
+        }
+    }
+
+    fn scores(&self) -> &'static [Score] {
+        if self.lit { &LIT_SCORES } else { &SCORES }
+    }
+
+    /// How depth and water are obtained; of a lit scene's water no numbers are known that the models could take.
+    fn ways(&self) -> Vec<Way> {
+        ways().into_iter().filter(|way| !self.lit || way.estimates()).collect()
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let model = |model: Model| format!("`{}`", model.name());
+        let of_way = |way: Way| Model::ALL.iter().map(move |of| Line { way: way.name, method: model(*of) });
+        let rivals = Rival::ALL.map(|rival| Line { way: "colours alone", method: rival.name().to_owned() });
+        let truths: &[&str] = if self.lit { &["C"] } else { &["A", "B"] };
+        let truths = truths.iter().map(|truth| Line { way: "the truth itself", method: (*truth).to_owned() });
+        self.ways().into_iter().flat_map(of_way).chain(rivals).chain(truths).collect()
+    }
+
+    fn items(&self, found: &[(bool, Vec<Found>)]) -> Items {
+        let lines = self.lines();
+        let row = |number: usize, open: bool, line: &Line, found: &Found| {
+            let values = found.share.iter().chain(&found.rmse).chain([&found.structure]);
+            ItemsRow {
+                labels: vec![number.to_string(), open.to_string(), line.way.to_owned(), line.method.clone()],
+                values: values.copied().map(Some).collect(),
+            }
+        };
+        let of_exchange = |(number, (open, all)): (usize, &(bool, Vec<Found>))| {
+            lines.iter().zip(all).map(|(line, found)| row(number, *open, line, found)).collect::<Vec<_>>()
+        };
+        let scores = if self.lit { LIT_ITEM_SCORES.to_vec() } else { ITEM_SCORES.to_vec() };
+        Items {
+            labels: vec!["exchange", "open_water_in_both", "way", "method"],
+            scores,
+            rows: found.iter().enumerate().flat_map(of_exchange).collect(),
         }
     }
 }
 
-/// What each line makes of an exchange, in the order of [`lines`].
-fn all<E: Encoding>(exchange: &Exchange<E>) -> Vec<Found> {
-    let mut found: Vec<Found> = ways().iter().flat_map(|way| way.all_models(exchange)).collect();
-    let (content, reference) = (&exchange.content.image, &exchange.reference.image);
+/// What each line makes of a pair, in the order of [`Truth::lines`].
+fn all<E: Encoding>(pair: &Pair<'_, E>, ways: &[Way]) -> Vec<Found> {
+    let mut found: Vec<Found> = ways.iter().flat_map(|way| way.all_models(pair)).collect();
+    let [content, reference] = pair.images();
     let (own, other) = (Palette::of(content), Palette::of(reference));
     for rival in Rival::ALL {
         let made = rival.transfer(content, &own, &other);
-        found.push(Found::of(exchange, |i, _| made[i].map(E::from_encoded)));
+        found.push(Found::of(pair, |i, _| made[i].map(E::from_encoded)));
     }
-    for truth in &exchange.truths {
-        found.push(Found::of(exchange, |i, _| truth.pixels()[i]));
+    for truth in pair.truths() {
+        found.push(Found::of(pair, |i, _| truth.pixels()[i]));
     }
     found
 }
 
-fn lines() -> Vec<Line> {
-    let model = |model: Model| format!("`{}`", model.name());
-    let of_way = |way: ways::Way| Model::ALL.iter().map(move |of| Line { way: way.name, method: model(*of) });
-    let rivals = Rival::ALL.map(|rival| Line { way: "colours alone", method: rival.name().to_owned() });
-    let truths = ["A", "B"].map(|truth| Line { way: "the truth itself", method: truth.to_owned() });
-    ways().into_iter().flat_map(of_way).chain(rivals).chain(truths).collect()
-}
-
-fn items(found: &[(bool, Vec<Found>)]) -> Items {
-    let lines = lines();
-    let row = |number: usize, open: bool, line: &Line, found: &Found| ItemsRow {
-        labels: vec![number.to_string(), open.to_string(), line.way.to_owned(), line.method.clone()],
-        values: [found.share[0], found.share[1], found.rmse[0], found.rmse[1], found.structure]
-            .map(Some)
-            .to_vec(),
-    };
-    let of_exchange = |(number, (open, all)): (usize, &(bool, Vec<Found>))| {
-        lines.iter().zip(all).map(|(line, found)| row(number, *open, line, found)).collect::<Vec<_>>()
-    };
-    Items {
-        labels: vec!["exchange", "open_water_in_both", "way", "method"],
-        scores: ITEM_SCORES.to_vec(),
-        rows: found.iter().enumerate().flat_map(of_exchange).collect(),
-    }
+fn in_encoding<E: Encoding>(image: &Image<f32>) -> Image<f32, E> {
+    let samples = image.as_raw().iter().map(|&value| E::from_encoded(value)).collect();
+    Image::from_raw(image.width(), image.height(), samples).expect("of the same size")
 }
 
 #[cfg(test)]

@@ -100,8 +100,8 @@ impl WaterEstimate {
     /// The water of a preset, per metre, which has no doubts.
     pub fn preset(preset: Preset, conditions: &Conditions, encoding: PixelEncoding) -> Self {
         match encoding {
-            PixelEncoding::Encoded => Self::Encoded(Estimate::given(preset.water(conditions))),
-            PixelEncoding::Linear => Self::Linear(Estimate::given(preset.water(conditions))),
+            PixelEncoding::Encoded => Self::Encoded(preset.estimate(conditions)),
+            PixelEncoding::Linear => Self::Linear(preset.estimate(conditions)),
         }
     }
 
@@ -154,6 +154,11 @@ impl WaterEstimate {
     /// Where B∞ was read, and from which share of the image.
     pub fn veiling_light_source(&self) -> (VeilingLightSource, f32) {
         with_estimate!(self, estimate => (estimate.veiling_light_source, estimate.veiling_light_share))
+    }
+
+    /// The mean colour of near things, where anybody looked.
+    pub fn near_colour(&self) -> Option<[f32; 3]> {
+        with_estimate!(self, estimate => estimate.near_colour)
     }
 
     /// The depth model used; `None` for supplied depth and for known water.

@@ -97,13 +97,16 @@ impl<E: Encoding> BoundedRestoration<E> {
     /// What the water does at a distance, and the gain that undoes it.
     pub(crate) fn effect(&self) -> impl Fn(f32) -> WaterEffect {
         let law = undoing(&self.water, &self.options);
-        move |z| WaterEffect { factor: self.water.depth_factor(z), gain: law(z).0 }
+        move |z| {
+            let factor = self.water.depth_factor(z);
+            WaterEffect { factor, gain: law(z).0, after: factor }
+        }
     }
 
     fn by_effect(&self, veil: [f32; 3], effect: Option<&EffectTable>) -> impl Fn(f32) -> Change {
         let own = self.effect();
         move |z| {
-            let WaterEffect { factor, gain } = effect.map_or_else(|| own(z), |effect| effect.at(z));
+            let WaterEffect { factor, gain, .. } = effect.map_or_else(|| own(z), |effect| effect.at(z));
             (gain, std::array::from_fn(|c| veil[c] * (1.0 - factor[c])))
         }
     }

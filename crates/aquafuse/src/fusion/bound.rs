@@ -1,6 +1,6 @@
 //! What keeps a doubtful estimate from painting what is not there.
 
-use super::{Model, Options, Waters};
+use super::{Model, Options, Waters, light};
 use crate::image::Encoding;
 use crate::waterbody::{DepthFactors, Estimate, Reason, VeilingLight, Verdict, Waterbody};
 
@@ -19,6 +19,8 @@ pub struct Bounded<E: Encoding> {
     content: Waterbody<E>,
     reference: Waterbody<E>,
     depth_factors: Option<DepthFactors>,
+    light_gain: [f32; 3],
+    haze: [f32; 3],
     /// The options to fuse with.
     pub options: Options,
     /// Which bounds acted.
@@ -69,12 +71,17 @@ impl<E: Encoding> Bounded<E> {
         let mut bounded = Self {
             content: content.water,
             reference: reference.water,
-            depth_factors: content.depth_factors.filter(|_| options.model == Model::Physical),
+            depth_factors: content.depth_factors.filter(|_| options.model.reads_depth_factors()),
+            light_gain: [1.0; 3],
+            haze: [1.0; 3],
             options,
             bounds: Bounds::default(),
         };
         if options.model == Model::Aquafuse || content.water == reference.water {
             return bounded;
+        }
+        if options.model == Model::Relight {
+            bounded.change_light(content, reference);
         }
         if reference.quality.reasons.contains(Reason::LightOutsideWaterHues) {
             bounded.hold_glare();
@@ -94,7 +101,19 @@ impl<E: Encoding> Bounded<E> {
 
     /// The waters to fuse with.
     pub fn waters(&self) -> Waters<'_, E> {
-        Waters { depth_factors: self.depth_factors.as_ref(), ..Waters::new(&self.content, &self.reference) }
+        let waters = Waters::new(&self.content, &self.reference).with_light_gain(self.light_gain);
+        waters.with_haze(self.haze).with_depth_factors(self.depth_factors.as_ref())
+    }
+
+    /// Haze is compared where both waters are per one unit of z: depth from colour has none.
+    fn change_light(&mut self, content: &Estimate<E>, reference: &Estimate<E>) {
+        if let (Some(own), Some(other)) = (content.near_colour, reference.near_colour) {
+            self.light_gain = light::gain::<E>(own, other);
+        }
+        if content.depth_model.is_none() && reference.depth_model.is_none() {
+            let [own, other] = [content, reference].map(|one| one.water.backscatter_coefficient);
+            self.haze = [light::haze(own, other); 3];
+        }
     }
 
     fn hold_glare(&mut self) {
@@ -106,7 +125,7 @@ impl<E: Encoding> Bounded<E> {
         self.bounds.glare = true;
     }
 
-    /// F comes nearer to 1: things and black water stay as they are.
+    /// F comes nearer to 1, and so does the gain of the light: things and black water stay as they are.
     fn hold_night(&mut self) {
         let brightest = self.content.veiling_light.rgb().map(E::to_encoded).into_iter().fold(0.0, f32::max);
         let seen = ((brightest - NIGHT[0]) / (NIGHT[1] - NIGHT[0])).clamp(0.0, 1.0);
@@ -114,6 +133,7 @@ impl<E: Encoding> Bounded<E> {
             let coefficient = self.content.backscatter_coefficient.map(|coefficient| seen * coefficient);
             self.content.backscatter_coefficient = coefficient;
             self.depth_factors = self.depth_factors.map(|factors| factors.faded(seen));
+            self.light_gain = self.light_gain.map(|gain| 1.0 + seen * (gain - 1.0));
             self.bounds.night = true;
         }
     }
@@ -163,6 +183,7 @@ mod tests {
             veiling_light_share: 0.2,
             depth_model: None,
             depth_factors: None,
+            near_colour: None,
             intervals: Intervals::default(),
             quality,
         }

@@ -5,11 +5,18 @@ use crate::image::{Encoded, Encoding};
 use crate::stream::{EffectTable, WaterEffect};
 use crate::waterbody::{DepthFactors, VeilingLight, Waterbody};
 
+/// How much a clearer water may strengthen the direct signal.
+const MOST_CLEARING: f32 = 1.5;
+
 /// What fusion does to the pixels of each depth.
 ///
 /// [`Model::Aquafuse`] and [`Model::Physical`] add a shift, `cosθ · w(F) · (α B2∞ - B1∞)` with
 /// `F = e^(-β_B1 z)` and the model's weight w; β_D has no part in it, for the direct signal stays as it is. Where the waters
 /// come with [`DepthFactors`], `Physical` takes F from there; `Aquafuse` is the paper's, which has one exponential.
+///
+/// [`Model::Relight`] also takes the reference's light, g times the content's ([`Waters::light_gain`]), and a water k times as thick
+/// ([`Waters::haze`]): `U + cosθ (G (U - B1) + α B2∞ (1 - F^k) - U)` with `B1 = B1∞ (1 - F)` and
+/// `G = (1 + (g - 1) F) F^(k - 1)`, of which the last factor is at most 1.5. With g = k = 1 it is `Physical`.
 ///
 /// [`Model::Exchange`] takes the content's water out and puts the scene into the reference's, which for one
 /// depth is a line: `U + cosθ ((U - B1) g + B2 - U)`, B2 with the veil α B2∞ and `g = e^(τ1 - τ2)` bounded by
@@ -46,6 +53,9 @@ pub struct TransferLaw<E: Encoding = Encoded> {
     veil: [f32; 3],
     /// At least 1: less would dim an image in its own water.
     max_gain: f32,
+    /// g, the reference's light over the content's, and k, how many times as thick its water is.
+    light_gain: [f32; 3],
+    haze: [f32; 3],
 }
 
 /// What happens to red, green and blue at one depth: `gain · value + offset`.
@@ -57,11 +67,13 @@ pub struct PixelTransform {
     pub gain: [f32; 3],
     /// What is added, in units of `[0, 1]`.
     pub offset: [f32; 3],
+    /// What of the offset goes with the square of the share that is no open water.
+    bend: [f32; 3],
 }
 
 impl PixelTransform {
     /// Nothing happens.
-    pub(super) const NONE: Self = Self { gain: [1.0; 3], offset: [0.0; 3] };
+    pub(super) const NONE: Self = Self { gain: [1.0; 3], offset: [0.0; 3], bend: [0.0; 3] };
 
     /// A colour after the change, not clipped.
     pub fn of(&self, rgb: [f32; 3]) -> [f32; 3] {
@@ -74,18 +86,18 @@ impl<E: Encoding> TransferLaw<E> {
     /// difference for that share, `F = (1 - w) F'`. [`Model::Aquafuse`] takes no part in it.
     #[inline(always)]
     pub fn in_share(&self, things: PixelTransform, w: f32) -> PixelTransform {
-        let water = self.of_water(things);
-        PixelTransform {
-            offset: std::array::from_fn(|c| (1.0 - w) * things.offset[c] + w * water[c]),
-            ..things
+        let (left, own) = (1.0 - w, self.content.veiling_light.rgb());
+        let mut change = things;
+        for c in 0..3 {
+            let mut water = self.cosine * (self.veil[c] - own[c]);
+            if self.model == Model::Relight {
+                change.gain[c] = 1.0 + left * (things.gain[c] - 1.0);
+            } else {
+                water -= (things.gain[c] - 1.0) * own[c];
+            }
+            change.offset[c] = left * things.offset[c] + w * water - left * w * things.bend[c];
         }
-    }
-
-    /// The offset of open water where things have this gain: `cosθ (α B2∞ - B1∞) - (gain - 1) B1∞`.
-    #[inline(always)]
-    fn of_water(&self, things: PixelTransform) -> [f32; 3] {
-        let own = self.content.veiling_light.rgb();
-        std::array::from_fn(|c| self.cosine * (self.veil[c] - own[c]) - (things.gain[c] - 1.0) * own[c])
+        change
     }
 
     /// The law that takes an image from the content's water towards the reference's.
@@ -95,16 +107,18 @@ impl<E: Encoding> TransferLaw<E> {
             cosine: options.incidence.cosine(),
             content: *waters.content,
             reference: *waters.reference,
-            depth_factors: waters.depth_factors.copied().filter(|_| options.model == Model::Physical),
+            depth_factors: waters.depth_factors.copied().filter(|_| options.model.reads_depth_factors()),
             veil: waters.reference.veiling_light.rgb().map(|veil| options.gain.get() * veil),
             // `max` also takes a NaN to the safe side.
             max_gain: options.max_gain.max(1.0),
+            light_gain: waters.light_gain,
+            haze: waters.haze,
         }
     }
 
     /// The depth factor F of red, green and blue at distance `z`, for a pixel of which the share `w` is open water:
-    /// `F = (1 - w) F'(z)`. F' is the depth factor of things: the content's [`DepthFactors`] where the model is [`Model::Physical`] and
-    /// the waters have them, `e^(-β_B1 z)` otherwise. [`Model::Aquafuse`] does not read `w`.
+    /// `F = (1 - w) F'(z)`. F' is the depth factor of things: the content's [`DepthFactors`] where the model is [`Model::Physical`] or
+    /// [`Model::Relight`] and the waters have them, `e^(-β_B1 z)` otherwise. [`Model::Aquafuse`] does not read `w`.
     ///
     /// # Examples
     ///
@@ -129,7 +143,7 @@ impl<E: Encoding> TransferLaw<E> {
             self.depth_factors.as_ref().map_or_else(|| self.content.depth_factor(z), |table| table.at(z));
         match self.model {
             Model::Aquafuse => of_things,
-            Model::Physical | Model::Exchange => of_things.map(|factor| (1.0 - w) * factor),
+            Model::Physical | Model::Relight | Model::Exchange => of_things.map(|factor| (1.0 - w) * factor),
         }
     }
 
@@ -143,17 +157,25 @@ impl<E: Encoding> TransferLaw<E> {
         match self.model {
             Model::Aquafuse => self.shift(content.factor, |factor| factor * (1.0 - factor)),
             Model::Physical => self.shift(content.factor, |factor| 1.0 - factor),
+            Model::Relight => self.relight(content),
             Model::Exchange => self.exchange(z, content),
         }
     }
 
-    /// What the content's water does at distance `z`, and the gain that undoes it.
+    /// What the content's water does at distance `z`, and the gain of the direct signal that the exchange asks for.
     pub(crate) fn of_content(&self, z: f32) -> WaterEffect {
         let gain = match self.model {
             Model::Aquafuse | Model::Physical => [1.0; 3],
+            Model::Relight => self.light_gain,
             Model::Exchange => std::array::from_fn(|c| self.net_gain(c, z)),
         };
-        WaterEffect { factor: self.depth_factor(z, 0.0), gain }
+        let factor = self.depth_factor(z, 0.0);
+        let after = if self.haze == [1.0; 3] {
+            factor
+        } else {
+            std::array::from_fn(|c| factor[c].powf(self.haze[c]))
+        };
+        WaterEffect { factor, gain, after }
     }
 
     /// The content's veiling light B1∞.
@@ -170,7 +192,27 @@ impl<E: Encoding> TransferLaw<E> {
     fn shift(&self, factor: [f32; 3], weight: impl Fn(f32) -> f32) -> PixelTransform {
         let own = self.content.veiling_light.rgb();
         let offset = |c: usize| weight(factor[c]) * (self.cosine * (self.veil[c] - own[c]));
-        PixelTransform { gain: [1.0; 3], offset: std::array::from_fn(offset) }
+        PixelTransform { offset: std::array::from_fn(offset), ..PixelTransform::NONE }
+    }
+
+    /// The whole backscatter, the light on near things, and how thick the water is.
+    ///
+    /// The gain of the light fades with F, for what is left of the direct signal far away is noise; open water is as with
+    /// [`Model::Physical`].
+    fn relight(&self, content: WaterEffect) -> PixelTransform {
+        let own = self.content.veiling_light.rgb();
+        let mut change = PixelTransform::NONE;
+        for c in 0..3 {
+            let (factor, after) = (content.factor[c], content.after[c]);
+            // Where F is 0 nothing of a thing is seen, before and after.
+            let fading = if after == factor { 1.0 } else { (after / factor).min(MOST_CLEARING) };
+            let lit = self.cosine * ((1.0 + (content.gain[c] - 1.0) * factor) * fading - 1.0);
+            let veils = self.cosine * (self.veil[c] * (1.0 - after) - own[c] * (1.0 - factor));
+            change.gain[c] = 1.0 + lit;
+            change.offset[c] = veils - lit * own[c] * (1.0 - factor);
+            change.bend[c] = lit * own[c] * factor;
+        }
+        change
     }
 
     /// The whole water.
@@ -185,7 +227,7 @@ impl<E: Encoding> TransferLaw<E> {
     fn exchange(&self, z: f32, content: WaterEffect) -> PixelTransform {
         let veil = self.content.veiling_light.rgb();
         let factor = self.reference.depth_factor(z);
-        let mut change = PixelTransform { gain: [1.0; 3], offset: [0.0; 3] };
+        let mut change = PixelTransform::NONE;
         for c in 0..3 {
             let (own, other) = (veil[c] * (1.0 - content.factor[c]), self.veil[c] * (1.0 - factor[c]));
             let gain = content.gain[c];
@@ -222,12 +264,24 @@ impl<'a, E: Encoding> LawInUse<'a, E> {
         self.law.model
     }
 
+    /// Whether it is [`Model::Relight`] in water of the same thickness.
+    pub(super) fn is_light_alone(&self) -> bool {
+        self.law.model == Model::Relight && self.law.haze == [1.0; 3]
+    }
+
+    /// What the content's water does at distance `z`.
+    pub(super) fn effect(&self, z: f32) -> WaterEffect {
+        self.table.map_or_else(|| self.law.of_content(z), |table| table.at(z))
+    }
+
+    /// cosθ, the content's veil B1∞ and α B2∞.
+    pub(super) fn veils(&self) -> (f32, [[f32; 3]; 2]) {
+        (self.law.cosine, [self.law.own_veil(), self.law.veil])
+    }
+
     /// What happens at distance `z`.
     pub(super) fn at(&self, z: f32) -> PixelTransform {
-        match self.table {
-            Some(table) => self.law.at_with(z, table.at(z)),
-            None => self.law.at(z),
-        }
+        self.law.at_with(z, self.effect(z))
     }
 
     /// As [`TransferLaw::in_share`].

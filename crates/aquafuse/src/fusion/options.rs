@@ -10,6 +10,8 @@ pub enum Model {
     /// The whole backscatter: open water takes the reference's colour, as in the paper's figures. The default.
     #[default]
     Physical,
+    /// The whole backscatter, and the light on near things: they take the hue of the reference's light.
+    Relight,
     /// The whole water: backscatter, and how the scene's own light fades. Strongest and most fragile: it
     /// needs β_D of both waters and a depth whose 0 is at the camera, so measured rather than from colour.
     Exchange,
@@ -17,22 +19,31 @@ pub enum Model {
 
 impl Model {
     /// All models, in the order of the documentation.
-    pub const ALL: &'static [Self] = &[Self::Aquafuse, Self::Physical, Self::Exchange];
+    pub const ALL: &'static [Self] = &[Self::Aquafuse, Self::Physical, Self::Relight, Self::Exchange];
 
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Aquafuse => "aquafuse",
             Self::Physical => "physical",
+            Self::Relight => "relight",
             Self::Exchange => "exchange",
         }
     }
 
-    /// Whether it adds the same to all pixels of one depth and channel; [`Model::Exchange`] also scales them.
+    /// Whether it adds the same to all pixels of one depth and channel; the others also scale them.
     pub fn is_shift(self) -> bool {
         match self {
             Self::Aquafuse | Self::Physical => true,
-            Self::Exchange => false,
+            Self::Relight | Self::Exchange => false,
+        }
+    }
+
+    /// Whether it takes F from [`DepthFactors`](crate::waterbody::DepthFactors) where there are some.
+    pub(crate) fn reads_depth_factors(self) -> bool {
+        match self {
+            Self::Physical | Self::Relight => true,
+            Self::Aquafuse | Self::Exchange => false,
         }
     }
 }
@@ -61,11 +72,11 @@ pub struct Options {
 
 impl Options {
     /// The defaults of a model: α = 1, and θ = 45° for [`Model::Aquafuse`] (the middle of the 30-60° the
-    /// paper finds natural), 0° for [`Model::Physical`] and [`Model::Exchange`] (the whole exchange).
+    /// paper finds natural), 0° for the others (the whole exchange).
     pub fn for_model(model: Model) -> Self {
         let degrees = match model {
             Model::Aquafuse => 45.0,
-            Model::Physical | Model::Exchange => 0.0,
+            Model::Physical | Model::Relight | Model::Exchange => 0.0,
         };
         Self { model, incidence: Incidence { degrees }, gain: Gain::default(), max_gain: 2.0 }
     }

@@ -13,7 +13,7 @@ use crate::simd::{self, Whole as _, Work};
 use crate::waterbody::WaterShare;
 
 /// 1 in shares of a table's shifts, and a byte in steps of them.
-const WHOLE: f32 = 32768.0;
+pub(super) const WHOLE: f32 = 32768.0;
 const STEPS: f32 = 256.0;
 
 /// Fuses the content, or `fused` itself if there is none, into `fused`; how many values were clipped.
@@ -144,9 +144,9 @@ impl Table {
 }
 
 /// 1 - w of a row, in shares of [`WHOLE`].
-struct ToLeft<'a> {
-    shares: &'a [f32],
-    left: &'a mut [u16],
+pub(super) struct ToLeft<'a> {
+    pub(super) shares: &'a [f32],
+    pub(super) left: &'a mut [u16],
 }
 
 impl Work for ToLeft<'_> {

@@ -7,8 +7,10 @@ use super::steady::mixed;
 pub(crate) struct WaterEffect {
     /// F, the share of the veiling light that is not there yet.
     pub(crate) factor: [f32; 3],
-    /// What the direct signal is multiplied by to undo the water.
+    /// What the direct signal is multiplied by: to undo the water, or for another light.
     pub(crate) gain: [f32; 3],
+    /// F in the water that an image is fused into, where that is another thickness of its own.
+    pub(crate) after: [f32; 3],
 }
 
 /// Places of a table: one for each level of depth.
@@ -43,6 +45,7 @@ impl EffectTable {
             for c in 0..3 {
                 own.factor[c] = mixed(own.factor[c], other.factor[c], of_factor[c]);
                 own.gain[c] = mixed(own.gain[c], other.gain[c], of_gain);
+                own.after[c] = mixed(own.after[c], other.after[c], of_factor[c]);
             }
         }
     }
@@ -56,6 +59,10 @@ impl EffectTable {
         let [from, to] = [self.places[before], self.places[before + 1]];
         let t = place - before as f32;
         let between = |from: [f32; 3], to: [f32; 3]| std::array::from_fn(|c| from[c] + t * (to[c] - from[c]));
-        WaterEffect { factor: between(from.factor, to.factor), gain: between(from.gain, to.gain) }
+        WaterEffect {
+            factor: between(from.factor, to.factor),
+            gain: between(from.gain, to.gain),
+            after: between(from.after, to.after),
+        }
     }
 }

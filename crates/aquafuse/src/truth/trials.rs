@@ -3,6 +3,7 @@
 //! Constants of the estimators are chosen on reefs in synthetic waters; what is tried here shares neither.
 
 mod exchange;
+mod lit;
 
 use std::sync::OnceLock;
 
@@ -15,6 +16,7 @@ use crate::waterbody::Waterbody;
 use crate::waterbody::presets::{Conditions, Preset};
 
 pub use exchange::Exchange;
+pub use lit::{LitCase, LitExchange};
 
 const SIZE: Size = Size { width: 240, height: 160 };
 /// Different places; each is seen in several waters.

@@ -9,7 +9,7 @@ pub(super) const KNOTS: usize = 32;
 /// Depth from colour says what is farther, not how much farther. [`estimate`](super::estimate) therefore takes from the darkest
 /// things of each depth how much backscatter there can be at most; β_B stays the summary. How much of a pixel is no thing but
 /// open water is its [`WaterShare`](super::WaterShare) w: `F = (1 - w) F'`.
-/// [`Model::Physical`](crate::fusion::Model::Physical) reads it.
+/// [`Model::Physical`](crate::fusion::Model::Physical) and [`Model::Relight`](crate::fusion::Model::Relight) read it.
 ///
 /// # Examples
 ///

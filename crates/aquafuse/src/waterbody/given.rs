@@ -26,6 +26,7 @@ impl<E: Encoding> Estimate<E> {
             veiling_light_share: 0.0,
             depth_model: None,
             depth_factors: None,
+            near_colour: None,
             quality: Quality::default(),
         }
     }

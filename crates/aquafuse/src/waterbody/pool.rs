@@ -63,6 +63,7 @@ pub fn pool<E: Encoding>(estimates: &[Estimate<E>]) -> Option<Estimate<E>> {
         quality: Quality::of(common_reasons(estimates)),
         // Depth from colour means another thing in each frame.
         depth_factors: None,
+        near_colour: pooled_colour(estimates),
         ..*typical
     })
 }
@@ -86,6 +87,13 @@ fn pooled<E: Encoding>(estimates: &[Estimate<E>], read: impl Fn(&Estimate<E>) ->
         value: median(&|value, _| value),
         interval: [median(&|_, interval| interval[0]), median(&|_, interval| interval[1])],
     }
+}
+
+/// The median of the frames that have a colour of near things.
+fn pooled_colour<E: Encoding>(estimates: &[Estimate<E>]) -> Option<[f32; 3]> {
+    let colours: Vec<[f32; 3]> = estimates.iter().filter_map(|one| one.near_colour).collect();
+    let median = |c: usize| weighted_median(colours.iter().map(|colour| (colour[c], 1.0)).collect());
+    (!colours.is_empty()).then(|| std::array::from_fn(median))
 }
 
 /// The value at which half of the weight is reached.
@@ -125,6 +133,7 @@ mod tests {
             veiling_light_share: 0.1,
             depth_model: None,
             depth_factors: None,
+            near_colour: None,
             intervals: Intervals {
                 veiling_light: water.veiling_light.rgb().map(around),
                 backscatter_coefficient: water.backscatter_coefficient.map(around),

@@ -33,14 +33,16 @@ mod assumptions;
 mod camera;
 mod conditions;
 mod fit;
+mod sea;
 mod spectral;
 mod tables;
 
 pub use assumptions::{Assumptions, Constant, Spectrum};
 pub use camera::Camera;
 pub use conditions::{Conditions, ConditionsError, White};
+pub use sea::sea;
 
-use super::{VeilingLight, Waterbody};
+use super::{Estimate, VeilingLight, Waterbody};
 use crate::image::{Encoded, Encoding};
 
 /// A type of water after Jerlov.
@@ -109,6 +111,9 @@ pub struct Residual {
     pub seen: [f32; 3],
 }
 
+/// What near things show (encoded) of a white that is lit alike: about half, as in most images.
+const NEAR_OF_WHITE: f32 = 0.5;
+
 impl Preset {
     /// All types: the ocean from clear to turbid, then the coast.
     pub const ALL: &'static [Self] = &[
@@ -145,6 +150,13 @@ impl Preset {
     /// For a depth map without metres see [`Waterbody::per_relative`].
     pub fn water<E: Encoding>(self, conditions: &Conditions) -> Waterbody<E> {
         self.derive(conditions).water
+    }
+
+    /// The water as an estimate without doubts, with the colour of near things in its light.
+    pub fn estimate<E: Encoding>(self, conditions: &Conditions) -> Estimate<E> {
+        let Derived { water, white, .. } = self.derive(conditions);
+        let near = white.map(|white| E::from_encoded(NEAR_OF_WHITE * E::to_encoded(white)));
+        Estimate { near_colour: Some(near), ..Estimate::given(water) }
     }
 
     /// The water as a camera sees it, and how closely the fitted coefficients follow the spectrum.

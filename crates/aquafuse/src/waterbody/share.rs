@@ -33,7 +33,7 @@ const MOST: f32 = 0.98;
 /// found in small cells and refined with the image as guide, so that it
 /// ends where things begin: near a place, w is an affine function of colour.
 ///
-/// [`Model::Physical`](crate::fusion::Model::Physical) and [`Model::Exchange`](crate::fusion::Model::Exchange) read it.
+/// All fusion models but [`Model::Aquafuse`](crate::fusion::Model::Aquafuse) read it.
 ///
 /// # Examples
 ///

@@ -10,16 +10,17 @@ use crate::failure::Failure;
 const HELP: &str = "\
 Share of the true change: 1 is the truth, 0 the content, below 0 farther from the truth than the
 content. Truth A is the scene with only the veiling light exchanged, truth B the scene with the
-whole water exchanged. `z` is the depth, true or estimated from colour.
+whole water exchanged, truth C (--lit) the scene in the other water and its light. `z` is the depth, true or estimated from colour.
 
 Examples:
   aquafuse evaluate truth -o truth.html
   aquafuse evaluate truth --exchanges 12             a first look, in seconds
-  aquafuse evaluate truth --linear -o linear.md";
+  aquafuse evaluate truth --linear -o linear.md
+  aquafuse evaluate truth --lit -o lit.md";
 
 /// Score how much of the true change each method achieves, on synthetic scenes.
 ///
-/// Scores the three models with true and estimated depth and water, and colour transfer. Needs no images: the scenes
+/// Scores all models with true and estimated depth and water, and colour transfer. Needs no images: the scenes
 /// are numbered and the same on every machine.
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -27,6 +28,9 @@ pub(crate) struct TruthArguments {
     /// Number of exchanges, each a content and a reference in another water.
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     exchanges: u32,
+    /// Take scenes that are lit by their own water, as a camera exposes and balances them (truth C)
+    #[arg(long)]
+    lit: bool,
     /// Form scenes, estimate and fuse in linear light.
     #[arg(long)]
     linear: bool,
@@ -42,6 +46,7 @@ impl TruthArguments {
         self.report.check()?;
         let truth = Truth {
             exchanges: self.exchanges as usize,
+            lit: self.lit,
             linear: self.linear,
             seed: self.seed,
             run_options: common.run_options(),

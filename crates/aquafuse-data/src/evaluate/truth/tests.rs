@@ -2,8 +2,12 @@ use super::*;
 use std::num::NonZeroUsize;
 
 fn run(exchanges: usize, linear: bool, threads: usize) -> Report {
+    of_scenes(false, exchanges, linear, threads)
+}
+
+fn of_scenes(lit: bool, exchanges: usize, linear: bool, threads: usize) -> Report {
     let run_options = RunOptions { threads: NonZeroUsize::new(threads), ..RunOptions::default() };
-    Truth { exchanges, linear, seed: 0, run_options }.run(&|_| {}).unwrap()
+    Truth { exchanges, lit, linear, seed: 0, run_options }.run(&|_| {}).unwrap()
 }
 
 fn mean(report: &Report, way: &str, method: &str, key: &str) -> f64 {
@@ -41,6 +45,22 @@ fn with_everything_given_the_models_are_near_their_truths() {
     // The paper's model is subtle: it keeps most structure and makes least of the change.
     let subtle = mean(&report, ceiling, "`aquafuse`", "share_a");
     assert!(subtle < mean(&report, ceiling, "`physical`", "share_a"));
+}
+
+#[test]
+fn of_scenes_lit_by_their_water_the_light_is_exchanged_too() {
+    let report = of_scenes(true, 12, false, 2);
+    assert_eq!(mean(&report, "the truth itself", "C", "share_c"), 1.0);
+    let share = |model: &str| mean(&report, "z given, water ours", model, "share_c");
+    assert!(
+        share("`relight`") > share("`physical`") + 0.03,
+        "{} {}",
+        share("`relight`"),
+        share("`physical`")
+    );
+    let labels = &report.tables[0].rows;
+    assert!(labels.iter().all(|row| !row.labels[0].starts_with("everything given")));
+    assert_eq!(report.items.scores.len(), report.items.rows[0].values.len());
 }
 
 #[test]

@@ -4,16 +4,60 @@ use aquafuse::depth::{DepthMap, DepthModel};
 use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw, Waters};
 use aquafuse::image::{Encoding, Image};
 use aquafuse::metrics::ssim;
-use aquafuse::truth::{Case, Exchange};
-use aquafuse::waterbody::{BackscatterMethod, Estimate, EstimateOptions, WaterShare, estimate_with_share};
+use aquafuse::truth::{Case, Exchange, LitCase, LitExchange};
+use aquafuse::waterbody::{
+    BackscatterMethod, Estimate, EstimateOptions, WaterShare, Waterbody, estimate_with_share,
+};
 
-/// How depth is obtained, and whose estimators give the water; no estimators: the truth is given.
+/// What is fused, and the truths of it.
+pub(super) struct Pair<'a, E: Encoding> {
+    content: Given<'a, E>,
+    reference: Given<'a, E>,
+    truths: Vec<&'a Image<f32, E>>,
+}
+
+/// An image and what is known of it.
+struct Given<'a, E: Encoding> {
+    image: &'a Image<u8>,
+    depth: &'a DepthMap,
+    /// None where no numbers of this encoding describe it.
+    water: Option<&'a Waterbody<E>>,
+}
+
+impl<'a, E: Encoding> Pair<'a, E> {
+    pub(super) fn new(exchange: &'a Exchange<E>) -> Self {
+        let of =
+            |case: &'a Case<E>| Given { image: &case.image, depth: &case.depth, water: Some(&case.water) };
+        let (content, reference) = (of(&exchange.content), of(&exchange.reference));
+        Self { content, reference, truths: exchange.truths.iter().collect() }
+    }
+
+    /// The same for an exchange of water and light, whose truth is given in the encoding.
+    pub(super) fn lit(exchange: &'a LitExchange, truth: &'a Image<f32, E>) -> Self {
+        let of = |case: &'a LitCase| Given { image: &case.image, depth: &case.depth, water: None };
+        let (content, reference) = (of(&exchange.content), of(&exchange.reference));
+        Self { content, reference, truths: vec![truth] }
+    }
+
+    /// The truths.
+    pub(super) fn truths(&self) -> &[&'a Image<f32, E>] {
+        &self.truths
+    }
+
+    /// Content and reference as images.
+    pub(super) fn images(&self) -> [&'a Image<u8>; 2] {
+        [self.content.image, self.reference.image]
+    }
+}
+
+/// How depth is obtained, and whose estimators the water is from; no estimators: the truth is known.
 pub(super) struct Way {
     pub(super) name: &'static str,
     depth: Option<DepthModel>,
     water: Option<EstimateOptions>,
 }
 
+/// All ways.
 pub(super) fn ways() -> Vec<Way> {
     let ours = Some(EstimateOptions::default());
     let papers = Some(EstimateOptions::as_published());
@@ -33,15 +77,20 @@ pub(super) fn ways() -> Vec<Way> {
 }
 
 impl Way {
+    /// Whether the water is estimated.
+    pub(super) fn estimates(&self) -> bool {
+        self.water.is_some()
+    }
+
     /// The paper has no verdict, and so no bound.
     fn is_papers(&self) -> bool {
         self.water.is_some_and(|options| options.backscatter == BackscatterMethod::Published)
     }
 
     /// What each model makes of an exchange, at full strength.
-    pub(super) fn all_models<E: Encoding>(&self, exchange: &Exchange<E>) -> Vec<Found> {
-        let z = self.depth(&exchange.content);
-        let (own, other) = (self.water(&exchange.content), self.water(&exchange.reference));
+    pub(super) fn all_models<E: Encoding>(&self, pair: &Pair<'_, E>) -> Vec<Found> {
+        let z = self.depth(&pair.content);
+        let (own, other) = (self.water(&pair.content), self.water(&pair.reference));
         let share = own.as_ref().map_or_else(|| WaterShare::none(z.size()), |(_, share)| share.clone());
         let [own, other] = [own, other].map(|found| found.map(|(estimate, _)| estimate));
         let of = |model: &Model| {
@@ -56,13 +105,14 @@ impl Way {
                     TransferLaw::new(bounded.waters(), &bounded.options)
                 }
                 _ => {
-                    let (content, reference) = (&exchange.content.water, &exchange.reference.water);
-                    TransferLaw::new(Waters::new(content, reference), &options)
+                    let water = |given: &Given<'_, E>| *given.water.expect("the way of a known water");
+                    let (content, reference) = (water(&pair.content), water(&pair.reference));
+                    TransferLaw::new(Waters::new(&content, &reference), &options)
                 }
             };
             let distances = z.distances();
             let width = z.width();
-            Found::of(exchange, |i, pixel| {
+            Found::of(pair, |i, pixel| {
                 let things = law.at(distances[i]);
                 let reads_share = *model != Model::Aquafuse;
                 let w =
@@ -73,48 +123,46 @@ impl Way {
         Model::ALL.iter().map(of).collect()
     }
 
-    fn depth<E: Encoding>(&self, case: &Case<E>) -> DepthMap {
-        self.depth.map_or_else(|| case.depth.clone(), |model| model.estimate(&case.image))
+    fn depth<E: Encoding>(&self, given: &Given<'_, E>) -> DepthMap {
+        self.depth.map_or_else(|| given.depth.clone(), |model| model.estimate(given.image))
     }
 
-    /// The estimate of a case's water; none where the truth is given.
-    fn water<E: Encoding>(&self, case: &Case<E>) -> Option<(Estimate<E>, WaterShare)> {
+    /// The estimate of an image's water; none where the truth is known.
+    fn water<E: Encoding>(&self, given: &Given<'_, E>) -> Option<(Estimate<E>, WaterShare)> {
         let estimated = |options| {
-            estimate_with_share(&case.image, &self.depth(case), &options).expect("a map of this image")
+            estimate_with_share(given.image, &self.depth(given), &options).expect("a map of this image")
         };
         self.water.map(estimated)
     }
 }
 
-/// A result beside the truths and its content; the first of two is about truth A, the second about truth B.
-#[derive(Clone, Copy, Debug)]
+/// A result beside the truths and its content, truth by truth.
+#[derive(Clone, Debug)]
 pub(super) struct Found {
     /// Share of the true change.
-    pub(super) share: [f64; 2],
+    pub(super) share: Vec<f64>,
     /// To the truth, in steps of 255, in the encoding of the exchange.
-    pub(super) rmse: [f64; 2],
+    pub(super) rmse: Vec<f64>,
     /// SSIM with the content, as a camera would store both.
     pub(super) structure: f64,
 }
 
 impl Found {
     /// Compares what `fused` makes of each pixel, by its place and colour, before clipping.
-    pub(super) fn of<E: Encoding>(
-        exchange: &Exchange<E>,
-        fused: impl Fn(usize, [f32; 3]) -> [f32; 3],
-    ) -> Self {
-        let content = &exchange.content.image;
-        let (mut after, mut before) = ([0.0_f64; 2], [0.0_f64; 2]);
+    pub(super) fn of<E: Encoding>(pair: &Pair<'_, E>, fused: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Self {
+        let content = pair.content.image;
+        let mut after = vec![0.0_f64; pair.truths.len()];
+        let mut before = after.clone();
         let mut shown = Vec::with_capacity(content.as_raw().len());
         for (i, bytes) in content.pixels().iter().enumerate() {
             let pixel = bytes.map(|value| E::from_encoded(f32::from(value) / 255.0));
             let made = fused(i, pixel);
             shown.extend(made.map(|value| E::to_encoded(value.max(0.0))));
-            for (t, truth) in exchange.truths.iter().enumerate() {
+            for (truth, (after, before)) in pair.truths.iter().zip(after.iter_mut().zip(&mut before)) {
                 for c in 0..3 {
                     let truth = truth.pixels()[i][c];
-                    after[t] += f64::from(made[c] - truth).powi(2);
-                    before[t] += f64::from(pixel[c] - truth).powi(2);
+                    *after += f64::from(made[c] - truth).powi(2);
+                    *before += f64::from(pixel[c] - truth).powi(2);
                 }
             }
         }
@@ -123,8 +171,8 @@ impl Found {
         let shown = Image::<f32>::from_raw(width, height, shown).expect("a colour for each pixel");
         let structure = ssim(content, &shown.convert::<u8>()).expect("of one size");
         Self {
-            share: std::array::from_fn(|t| 1.0 - (after[t] / before[t]).sqrt()),
-            rmse: after.map(|sum| 255.0 * (sum / values).sqrt()),
+            share: after.iter().zip(&before).map(|(after, before)| 1.0 - (after / before).sqrt()).collect(),
+            rmse: after.iter().map(|sum| 255.0 * (sum / values).sqrt()).collect(),
             structure: structure.expect("scenes are larger than the window"),
         }
     }

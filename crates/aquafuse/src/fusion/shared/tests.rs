@@ -30,6 +30,7 @@ impl Case {
         Waters::new(&self.own.water, reference)
             .with_depth_factors(self.own.depth_factors.as_ref())
             .with_share(&self.share)
+            .with_light_gain([0.6, 1.3, 1.8])
     }
 
     fn fused(&self, model: Model) -> Image<u8> {
@@ -42,7 +43,7 @@ impl Case {
 fn bytes_are_the_fusion_of_floats_within_a_step() {
     let case = case(131, 97);
     let reference = waters()[1].water;
-    for model in [Model::Physical, Model::Exchange] {
+    for model in [Model::Physical, Model::Relight, Model::Exchange] {
         let options = Options::for_model(model);
         let exact = fuse(&case.content.convert::<f32>(), &case.depth, case.waters(&reference), &options)
             .unwrap()
@@ -61,7 +62,7 @@ fn bytes_are_the_fusion_of_floats_within_a_step() {
 fn no_instructions_and_no_padding_change_a_bit() {
     let case = case(601, 200);
     let reference = waters()[1].water;
-    for model in [Model::Physical, Model::Exchange] {
+    for model in [Model::Physical, Model::Relight, Model::Exchange] {
         let expected = case.fused(model);
         for level in Level::all() {
             assert_eq!(level.force(|| case.fused(model)), expected);
@@ -97,9 +98,11 @@ fn one_at_a_time_and_row_by_row_a_share_is_the_same() {
 #[test]
 fn threads_change_no_bit() {
     let case = case(900, 300);
-    let on = |threads| {
+    let on = |model, threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| case.fused(Model::Physical))
+        pool.install(|| case.fused(model))
     };
-    assert_eq!(on(1), on(3));
+    for model in [Model::Physical, Model::Relight] {
+        assert_eq!(on(model, 1), on(model, 3));
+    }
 }

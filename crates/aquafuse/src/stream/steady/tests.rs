@@ -24,7 +24,8 @@ fn doubtful() -> Quality {
 
 /// B∞ and F at the far end after a frame that says `veil` and e^(-beta z).
 fn after(steady: &mut Steady, estimate: &Estimate, veil: f32, beta: f32) -> (f32, f32) {
-    let effect = |z: f32| WaterEffect { factor: [(-beta * z).exp(); 3], gain: [1.0; 3] };
+    let effect =
+        |z: f32| WaterEffect { factor: [(-beta * z).exp(); 3], gain: [1.0; 3], ..Default::default() };
     let (veil, _) = steady.follow::<Encoded>(&Frame::of(estimate, [veil; 3], effect, 0.0), &depth());
     (veil[0], steady.water.as_ref().unwrap().effect.at(1.0).factor[0])
 }

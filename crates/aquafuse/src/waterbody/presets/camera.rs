@@ -78,6 +78,16 @@ impl Camera {
         &self.source
     }
 
+    /// The peaks of red, green and blue, in nanometres.
+    pub fn peaks_nm(&self) -> [f64; 3] {
+        self.peaks_nm
+    }
+
+    /// The standard deviations of red, green and blue, in nanometres.
+    pub fn deviations_nm(&self) -> [f64; 3] {
+        self.deviations_nm
+    }
+
     /// Response of one channel at a wavelength in nanometres, 1 at its peak.
     pub(super) fn response(&self, channel: usize, wavelength: f64) -> f64 {
         let off = (wavelength - self.peaks_nm[channel]) / self.deviations_nm[channel];

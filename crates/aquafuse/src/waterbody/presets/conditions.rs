@@ -43,6 +43,7 @@ pub enum White {
 pub struct Conditions {
     depth_below_surface_m: f64,
     white: White,
+    balance: f64,
     white_level: f64,
     range_m: f64,
     veil_factor: f64,
@@ -55,6 +56,9 @@ pub struct Conditions {
 struct StoredConditions {
     depth_below_surface_m: f64,
     white: White,
+    /// Files of before have none.
+    #[serde(default)]
+    balance: f64,
     white_level: f64,
     range_m: f64,
     veil_factor: f64,
@@ -69,6 +73,7 @@ impl TryFrom<StoredConditions> for Conditions {
         let conditions = Self::default().with_camera(stored.camera).with_white(stored.white);
         conditions
             .with_depth_below_surface(stored.depth_below_surface_m)?
+            .with_balance(stored.balance)?
             .with_white_level(stored.white_level)?
             .with_range(stored.range_m)?
             .with_veil_factor(stored.veil_factor)
@@ -109,6 +114,7 @@ impl Default for Conditions {
         Self {
             depth_below_surface_m: 5.0,
             white: White::Daylight,
+            balance: 0.0,
             // Exposed to the right as cameras do, a tenth left for what glitters.
             white_level: 0.9,
             range_m: 20.0,
@@ -140,6 +146,16 @@ impl Conditions {
     #[must_use]
     pub fn with_white(self, white: White) -> Self {
         Self { white, ..self }
+    }
+
+    /// The same with a camera that balances itself by this share, 0 to 1: 0 is [`White::Daylight`], 1 is [`White::AtDepth`]; the
+    /// exposure is that of the white. Default: 0. Only [`White::Daylight`] reads it.
+    ///
+    /// # Errors
+    ///
+    /// [`ConditionsError`] when it is outside that range.
+    pub fn with_balance(self, share: f64) -> Result<Self, ConditionsError> {
+        Ok(Self { balance: within("share of the white balance", share, [0.0, 1.0])?, ..self })
     }
 
     /// The same with white at the encoded value `level`, .1 to 1. Default: .9.
@@ -188,6 +204,11 @@ impl Conditions {
     /// How the camera is balanced and exposed.
     pub fn white(&self) -> White {
         self.white
+    }
+
+    /// How far the camera balances itself.
+    pub fn balance(&self) -> f64 {
+        self.balance
     }
 
     /// Encoded value of white.

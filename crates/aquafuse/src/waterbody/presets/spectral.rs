@@ -40,7 +40,11 @@ pub(super) fn channels(spectra: Spectra, conditions: &Conditions) -> [Channel; 3
     let below = weighed.each_ref().map(|lines| lines.iter().map(|(_, line)| line.light).sum::<f64>());
     let left = |c: usize| below[c] / daylight[c];
     let white = match conditions.white() {
-        White::Daylight => daylight.map(|signal| signal * left(0).max(left(1)).max(left(2))),
+        White::Daylight => {
+            let (brightest, balance) = (left(0).max(left(1)).max(left(2)), conditions.balance());
+            // Without balance to the bit: a power of 0 is 1.
+            std::array::from_fn(|c| daylight[c] * brightest.powf(1.0 - balance) * left(c).powf(balance))
+        }
         White::AtDepth => below,
         White::AtSurface => daylight,
     };

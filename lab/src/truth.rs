@@ -13,5 +13,6 @@ pub(crate) fn run() -> Result<()> {
     say("Trying estimates and fusion on truth scenes (about three minutes)");
     show_section(RESULTS, "estimates", &estimates::table()?)?;
     evaluate::write(&aquafuse, "truth", &["truth"])?;
-    evaluate::write(&aquafuse, "truth-linear", &["truth", "--linear"])
+    evaluate::write(&aquafuse, "truth-linear", &["truth", "--linear"])?;
+    evaluate::write(&aquafuse, "truth-lit", &["truth", "--lit"])
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, RelativeScale};
 use aquafuse::image::Linear;
-use aquafuse::waterbody::presets::{Conditions, Preset, White};
+use aquafuse::waterbody::presets::{Conditions, Preset, White, sea};
 use aquafuse::waterbody::{Quality, Reason};
 use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use aquafuse_data::pipeline::{PixelEncoding, WaterEstimate};
@@ -136,6 +136,14 @@ impl Water {
             depth.analyse(reading.encoding(), &ImageFile::open(&path, &options)?.decode()?)
         })?;
         Ok(Self::of_estimate(&name, found.depth.kind(), found.estimate))
+    }
+
+    /// A drawn water by its number.
+    #[staticmethod]
+    fn of_sea(number: u32, linear: bool) -> Self {
+        let (preset, conditions) = sea(number);
+        let estimate = WaterEstimate::preset(preset, &conditions, encoding(linear));
+        Self::of_estimate(&format!("sea:{number}"), DepthKind::Metres, estimate)
     }
 
     /// The water of a published table.

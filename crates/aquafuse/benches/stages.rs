@@ -72,13 +72,23 @@ fn fusion_in_place(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::for_model(Model::Aquafuse)));
 }
 
-#[divan::bench(args = SIZES)]
-fn fusion_with_a_share_of_water(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+/// With a share of open water; the light on near things changes where the model reads it.
+fn with_a_share_of_water(bencher: Bencher<'_, '_>, size: (usize, usize), model: Model) {
     let (mut image, z, _) = prepared(size);
     let (own, share) = estimate_with_share(&image, &z, &EstimateOptions::default()).expect("one size");
     let reference = waters()[1].water;
-    let exchanged = Waters::new(&own.water, &reference).with_share(&share);
-    bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::for_model(Model::Physical)));
+    let exchanged = Waters::new(&own.water, &reference).with_share(&share).with_light_gain([0.8, 1.1, 1.3]);
+    bencher.bench_local(|| fuse_mut(&mut image, &z, exchanged, &Options::for_model(model)));
+}
+
+#[divan::bench(args = SIZES)]
+fn fusion_with_a_share_of_water(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+    with_a_share_of_water(bencher, size, Model::Physical);
+}
+
+#[divan::bench(args = SIZES)]
+fn light_with_a_share_of_water(bencher: Bencher<'_, '_>, size: (usize, usize)) {
+    with_a_share_of_water(bencher, size, Model::Relight);
 }
 
 #[divan::bench(args = SIZES)]

@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 from aquafuse import _native
 from aquafuse._draws import library
 from aquafuse._options import Border, DepthKind, Model, Smoothing, reading
-from aquafuse._water import as_water
+from aquafuse._water import SEA, as_water
 
 Kind = Literal["started", "done", "skipped", "failed"]
 Layout = Literal["folder", "coco", "yolo", "voc", "masks", "shards"]
@@ -116,7 +116,8 @@ def augment(
 
     Args:
         dataset: Its folder: images, COCO, YOLO, VOC, masks or WebDataset shards; see ``aquafuse augment --help``.
-        waters: ``presets``, ``preset:NAME``, images, ``*.water.json`` files, and folders of both.
+        waters: ``presets``, ``preset:NAME``, ``sea`` (32 drawn waters), ``sea:NUMBER``, images,
+            ``*.water.json`` files, and folders of both.
         output: A folder that is new, empty, or of a run to continue.
         per_image: Number of variants of each image, 1 to 10,000.
         keep_originals: Also copy the original images.
@@ -210,5 +211,5 @@ def _library(waters: Sequence[str | os.PathLike[str]] | str) -> list[str]:
 def _named(name: str, depth_model: str, border: Border, linear: bool) -> tuple[str, _native.Water, str | None]:
     """A water by its name, and its file if it has one."""
     water = as_water(name, depth_model=depth_model, border=border, linear=linear)
-    path = None if name.startswith("preset:") else str(Path(name))
+    path = None if name.startswith(("preset:", SEA)) else str(Path(name))
     return name, water._water, path  # pyright: ignore[reportPrivateUsage]

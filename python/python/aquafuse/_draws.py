@@ -12,7 +12,7 @@ from aquafuse import _native
 from aquafuse._errors import ArgumentError
 from aquafuse._fuser import Fuser
 from aquafuse._options import Border, Model, Smoothing
-from aquafuse._water import Water
+from aquafuse._water import SEA, Water
 
 PRESETS = "presets"
 """The name of the library of all presets."""
@@ -47,7 +47,7 @@ class _Random(Protocol):
 
 
 def library(waters: Sequence[str] | str) -> list[str]:
-    """Each single water: ``presets`` and folders are replaced by what they hold, in order.
+    """Each single water: ``presets``, ``sea`` (``sea:0`` to ``sea:31``) and folders are replaced by what they hold, in order.
 
     >>> library("presets")[:2]
     ['preset:jerlov-I', 'preset:jerlov-IA']
@@ -57,7 +57,9 @@ def library(waters: Sequence[str] | str) -> list[str]:
     for name in map(str, named):
         if name == PRESETS:
             found += [f"preset:{preset}" for preset in Water.presets()]
-        elif not name.startswith("preset:") and Path(name).is_dir():
+        elif name == "sea":
+            found += [f"{SEA}{number}" for number in range(32)]
+        elif not name.startswith(("preset:", SEA)) and Path(name).is_dir():
             inside = sorted(str(path) for path in Path(name).iterdir() if path.name.lower().endswith(_ENDS))
             if not inside:
                 raise ArgumentError(f"{name} holds no images and no *.water.json files; name a folder that does")

@@ -34,8 +34,8 @@ class Fuser:
 
     Args:
         water: A :class:`Water`, ``"preset:NAME"``, the path of an image or of a ``*.water.json``, or an image.
-        model: ``physical`` adds the whole veil, ``aquafuse`` is the paper to the letter and subtle, ``exchange`` replaces the
-            whole water.
+        model: ``physical`` adds the whole veil, ``relight`` also changes the light on near things, ``aquafuse`` is the paper to
+            the letter and subtle, ``exchange`` replaces the whole water.
         theta: Angle of incidence in degrees, 0 (all) to 90 (no change). Default: 0; 45 for ``aquafuse``.
         alpha: Gain on the colour of the water, 0 or more. Default: 1.
         smooth: ``none`` or ``bilateral``.

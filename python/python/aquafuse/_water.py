@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, cast, final
 
 from aquafuse import _native
-from aquafuse._errors import FileError
+from aquafuse._errors import ArgumentError, FileError
 from aquafuse._options import Border, DepthKind, Verdict, reading
 
 Rgb: TypeAlias = tuple[float, float, float]
@@ -110,6 +110,24 @@ class Water:
         True
         """
         return cls._of(_native.Water.of_preset(name, below_surface, camera, linear))
+
+    @classmethod
+    def sea(cls, number: int, *, linear: bool = False) -> Water:
+        """A water as the sea may show it, per metre: type, depth below the surface, camera, balance and exposure are drawn together.
+
+        Args:
+            number: Which one, 0 to 4294967295; the same number is the same water on every machine.
+            linear: A water for linear light instead of encoded values.
+
+        Raises:
+            ArgumentError: The number is outside its range.
+
+        >>> Water.sea(1) == Water.sea(1), Water.sea(1) == Water.sea(2)
+        (True, False)
+        """
+        if not 0 <= number < 2**32:
+            raise ArgumentError(f"number is {number}, but must be from 0 to {2**32 - 1}")
+        return cls._of(_native.Water.of_sea(number, linear))
 
     @staticmethod
     def presets() -> list[str]:
@@ -261,12 +279,20 @@ def _preset(name: str, below_surface: float, camera: Camera, linear: bool) -> Wa
 WaterSource: TypeAlias = Water | str | os.PathLike[str] | Any
 
 
+SEA = "sea:"
+
+
 def as_water(source: WaterSource, *, depth_model: str = "eq3", border: Border = "auto", linear: bool = False) -> Water:
-    """A water, ``preset:NAME``, the path of an image or of a ``*.water.json``, or an image, as a water."""
+    """A water, ``preset:NAME``, ``sea:NUMBER``, the path of an image or of a ``*.water.json``, or an image, as a water."""
     if isinstance(source, Water):
         return source
     if isinstance(source, str) and source.startswith("preset:"):
         return Water.preset(source.removeprefix("preset:"), linear=linear)
+    if isinstance(source, str) and source.startswith(SEA):
+        number = source.removeprefix(SEA)
+        if not number.isdecimal():
+            raise ArgumentError(f"{source} is no water; write sea:NUMBER, as sea:12")
+        return Water.sea(int(number), linear=linear)
     if isinstance(source, (str, os.PathLike)):
         path = Path(cast("str | os.PathLike[str]", source))
         if str(path) in Water.presets() and not path.exists():

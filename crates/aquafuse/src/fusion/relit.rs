@@ -6,11 +6,14 @@ use super::shift::BLOCK;
 use crate::bands;
 use crate::depth::{DepthMap, InSteps, Stepped, TABLE};
 use crate::image::{Encoding, ImageMut, ImageRef, Sample};
-use crate::simd::{self, Whole as _, Work};
+use crate::simd::{self, Work};
 use crate::waterbody::WaterShare;
 
-/// 1 in F of the table.
-const FACTOR: f32 = 65535.0;
+/// 1 in F and in factors of the direct signal.
+const WHOLE_FACTOR: f32 = 32767.0;
+/// A byte in steps of the sums: three of its range either way fit into 16 bits, or are clipped anyway.
+const STEPS: f32 = 64.0;
+const STEP_BITS: u32 = 6;
 /// Values after which the channels have the same order again, in whole vectors.
 const PERIOD: usize = 48;
 
@@ -63,13 +66,22 @@ fn by_steps<E: Encoding, S: Stepped>(
 }
 
 /// The law for bytes: `U + (1 - F) shift + lit F (U - own (1 - F))`, channels in turn.
+///
+/// F and lit are in shares of [`WHOLE_FACTOR`], bytes in [`STEPS`]: a value is off by less than 1/32 before it is rounded, and not at
+/// all where nothing changes.
 struct Relit {
     /// F' of things at each step of depth. The fourth is nothing.
     factors: Box<[[u16; 4]; TABLE]>,
     /// cosθ (α B2∞ - B1∞), cosθ (g - 1) and B1∞.
-    shift: [f32; PERIOD],
-    lit: [f32; PERIOD],
-    own: [f32; PERIOD],
+    shift: [i16; PERIOD],
+    lit: [i16; PERIOD],
+    own: [i16; PERIOD],
+}
+
+/// The product of a number and a share.
+#[inline(always)]
+fn part(number: i16, share: i16) -> i16 {
+    ((i32::from(number) * i32::from(share) + (1 << 14)) >> 15) as i16
 }
 
 impl Relit {
@@ -78,30 +90,43 @@ impl Relit {
         for (place, entry) in factors.iter_mut().enumerate().take(S::COUNT) {
             let factor = law.effect(S::z(place)).factor;
             for c in 0..3 {
-                entry[c] = (FACTOR * factor[c]).round() as u16;
+                entry[c] = (WHOLE_FACTOR * factor[c]).round() as u16;
             }
         }
         let (cosine, [own, veil]) = law.veils();
         let gain = law.effect(0.0).gain;
-        let turns = |of: &dyn Fn(usize) -> f32| std::array::from_fn(|i| of(i % 3));
+        let turns = |whole: f32, of: &dyn Fn(usize) -> f32| {
+            // What is out of range clips every value.
+            std::array::from_fn(|i| (whole * of(i % 3)).round() as i16)
+        };
         Self {
             factors,
-            shift: turns(&|c| 255.0 * cosine * (veil[c] - own[c])),
-            lit: turns(&|c| cosine * (gain[c] - 1.0)),
-            own: turns(&|c| 255.0 * own[c]),
+            shift: turns(255.0 * STEPS, &|c| cosine * (veil[c] - own[c])),
+            lit: turns(WHOLE_FACTOR, &|c| cosine * (gain[c] - 1.0)),
+            own: turns(255.0 * STEPS, &|c| own[c]),
         }
     }
 
-    /// Changes a block of values, of pixels with these F; counts what was clipped.
+    /// Changes values of pixels with these F, in whole turns of the channels, and counts what was clipped.
     #[inline(always)]
-    fn change(&self, values: &mut [u8; PERIOD], factors: &[u16; PERIOD], clipped: &mut [u32; PERIOD]) {
-        for i in 0..PERIOD {
-            let (value, factor) = (f32::from(values[i]), f32::from(factors[i]) * FACTOR.recip());
-            let direct = value - self.own[i] * (1.0 - factor);
-            let changed = value + self.shift[i] * (1.0 - factor) + self.lit[i] * factor * direct;
-            let kept = changed.max(0.0).min(255.0);
-            values[i] = kept.whole_bits() as u8;
-            clipped[i] += u32::from(!(-0.5..255.5).contains(&changed));
+    fn change(&self, values: &mut [[u8; PERIOD]], factors: &[[u16; PERIOD]], clipped: &mut [u64; 3]) {
+        // Of at most 32 turns.
+        let mut counts = [0_u16; PERIOD];
+        for (values, factors) in values.iter_mut().zip(factors) {
+            for i in 0..PERIOD {
+                let (value, factor) = (i16::from(values[i]) << STEP_BITS, factors[i] as i16);
+                let hidden = i16::MAX - factor;
+                let direct = value - part(self.own[i], hidden);
+                let shifted = value.saturating_add(part(self.shift[i], hidden));
+                let sum = shifted.saturating_add(part(direct, part(self.lit[i], factor)));
+                let rounded = sum.saturating_add(1 << (STEP_BITS - 1)) >> STEP_BITS;
+                let kept = rounded.clamp(0, 255);
+                values[i] = kept as u8;
+                counts[i] += u16::from(kept != rounded);
+            }
+        }
+        for (i, &count) in counts.iter().enumerate() {
+            clipped[i % 3] += u64::from(count);
         }
     }
 }
@@ -122,7 +147,7 @@ impl<S: Stepped> Work for Row<'_, S> {
     fn run(self) -> [u64; 3] {
         let Self { relit, row, depths, left } = self;
         let mut factors = [0; 3 * BLOCK + 1];
-        let mut clipped = [0; PERIOD];
+        let mut clipped = [0; 3];
         let blocks = row.chunks_mut(3 * BLOCK).zip(depths.chunks(BLOCK).zip(left.chunks(BLOCK)));
         for (values, (depths, left)) in blocks {
             for (i, (&depth, &left)) in depths.iter().zip(left).enumerate() {
@@ -133,21 +158,16 @@ impl<S: Stepped> Work for Row<'_, S> {
             }
             let (turns, rest) = values.as_chunks_mut::<PERIOD>();
             let of_turns = factors.as_chunks::<PERIOD>().0;
-            for (values, factors) in turns.iter_mut().zip(of_turns) {
-                relit.change(values, factors, &mut clipped);
-            }
+            relit.change(turns, of_turns, &mut clipped);
             if !rest.is_empty() {
-                let (mut last, mut of_last) = ([0; PERIOD], [FACTOR as u16; PERIOD]);
-                last[..rest.len()].copy_from_slice(rest);
-                of_last[..rest.len()].copy_from_slice(&factors[PERIOD * turns.len()..][..rest.len()]);
+                // Filled up with black pixels at the camera, which stay as they are.
+                let (mut last, mut of_last) = ([[0; PERIOD]], [[WHOLE_FACTOR as u16; PERIOD]]);
+                last[0][..rest.len()].copy_from_slice(rest);
+                of_last[0][..rest.len()].copy_from_slice(&factors[PERIOD * turns.len()..][..rest.len()]);
                 relit.change(&mut last, &of_last, &mut clipped);
-                rest.copy_from_slice(&last[..rest.len()]);
+                rest.copy_from_slice(&last[0][..rest.len()]);
             }
         }
-        let mut by_channel = [0; 3];
-        for (i, &count) in clipped.iter().enumerate() {
-            by_channel[i % 3] += u64::from(count);
-        }
-        by_channel
+        clipped
     }
 }

@@ -1,6 +1,7 @@
-"""What others do with an underwater image: CLAHE, and the fusion of Ancuti et al., written with OpenCV.
+"""What others do with an underwater image: CLAHE, Reinhard's transfer, and the fusion of Ancuti et al., written with OpenCV.
 
-enhancement_rivals.py RAW OUT: for each image of RAW an OUT/clahe/STEM.png and an OUT/fusion/STEM.png.
+enhancement_rivals.py RAW REFERENCE OUT: for each image of RAW an OUT/clahe/STEM.png, an OUT/reinhard/STEM.png and an
+OUT/fusion/STEM.png.
 """
 
 import pathlib
@@ -15,6 +16,21 @@ def clahe(image):
     lab = cv2.cvtColor(image, cv2.COLOR_BGR2LAB)
     lab[..., 0] = cv2.createCLAHE(clipLimit=2.0, tileGridSize=(8, 8)).apply(lab[..., 0])
     return cv2.cvtColor(lab, cv2.COLOR_LAB2BGR)
+
+
+def palette(image):
+    """Mean and deviation of each channel of Lab."""
+    lab = cv2.cvtColor(image.astype(np.float32) / 255, cv2.COLOR_BGR2LAB)
+    return np.stack([lab.mean((0, 1)), lab.std((0, 1))])
+
+
+def reinhard(image, target):
+    """E. Reinhard et al., "Color Transfer between Images" (IEEE CG&A, 2001), to a mean and a deviation in Lab."""
+    lab = cv2.cvtColor(image.astype(np.float32) / 255, cv2.COLOR_BGR2LAB)
+    mean, deviation = palette(image)
+    moved = (lab - mean) / np.maximum(deviation, 1e-3) * target[1] + target[0]
+    made = cv2.cvtColor(moved.astype(np.float32), cv2.COLOR_LAB2BGR)
+    return np.clip(made * 255 + 0.5, 0, 255).astype(np.uint8)
 
 
 def balanced(image):
@@ -63,12 +79,23 @@ def fusion(image):
 
 
 def main():
-    raw, out = map(pathlib.Path, sys.argv[1:])
-    for name, rival in [("clahe", clahe), ("fusion", fusion)]:
+    raw, reference, out = map(pathlib.Path, sys.argv[1:])
+    palettes = {path.stem: palette(cv2.imread(str(path))) for path in sorted(reference.iterdir())}
+
+    def others(stem):
+        """What the references look like on average, the image's own left out."""
+        return np.mean([found for other, found in palettes.items() if other != stem], axis=0)
+
+    rivals = {
+        "clahe": lambda image, _: clahe(image),
+        "reinhard": lambda image, stem: reinhard(image, others(stem)),
+        "fusion": lambda image, _: fusion(image),
+    }
+    for name, rival in rivals.items():
         folder = out / name
         folder.mkdir(parents=True, exist_ok=True)
         for path in sorted(raw.iterdir()):
-            cv2.imwrite(str(folder / f"{path.stem}.png"), rival(cv2.imread(str(path))))
+            cv2.imwrite(str(folder / f"{path.stem}.png"), rival(cv2.imread(str(path)), path.stem))
 
 
 main()

@@ -28,12 +28,16 @@ pub(crate) fn pairs() -> Result<()> {
         say(&format!("Restoring and enhancing the images of {set}"));
         let made = target().join("pairs").join(set);
         let folder = made.to_string_lossy();
-        run(command(&python, &["benches/enhancement_rivals.py", &raw, &folder]))?;
-        let [clahe, fusion] = [("CLAHE", "clahe"), ("Ancuti fusion", "fusion")]
-            .map(|(name, part)| format!("{name}={folder}/{part}"));
+        run(command(&python, &["benches/enhancement_rivals.py", &raw, &reference, &folder]))?;
+        let rivals = [
+            ("CLAHE", "clahe"),
+            ("Reinhard, to the other references", "reinhard"),
+            ("Ancuti fusion", "fusion"),
+        ];
+        let [clahe, reinhard, fusion] = rivals.map(|(name, part)| format!("{name}={folder}/{part}"));
         let arguments = [
             &["enhancement", &raw, "--reference", &reference][..],
-            &["--clear", "preset:jerlov-I", "--method", &clahe, "--method", &fusion],
+            &["--clear", "preset:jerlov-I", "--method", &clahe, "--method", &reinhard, "--method", &fusion],
         ];
         write(&aquafuse, section, &arguments.concat())?;
     }

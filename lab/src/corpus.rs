@@ -16,7 +16,7 @@ use crate::forge::{self, Forged, Role};
 /// Larger files slow every execution down and hold nothing that smaller ones do not.
 const MOST_BYTES: usize = 2048;
 /// Where the forged files go, by role and extension.
-const TARGETS: [(Role, &str, &str); 12] = [
+const TARGETS: [(Role, &str, &str); 13] = [
     (Role::Image, "bmp", "bmp"),
     (Role::Image, "gif", "gif"),
     (Role::Image, "jpg", "jpeg"),
@@ -24,6 +24,7 @@ const TARGETS: [(Role, &str, &str); 12] = [
     (Role::Image, "tif", "tiff"),
     (Role::Image, "tiff", "tiff"),
     (Role::Image, "webp", "webp"),
+    (Role::Depth, "bin", "depth-colmap"),
     (Role::Depth, "exr", "depth-exr"),
     (Role::Depth, "npy", "depth-npy"),
     (Role::Depth, "pfm", "depth-pfm"),

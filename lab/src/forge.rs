@@ -6,11 +6,13 @@
 
 mod bmp;
 mod bytes;
+mod colmap;
 mod damage;
 mod exr;
 mod gif;
 mod jpeg;
 mod jpeg_bytes;
+mod labels;
 mod list;
 mod metadata;
 mod no_image;
@@ -21,6 +23,7 @@ mod png_bytes;
 mod seeds;
 mod tiff;
 mod tiff_bytes;
+mod tiff_jpeg;
 mod unusual;
 mod webp;
 
@@ -30,6 +33,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 pub(crate) use bytes::crc32;
+pub(crate) use labels::labels;
 pub(crate) use list::{Files, Forged, Right, Role};
 
 /// Every file there is.
@@ -43,9 +47,11 @@ pub(crate) fn files() -> Result<Files> {
     gif::add(&mut files);
     bmp::add(&mut files);
     tiff::add(&mut files);
+    tiff_jpeg::add(&mut files)?;
     exr::add(&mut files)?;
     npy::add(&mut files);
     pfm::add(&mut files);
+    colmap::add(&mut files);
     no_image::add(&mut files);
     unusual::add(&mut files)?;
     Ok(files)

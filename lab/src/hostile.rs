@@ -32,6 +32,7 @@ pub(crate) fn run() -> Result<()> {
     let [good, water] = forge::write_good(&folder)?;
     let stage = Stage { ours, rival: crate::programs::lab()?, good, water, out: folder.join("out") };
     let mut trials = trials::forged(&folder)?;
+    trials.extend(trials::labelled(&folder, &stage.good)?);
     trials.extend(trials::odd(&folder, &stage.good)?);
     say(&format!("Trying {} files; what went wrong:", trials.len()));
     let seen = stage.all(&trials)?;
@@ -81,6 +82,7 @@ impl Stage {
         let cannot_make = || format!("cannot make {}", self.out.display());
         fs::create_dir_all(&self.out).with_context(cannot_make)?;
         let (file, output) = (trial.path.as_path(), self.out.join("out.png"));
+        let set = self.out.join(tally::DATASET);
         let [fuse, to, threads, one, model, physical, depth, depth_kind, metres] =
             ["fuse", "-o", "--threads", "1", "--model", "physical", "--depth", "--depth-kind", "metres"]
                 .map(Path::new);
@@ -90,6 +92,11 @@ impl Stage {
             (false, Role::Image) => runner.run(&self.ours, &ours(file))?,
             (false, Role::Depth) => runner
                 .run(&self.ours, &[&ours(&self.good)[..], &[depth, file, depth_kind, metres]].concat())?,
+            (false, Role::Labels) => {
+                let dataset = trial.dataset.as_deref().unwrap_or(file);
+                let augment = [Path::new("augment"), dataset, &self.water, to, &set, threads, one];
+                runner.run(&self.ours, &augment)?
+            }
         };
         let tally = tally::judge(trial, &outcome, &self.out);
         fs::remove_dir_all(&self.out).with_context(|| format!("cannot empty {}", self.out.display()))?;

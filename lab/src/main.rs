@@ -22,6 +22,7 @@ mod scene;
 mod soak;
 mod synthetic;
 mod truth;
+mod variations;
 mod water;
 
 use std::path::Path;
@@ -42,9 +43,12 @@ docs/results.md
   pairs               restoration and enhancement beside references that people chose, and beside rivals
   published           scores of real images, beside the paper's and those of other methods
   hostile             over a thousand bad files, given to `aquafuse` and to a rival
-  memory [IMAGES]     peak memory of a run over 1,000 images of 24 megapixels
+  memory [IMAGES|runs]
+                      peak memory of a run over 1,000 images of 24 megapixels; and, alone with `runs`, of commands on
+                      scenes and of files of a million lines
   multiply [IMAGES]   a dataset of 10,000 small images multiplied; a run killed 50 times and resumed
   roundtrip           annotations of ten layouts before and after augment, by the readers that people use
+  variations          small datasets and scenes of every kind, varied in the ways of users: what is lost without a word
   helps               whether a small network learns more from a dataset that was multiplied
   scene [FOLDER]      splats trained on a synthetic scene and on fused scenes; FOLDER is for images to look at
   soak [MINUTES] [PARSER...]
@@ -102,10 +106,12 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["published"] => evaluate::published(),
         ["hostile"] => hostile::run(),
         ["memory"] => memory::run(memory::IMAGES),
+        ["memory", "runs"] => memory::runs(),
         ["memory", images] => memory::run(images.parse().ok().filter(|&count| count > 0)?),
         ["multiply"] => multiply::run(multiply::IMAGES),
         ["multiply", images] => multiply::run(images.parse().ok().filter(|&count| count >= 10)?),
         ["roundtrip"] => roundtrip::run(),
+        ["variations"] => variations::run(),
         ["helps"] => helps::run(),
         ["scene"] => scene::run(None),
         ["scene", folder] => scene::run(Some(Path::new(folder))),

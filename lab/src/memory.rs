@@ -1,6 +1,7 @@
-//! `lab memory`: how much memory a run over many large images really holds.
+//! `lab memory`: how much memory a run over many large images really holds, and commands on scenes and long records.
 
 mod photos;
+mod runs;
 
 use std::fmt::Write;
 use std::fs;
@@ -41,7 +42,17 @@ pub(crate) fn run(images: usize) -> Result<()> {
         let each = milliseconds / 1000.0 / images as f64;
         writeln!(table, "| {images} | {threads} | {BUDGET} | {peak:.0} | {each:.2} |")?;
     }
-    show_section(RESULTS, "memory", &table)
+    show_section(RESULTS, "memory", &table)?;
+    show_section(RESULTS, "memory-runs", &runs::table(&program, &folder, &folder.join("0.jpg"))?)
+}
+
+/// The second table alone: scenes, and the files of long runs.
+pub(crate) fn runs() -> Result<()> {
+    let program = crate::programs::aquafuse()?;
+    let folder = root().join("target/memory");
+    fs::create_dir_all(&folder)?;
+    photos::write(&folder.join("0.jpg"), 0)?;
+    show_section(RESULTS, "memory-runs", &runs::table(&program, &folder, &folder.join("0.jpg"))?)
 }
 
 /// A folder of so many images.

@@ -144,7 +144,7 @@ fn images_that_are_missing_are_counted_and_left_out_on_request() {
     let said = run.fails(2, &fuse).stderr;
     assert!(said.contains("lacks 1 of the 9 images of the scene, first view_003.png"), "{said}");
     let said = run.ok(&[&fuse[..], &["--skip-missing"]].concat()).stdout;
-    assert!(said.contains("8 images in green.png's water (left out, because missing: 1)"), "{said}");
+    assert!(said.contains("8 images in green.png's water (images left out, because missing: 1)"), "{said}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use aquafuse::truth::Size;
-use aquafuse_data::image_file::{ImageFile, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, ReadOptions, WriteOptions};
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::files::{read_cameras, read_ply};
 use aquafuse_scene::truth::views;
@@ -63,7 +63,7 @@ fn a_scene_is_made_of_what_colmap_finds() {
     assert!(said.contains("no camera was found for view_001.png, view_002.png, view_004.png"), "{said}");
     let asked = std::fs::read_to_string(run.path("asked.txt")).unwrap();
     assert_eq!(asked, "feature_extractor\nexhaustive_matcher\nmapper\n");
-    assert_eq!(read_cameras(&run.path("reef3d")).unwrap().images.len(), 2);
+    assert_eq!(read_cameras(&run.path("reef3d"), &ReadOptions::default()).unwrap().images.len(), 2);
     assert_eq!(run.bytes("reef3d/images/view_004.png"), run.bytes("reef/images/view_004.png"));
     assert!(!run.path("reef3d/.aquafuse-sfm").exists());
     // It is a scene now, and not written over unasked.
@@ -166,7 +166,7 @@ fn pycolmap_finds_the_cameras_of_a_place_that_is_known() {
     }
     let said = run.ok(&["scene", "sfm", "photos", "-o", "place", "--python", &python]).stdout;
     println!("{said}");
-    let found = read_cameras(&run.path("place")).unwrap();
+    let found = read_cameras(&run.path("place"), &ReadOptions::default()).unwrap();
     assert!(found.images.len() >= 7 && found.points.len() > 100, "{said}");
     // How far cameras are apart is right up to one scale.
     let number = |name: &Path| name.file_stem().unwrap().to_str().unwrap().parse::<usize>().unwrap();
@@ -213,7 +213,7 @@ fn brush_trains_on_the_images_that_we_would_train_on() {
     }
     assert_eq!(std::fs::read_to_string(run.path("pictures.txt")).unwrap().lines().count(), 7);
     assert!(std::fs::read_to_string(run.path("lens.txt")).unwrap().starts_with("1 PINHOLE 32 24 "));
-    assert_eq!(read_ply(&run.path("brush.ply")).unwrap(), read_ply(&run.path("ready.ply")).unwrap());
+    assert_eq!(read_ply(&run.path("brush.ply"), &ReadOptions::default()).unwrap(), read_ply(&run.path("ready.ply"), &ReadOptions::default()).unwrap());
     assert!(!run.path("brush.ply.brush").exists());
 
     let said = |arguments: &[&str], code| run.fails(code, &[&train[..], arguments].concat()).stderr;

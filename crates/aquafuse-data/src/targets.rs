@@ -48,6 +48,8 @@ pub const PNG: Target = Target { name: "png", run: |bytes| image(Format::Png, by
 pub const TIFF: Target = Target { name: "tiff", run: |bytes| image(Format::Tiff, bytes) };
 /// Images as WebP.
 pub const WEBP: Target = Target { name: "webp", run: |bytes| image(Format::WebP, bytes) };
+/// Depth maps of COLMAP.
+pub const DEPTH_COLMAP: Target = Target { name: "depth-colmap", run: |bytes| depth(b"", bytes) };
 /// Depth maps as OpenEXR.
 pub const DEPTH_EXR: Target = Target { name: "depth-exr", run: |bytes| depth(b"\x76\x2f\x31\x01", bytes) };
 /// Depth maps as NPY.
@@ -66,9 +68,9 @@ pub const DATASET_PARQUET: Target =
 /// Tar shards of WebDataset.
 pub const DATASET_SHARDS: Target =
     Target { name: "dataset-shards", run: |bytes| files_of_many(bytes, try_shards) };
-/// Annotations of Pascal VOC.
-pub const DATASET_VOC: Target = Target { name: "dataset-voc", run: |bytes| text(bytes, try_voc) };
-/// Labels and `data.yaml` of YOLO.
+/// Annotations of Pascal VOC, in any encoding.
+pub const DATASET_VOC: Target = Target { name: "dataset-voc", run: try_voc };
+/// Labels, `data.yaml` and lists of YOLO.
 pub const DATASET_YOLO: Target = Target { name: "dataset-yolo", run: |bytes| text(bytes, try_yolo) };
 /// Records of a folder's job.
 pub const JOB_RECORD: Target = Target { name: "job-record", run: batch::try_parse };
@@ -80,7 +82,7 @@ pub const MODEL_FILE: Target = Target { name: "model-file", run: model };
 pub const WATER_FILE: Target = Target { name: "water-file", run: water };
 
 /// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
-pub const ALL: [Target; 21] = [
+pub const ALL: [Target; 22] = [
     BMP,
     EXIF,
     GIF,
@@ -88,6 +90,7 @@ pub const ALL: [Target; 21] = [
     PNG,
     TIFF,
     WEBP,
+    DEPTH_COLMAP,
     DEPTH_EXR,
     DEPTH_NPY,
     DEPTH_PFM,

@@ -1,10 +1,12 @@
 //! The images of a scene's folder, undistorted and scaled, with their pinhole cameras.
 
+use std::collections::BTreeSet;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use aquafuse::image::Image;
 use aquafuse_data::files::{FileError, display};
-use aquafuse_data::image_file::{ImageFile, ReadOptions};
+use aquafuse_data::image_file::{ImageFile, ReadOptions, list};
 
 use crate::camera::Camera;
 use crate::files::{Cameras, PosedImage};
@@ -86,12 +88,35 @@ pub fn images_of(scene: &Path, cameras: &Cameras) -> PathBuf {
     }
 }
 
-/// Leaves the cameras out whose images are not there, if `skip` says so; gives how many they are.
+/// Images that a scene is read without. [`Display`](fmt::Display) says nothing where there are none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Unused {
+    /// How many images of the scene are not there.
+    pub missing: usize,
+    /// The images beside those of the scene that have no camera, by name.
+    pub without_camera: Vec<PathBuf>,
+}
+
+impl fmt::Display for Unused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.missing > 0 {
+            write!(f, " (images left out, because missing: {})", self.missing)?;
+        }
+        if let Some(first) = self.without_camera.first() {
+            let count = self.without_camera.len();
+            write!(f, " (images left out, because without a camera: {count}, first {})", display(first))?;
+        }
+        Ok(())
+    }
+}
+
+/// Leaves the cameras out whose images are not there, if `skip` says so; gives what the scene is then read without.
 ///
 /// # Errors
 ///
-/// [`CaptureError::Missing`] when some are missing and none may be, or all are.
-pub fn without_missing(cameras: &mut Cameras, images: &Path, skip: bool) -> Result<usize, CaptureError> {
+/// [`CaptureError`] when some images are missing and none may be, when all are, or when a folder of images cannot be listed.
+pub fn without_unused(cameras: &mut Cameras, images: &Path, skip: bool) -> Result<Unused, CaptureError> {
     let is_there = |one: &PosedImage| images.join(&one.name).symlink_metadata().is_ok();
     let of = cameras.images.len();
     let first = cameras.images.iter().find(|one| !is_there(one)).map(|one| one.name.clone());
@@ -102,9 +127,20 @@ pub fn without_missing(cameras: &mut Cameras, images: &Path, skip: bool) -> Resu
         }
         _ => {
             cameras.images.retain(is_there);
-            Ok(missing)
+            Ok(Unused { missing, without_camera: without_camera(cameras, images)? })
         }
     }
+}
+
+/// The images in the folders of a scene's images that are none of them.
+fn without_camera(cameras: &Cameras, images: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let known: BTreeSet<PathBuf> = cameras.images.iter().map(|one| images.join(&one.name)).collect();
+    let folders: BTreeSet<&Path> = known.iter().filter_map(|path| path.parent()).collect();
+    let mut found = Vec::new();
+    for folder in folders {
+        found.extend(list(folder)?.images.into_iter().filter(|path| !known.contains(path)));
+    }
+    Ok(found)
 }
 
 /// Reads the images that `cameras` belong to, each no longer than `longest` pixels on its longer side.
@@ -185,11 +221,13 @@ mod tests {
         assert_eq!(images_of(folder.path(), &whole), folder.path());
 
         let mut cameras = whole.clone();
-        let said = without_missing(&mut cameras, folder.path(), false).unwrap_err().to_string();
+        let said = without_unused(&mut cameras, folder.path(), false).unwrap_err().to_string();
         assert!(said.contains("lacks 2 of the 3 images") && said.contains("first a.png"), "{said}");
-        assert_eq!(without_missing(&mut cameras, folder.path(), true).unwrap(), 2);
+        std::fs::write(folder.path().join("x.png"), "").unwrap();
+        let unused = without_unused(&mut cameras, folder.path(), true).unwrap();
+        assert_eq!(unused, Unused { missing: 2, without_camera: vec![folder.path().join("x.png")] });
         assert_eq!(cameras.images[0].name, Path::new("b.png"));
         let mut cameras = whole;
-        assert!(without_missing(&mut cameras, &folder.path().join("images"), true).is_err());
+        assert!(without_unused(&mut cameras, &folder.path().join("images"), true).is_err());
     }
 }

@@ -21,13 +21,13 @@ use aquafuse_data::batch::{Item, RECORD, Recipe, Record, State};
 use aquafuse_data::files::{
     FileError, display, holds_files, make_folder, place_of, remove_stale_parts, write_bytes,
 };
-use aquafuse_data::image_file::{Format, ImageFile, WriteOptions};
+use aquafuse_data::image_file::{Format, ImageFile, ReadOptions, WriteOptions};
 use aquafuse_data::pipeline::{Analysis, DepthSource, OperationError};
 use aquafuse_data::run::{self, Budget, Event, RunOptions, Stopped, Summary};
 use aquafuse_data::water_file::Numbers;
 use serde_json::json;
 
-use crate::capture::{CaptureError, images_of, without_missing};
+use crate::capture::{CaptureError, Unused, images_of, without_unused};
 use crate::files::{Cameras, SceneFileError, read_cameras};
 use crate::lens::Lens;
 use crate::shared_water::{self, MissingUnit, SharedWater, SharedWaterError, in_scene};
@@ -64,6 +64,8 @@ pub struct Request<'a> {
     pub depth_model: DepthModel,
     /// Further inputs, which no output may replace.
     pub inputs: &'a [&'a Path],
+    /// How its files are read.
+    pub reading: &'a ReadOptions,
     /// Fuse the scene without the images that are not there.
     pub skip_missing: bool,
     /// Write into a folder that is not empty, and replace images of the same names.
@@ -75,7 +77,7 @@ pub struct Request<'a> {
 pub struct Plan {
     cameras: Cameras,
     items: Vec<Item>,
-    missing: usize,
+    unused: Unused,
     depth_model: DepthModel,
     scene: PathBuf,
     output: PathBuf,
@@ -147,10 +149,10 @@ impl Plan {
     ///
     /// [`FuseError`] when the cameras cannot be read, or the output must not be touched.
     pub fn new(request: &Request<'_>) -> Result<Self, FuseError> {
-        let Request { scene, output, depth_model, inputs, skip_missing, overwrite } = *request;
-        let mut cameras = read_cameras(scene)?;
+        let Request { scene, output, depth_model, inputs, reading, skip_missing, overwrite } = *request;
+        let mut cameras = read_cameras(scene, reading)?;
         let images = images_of(scene, &cameras);
-        let missing = without_missing(&mut cameras, &images, skip_missing)?;
+        let unused = without_unused(&mut cameras, &images, skip_missing)?;
         let into = output.join(images.strip_prefix(scene).unwrap_or(Path::new("")));
         let items = cameras.images.iter().map(|one| Item {
             input: images.join(&one.name),
@@ -172,7 +174,7 @@ impl Plan {
             return Err(FuseError::Filled { folder: output.to_owned() });
         }
         let (scene, output) = (scene.to_owned(), output.to_owned());
-        Ok(Self { cameras, items, missing, depth_model, scene, output, overwrite })
+        Ok(Self { cameras, items, unused, depth_model, scene, output, overwrite })
     }
 
     /// The images, by name.
@@ -180,9 +182,9 @@ impl Plan {
         &self.items
     }
 
-    /// How many images of the scene are not there.
-    pub fn missing(&self) -> usize {
-        self.missing
+    /// The images that the scene is fused without.
+    pub fn unused(&self) -> &Unused {
+        &self.unused
     }
 
     /// Fuses every image that is not fused yet, and copies the cameras beside them.

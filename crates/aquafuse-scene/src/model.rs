@@ -8,6 +8,7 @@ use aquafuse::depth::DepthKind;
 use aquafuse::image::Encoded;
 use aquafuse::waterbody::{AttenuationError, Estimate, VeilingLight, Waterbody};
 use aquafuse_data::files::{FileError, display, write_bytes};
+use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::pipeline::{PixelEncoding, WaterEstimate};
 use aquafuse_data::water_file::{WaterFile, WaterFileError};
 
@@ -79,8 +80,8 @@ impl Model {
     /// # Errors
     ///
     /// [`ModelError`] when one of them cannot be read, or there are no splats.
-    pub fn read(path: &Path) -> Result<Self, ModelError> {
-        let splats = read_ply(path)?;
+    pub fn read(path: &Path, reading: &ReadOptions) -> Result<Self, ModelError> {
+        let splats = read_ply(path, reading)?;
         if splats.is_empty() {
             return Err(ModelError::NoSplats { path: path.to_owned() });
         }
@@ -153,7 +154,7 @@ mod tests {
         let water = Water::new([0.1, 0.4, 0.5], [0.3; 3], [0.5; 3]);
         let wet = Model { splats: splats.clone(), medium: Medium::Learned(water) };
         wet.write(&path, folder.path(), false).unwrap();
-        assert!(matches!(Model::read(&path).unwrap().medium, Medium::Known { .. }));
+        assert!(matches!(Model::read(&path, &ReadOptions::default()).unwrap().medium, Medium::Known { .. }));
         wet.write(&path, folder.path(), false).unwrap();
         let other = Model { splats: Splats::new(0), ..wet.clone() };
         assert!(other.write(&path, folder.path(), false).is_err());
@@ -161,6 +162,6 @@ mod tests {
         let dry = Model { splats, medium: Medium::Air };
         dry.write(&path, folder.path(), true).unwrap();
         assert!(!water_beside(&path).exists());
-        assert_eq!(Model::read(&path).unwrap().medium, Medium::Air);
+        assert_eq!(Model::read(&path, &ReadOptions::default()).unwrap().medium, Medium::Air);
     }
 }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use aquafuse::depth::DepthModel;
 use aquafuse::metrics::{psnr, ssim};
 use aquafuse_data::files::{FileError, display, make_folder_of, remove_stale_parts, write_bytes};
-use aquafuse_data::image_file::ImageFile;
+use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use aquafuse_data::run::{self, Budget, Event, RunOptions, Stopped};
 
 use crate::camera::Camera;
@@ -82,7 +82,7 @@ pub struct Training {
     request: Request,
     points: Vec<Point>,
     views: Split,
-    missing: usize,
+    unused: capture::Unused,
 }
 
 /// How far a run is after a step.
@@ -165,7 +165,7 @@ impl Plan {
     /// # Errors
     ///
     /// [`TrainingError`] when the output is no PLY file or exists, or the cameras cannot be read.
-    pub fn new(request: Request) -> Result<Self, TrainingError> {
+    pub fn new(request: Request, reading: &ReadOptions) -> Result<Self, TrainingError> {
         check_name(&request.output)?;
         // A water that is there would be taken for the water of the new splats, learned or not.
         let outputs = [request.output.clone(), water_beside(&request.output)];
@@ -178,7 +178,7 @@ impl Plan {
         {
             return Err(FileError::Exists { path }.into());
         }
-        let cameras = read_cameras(&request.scene)?;
+        let cameras = read_cameras(&request.scene, reading)?;
         Ok(Self { request, cameras })
     }
 
@@ -214,14 +214,14 @@ impl Plan {
             return Err(TrainingError::Memory { scene: request.scene, needed, most });
         }
         let folder = request.images.clone().unwrap_or_else(|| images_of(&request.scene, &cameras));
-        let missing = capture::without_missing(&mut cameras, &folder, request.skip_missing)?;
+        let unused = capture::without_unused(&mut cameras, &folder, request.skip_missing)?;
         remove_stale_parts(make_folder_of(&request.output)?);
         let views = capture::read(&cameras, &folder, request.longest, &options.reading)?;
         let views = Split::new(views, request.hold_out.unwrap_or(0));
         if views.training.is_empty() {
             return Err(TrainingError::NothingToTrainOn);
         }
-        Ok(Training { request, points: cameras.points, views, missing })
+        Ok(Training { request, points: cameras.points, views, unused })
     }
 }
 
@@ -236,9 +236,9 @@ impl Training {
         &self.views
     }
 
-    /// How many images of the scene were not there.
-    pub fn missing(&self) -> usize {
-        self.missing
+    /// The images that it trains without.
+    pub fn unused(&self) -> &capture::Unused {
+        &self.unused
     }
 
     /// The points of the scene; empty where its model has none.

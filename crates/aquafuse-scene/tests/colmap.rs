@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use aquafuse_data::image_file::ReadOptions;
 use aquafuse_scene::files::read_cameras;
 
 #[test]
@@ -15,7 +16,7 @@ fn points_of_a_real_model_lie_in_view_of_its_cameras() {
         println!("skipped: {} is not there", scene.display());
         return;
     }
-    let found = read_cameras(&scene).unwrap();
+    let found = read_cameras(&scene, &ReadOptions::default()).unwrap();
     assert_eq!((found.images.len(), found.points.len()), (18, 3452));
     assert!(found.images.windows(2).all(|two| two[0].name < two[1].name));
     for one in &found.images {

@@ -1,7 +1,7 @@
 //! NPY files: headers are Python literals, and invite what Python would do with them (NumPy Enhancement Proposal 1).
 
 use super::list::Files;
-use super::list::Right::{Any, Refuse};
+use super::list::Right::{Accept, Any, Refuse};
 use super::seeds::{little_endian, metres, npy};
 
 const LIES: &str = "header lies";
@@ -75,6 +75,22 @@ pub(crate) fn add(files: &mut Files) {
     add(Refuse, "header-of-bytes-that-are-no-text", start([1, 0], &[4, 0, 0xff, 0xfe, 0xc0, 0x80]));
     add(Refuse, "magic-alone", b"\x93NUMPY".to_vec());
     add(Refuse, "eight-bytes-said-of-four", file("'<f8'", "(32, 48)"));
+    let values = |bytes: &[u8]| bytes.repeat(32 * 48);
+    let short = |descr: &str, data: &[u8]| {
+        npy(&format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (32, 48), }}"), data)
+    };
+    // 1.5, infinity, no number and the smallest one there is, as floats of 16 bits.
+    for (name, right, value) in [
+        ("of-1.5", Accept, [0x00, 0x3e]),
+        ("of-infinity", Any, [0x00, 0x7c]),
+        ("of-no-number", Any, [0x01, 0x7e]),
+        ("of-the-smallest", Any, [0x01, 0x00]),
+    ] {
+        add(right, &format!("float16-{name}"), short("'<f2'", &values(&value)));
+    }
+    add(Refuse, "float16-cut-short", short("'<f2'", &values(&[0])));
+    add(Accept, "int32", short("'<i4'", &values(&[3, 0, 0, 0])));
+    add(Refuse, "bfloat16", short("'<V2'", &values(&[0x80, 0x3f])));
     let trailing = [file("'<f4'", "(32, 48)"), vec![7; 5000]].concat();
     add(Any, "bytes-after-the-end", trailing);
 }

@@ -8,6 +8,8 @@ use super::trials::Trial;
 use crate::forge::{Right, crc32};
 use crate::runner::{End, Outcome};
 
+/// The folder of a dataset that is made.
+pub(super) const DATASET: &str = "set";
 /// From here on a refusal is called slow, in milliseconds.
 const SLOW: f64 = 2000.0;
 
@@ -47,7 +49,10 @@ pub(super) fn judge(trial: &Trial, outcome: &Outcome, folder: &Path) -> Tally {
         matches!(end, End::Signal | End::Late),
         // What is taken may be a large image; how long that took is in the second table.
         !accepted && outcome.milliseconds > SLOW,
-        is_half(accepted, folder),
+        match &trial.dataset {
+            None => is_half(accepted, folder),
+            Some(_) => is_half_dataset(accepted, folder),
+        },
         matches!(end, End::Exit(code) if *code != 0 && (!matches!(code, 1 | 2) || !said.contains(&trial.name()))),
         trial.right == Right::Refuse && accepted,
         trial.right == Right::Accept && !accepted,
@@ -63,6 +68,16 @@ fn is_half(accepted: bool, folder: &Path) -> bool {
         [] => accepted,
         [output] => !(accepted && fs::read(output).is_ok_and(|bytes| is_whole_png(&bytes))),
         _ => true,
+    }
+}
+
+/// Whether a refused dataset has left any file, or one that was taken lacks its manifest or its whole variant.
+fn is_half_dataset(accepted: bool, folder: &Path) -> bool {
+    let out = folder.join(DATASET);
+    let variant = fs::read(out.join("images/a__water__0.png"));
+    match accepted {
+        true => !(out.join("manifest.jsonl").is_file() && variant.is_ok_and(|bytes| is_whole_png(&bytes))),
+        false => fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()),
     }
 }
 

@@ -13,6 +13,8 @@ pub(super) struct Trial {
     pub(super) kind: String,
     pub(super) role: Role,
     pub(super) right: Right,
+    /// The dataset that it is in, where it is annotations.
+    pub(super) dataset: Option<PathBuf>,
 }
 
 impl Trial {
@@ -31,8 +33,34 @@ pub(super) fn forged(folder: &Path) -> Result<Vec<Trial>> {
         kind: file.kind.to_owned(),
         role: file.role,
         right: file.right,
+        dataset: None,
     };
     Ok(paths.into_iter().zip(files.iter()).map(trial).collect())
+}
+
+/// Datasets of one image, each with a file of annotations that was forged.
+pub(super) fn labelled(folder: &Path, good: &Path) -> Result<Vec<Trial>> {
+    let mut trials = Vec::new();
+    for label in forge::labels() {
+        let dataset = folder.join("labels").join(&label.name);
+        let path = dataset.join(label.path);
+        fs::create_dir_all(dataset.join("images"))?;
+        fs::copy(good, dataset.join("images/a.png"))?;
+        // A list is about images whose labels are right.
+        if label.name.starts_with("list-") {
+            fs::create_dir_all(dataset.join("labels"))?;
+            fs::write(dataset.join("labels/a.txt"), "0 0.5 0.5 0.2 0.2\n")?;
+        }
+        fs::create_dir_all(path.parent().unwrap_or(&dataset))?;
+        fs::write(&path, &label.bytes)?;
+        let kind = match label.right {
+            Right::Accept => "unusual but valid annotations",
+            Right::Any | Right::Refuse => "bad annotations",
+        };
+        let (role, right, dataset) = (Role::Labels, label.right, Some(dataset));
+        trials.push(Trial { path, kind: kind.to_owned(), role, right, dataset });
+    }
+    Ok(trials)
 }
 
 /// Things of a file system that are no plain files, or not where they seem to be.
@@ -90,7 +118,8 @@ pub(super) fn odd(folder: &Path, good: &Path) -> Result<Vec<Trial>> {
     if fs::File::open(at("not-ours.png")).is_err() {
         add(Right::Refuse, "not-ours.png");
     }
-    let trial = |(path, role, right)| Trial { path, kind: "odd file".to_owned(), role, right };
+    let trial =
+        |(path, role, right)| Trial { path, kind: "odd file".to_owned(), role, right, dataset: None };
     Ok(trials.into_iter().map(trial).collect())
 }
 

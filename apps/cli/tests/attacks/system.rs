@@ -149,6 +149,37 @@ fn files_of_a_run_are_not_read_whole() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn files_of_a_scene_are_held_to_the_budget() {
+    let run = Run::new();
+    reef(&run);
+    let trained = ["scene", "train", "reef", "-o", "s.ply", "--iterations", "1", "--longest", "32"];
+    run.ok(&trained);
+    std::fs::copy(run.path("s.ply"), run.path("large.ply")).unwrap();
+    std::fs::create_dir_all(run.path("posed/images")).unwrap();
+    std::fs::write(run.path("posed/transforms.json"), "{\"frames\": []}").unwrap();
+    for name in ["large.ply", "reef/sparse/0/points3D.txt", "posed/transforms.json"] {
+        std::fs::OpenOptions::new().write(true).open(run.path(name)).unwrap().set_len(1 << 30).unwrap();
+    }
+    for (arguments, name) in [
+        (&["scene", "render", "large.ply", "reef", "-o", "views"][..], "large.ply"),
+        (&["scene", "export", "large.ply", "-o", "large.splat"], "large.ply"),
+        (&["scene", "view", "large.ply", "-o", "large.html"], "large.ply"),
+        (&["scene", "render", "s.ply", "reef", "-o", "views"], "points3D.txt"),
+        (&["scene", "fuse", "reef", "preset:jerlov-IB", "-o", "fused"], "points3D.txt"),
+        (&["scene", "train", "posed", "-o", "t.ply"], "transforms.json"),
+    ] {
+        let arguments = [arguments, &["--max-memory", "64MiB"]].concat();
+        let output = run.command(&arguments).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success(), "{arguments:?}");
+        assert!(said.contains(name) && said.contains("2147483648 bytes, more than the 67108864"), "{said}");
+        let most = peak(&run, &arguments);
+        assert!(most < 128 << 10, "{arguments:?} took {} MiB", most >> 10);
+    }
+}
+
 #[test]
 fn a_number_of_splats_that_memory_cannot_hold_is_refused_however_large() {
     let run = Run::new();

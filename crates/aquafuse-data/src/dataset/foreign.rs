@@ -71,12 +71,14 @@ impl Format {
     }
 }
 
-/// Whether the first line of a text file begins with the name of an image and goes on.
-pub(super) fn is_table_of_images(tree: &Tree, path: &str) -> bool {
+/// Whether the first line of a text file begins with the name of an image, or has as many numbers as a box and nothing
+/// else.
+pub(super) fn is_table(tree: &Tree, path: &str) -> bool {
     let Ok(Some(text)) = tree.read(path) else { return false };
     let Some(line) = text.lines().find(|line| !line.trim().is_empty()) else { return false };
-    let first = line.split([' ', '\t', ',', ';']).next().unwrap_or_default();
-    crate::image_file::Format::listed(std::path::Path::new(first))
+    let cells: Vec<&str> = line.split([' ', '\t', ',', ';']).filter(|cell| !cell.is_empty()).collect();
+    let is_image = |cell: &&str| crate::image_file::Format::listed(std::path::Path::new(cell));
+    cells.first().is_some_and(is_image) || cells.len() >= 4 && cells.iter().all(|cell| cell.parse::<f64>().is_ok())
 }
 
 /// Whether a file begins as JSON of objects or lists does, or as XML of annotations.

@@ -226,7 +226,7 @@ fn kind(tree: &Tree, path: &str, stems: &BTreeSet<String>) -> Kind {
         // A file with the name of an image is about that image, whatever it is.
         _ if is_about_image || stems.contains(stem(&own)) => Kind::Labels,
         _ if name.to_lowercase().contains(".tfrecord") => Kind::Labels,
-        "txt" if is_mask(path) || foreign::is_table_of_images(tree, path) => Kind::Labels,
+        "txt" if is_mask(path) || foreign::is_table(tree, path) => Kind::Labels,
         // JSON or XML whatever it is called.
         _ if !is_of_text(&extension) && foreign::is_marked_up(tree, path) => Kind::Labels,
         _ => Kind::Other,

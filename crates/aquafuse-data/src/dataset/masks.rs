@@ -11,8 +11,19 @@ use super::tree::Tree;
 use super::{Companion, Dataset, Fault, Sample, split, stem};
 
 /// What the words of the names of folders of masks, or of maps, begin with.
-const BEGINS: [&str; 9] =
-    ["mask", "label", "annot", "segment", "groundtruth", "trimap", "semantic", "parsing", "matte"];
+const BEGINS: [&str; 11] = [
+    "mask",
+    "label",
+    "annot",
+    "segment",
+    "groundtruth",
+    "gtfine",
+    "gtcoarse",
+    "trimap",
+    "semantic",
+    "parsing",
+    "matte",
+];
 /// Words that are whole.
 const WORDS: [&str; 9] = ["gt", "gts", "seg", "segs", "ann", "anns", "lbl", "msk", "truth"];
 /// Names of folders that hold maps of distance; other folders with such a word may say how deep a dive was.

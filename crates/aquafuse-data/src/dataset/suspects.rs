@@ -12,10 +12,10 @@ use super::masks::{is_mask, without_end};
 use super::tree::Tree;
 use super::{split, stem};
 use crate::files::{Patient, catch_panic};
-use crate::image_file::{Format, open_file};
+use crate::image_file::{Format, ImageFile, ReadOptions, open_file};
 
-/// Images that stand where masks do; and those of another one's name that have the name of a mask, have no colours, or
-/// stand beside a JPEG.
+/// Images that stand where masks do; those of another one's name that have the name of a mask, have no colours, or stand
+/// beside a JPEG; and, whatever they are called, those that are drawn where others are photographs.
 pub(super) fn suspects(tree: &Tree) -> BTreeSet<String> {
     let mut by_name: BTreeMap<String, Vec<&String>> = BTreeMap::new();
     for path in tree.images() {
@@ -26,7 +26,14 @@ pub(super) fn suspects(tree: &Tree) -> BTreeSet<String> {
     let alike = alike.flat_map(|alike| of_one_name(tree, &alike));
     // Where no image stands elsewhere, the folders say nothing.
     let are_others = tree.images().any(|path| !is_mask(path));
-    alike.chain(tree.images().filter(|path| are_others && is_mask(path)).cloned()).collect()
+    let mut found: BTreeSet<String> =
+        alike.chain(tree.images().filter(|path| are_others && is_mask(path)).cloned()).collect();
+    let is_drawn = |path: &&String| is_drawn(&tree.root.join(path), &tree.reading);
+    let drawn: BTreeSet<String> = tree.images().filter(is_drawn).cloned().collect();
+    if tree.images().any(|path| !drawn.contains(path)) {
+        found.extend(drawn);
+    }
+    found
 }
 
 /// Those among images that may be called alike because some are about others.
@@ -52,6 +59,49 @@ fn of_one_name(tree: &Tree, alike: &[&String]) -> Vec<String> {
 
 fn is_jpeg(path: &str) -> bool {
     Format::of(Path::new(path)) == Some(Format::Jpeg)
+}
+
+/// Bytes for each pixel, at most, of a PNG whose pixels are looked at: photographs take ten times as many.
+const BYTES: f64 = 0.125;
+/// The share of pixels that equal the one before them, at least, in a mask; noise makes it small in photographs.
+const EQUAL: f64 = 0.9;
+
+/// Whether an image is drawn, as masks are, and was not taken: nearly every pixel equals the one before it. Only images
+/// whose header or size leaves the question are decoded, and no JPEG.
+fn is_drawn(path: &Path, reading: &ReadOptions) -> bool {
+    let share = || equal_share(path, reading);
+    match Format::of(path) {
+        Some(Format::Png) => {
+            (is_flat(path) || is_small(path, reading)) && share().is_some_and(|share| share >= EQUAL)
+        }
+        Some(Format::Bmp) => share().is_some_and(|share| share >= EQUAL),
+        // Those with a palette are not decoded at all.
+        Some(Format::Tiff) => is_flat(path) && share().is_none_or(|share| share >= EQUAL),
+        _ => false,
+    }
+}
+
+/// Whether a file has few bytes for its pixels.
+fn is_small(path: &Path, reading: &ReadOptions) -> bool {
+    let Ok(bytes) = path.metadata().map(|file| file.len()) else { return false };
+    let Ok(image) = ImageFile::open(path, reading) else { return false };
+    let (width, height) = image.size();
+    (bytes as f64) < BYTES * width as f64 * height as f64
+}
+
+/// The share of the pixels of an image that equal the one before them in their row.
+fn equal_share(path: &Path, reading: &ReadOptions) -> Option<f64> {
+    let image = ImageFile::open(path, reading).ok()?.decode().ok()?;
+    let bytes = image.bytes();
+    let (width, _) = bytes.size();
+    let (mut equal, mut all) = (0_u64, 0_u64);
+    for row in bytes.as_raw().chunks(width.checked_mul(3)?) {
+        let (pixels, _) = row.as_chunks::<3>();
+        let pairs = pixels.iter().zip(pixels.get(1..)?);
+        equal = equal.saturating_add(pairs.clone().filter(|(one, next)| one == next).count() as u64);
+        all = all.saturating_add(pairs.count() as u64);
+    }
+    (all > 0).then(|| equal as f64 / all as f64)
 }
 
 /// Whether an image has a palette or a single channel, as masks and maps have, by its header. A JPEG is no mask.

@@ -22,7 +22,9 @@ fn tables(tree: &Tree) -> impl Iterator<Item = &String> {
 }
 
 pub(super) fn evidence(tree: &Tree) -> Option<String> {
-    let path = tables(tree).next()?;
+    // img2dataset writes a table about each of its shards, without images.
+    let shard_of = |path: &str| tree.any_case(&format!("{}.tar", path.rsplit_once('.')?.0));
+    let path = tables(tree).find(|path| shard_of(path).is_none())?;
     Some(format!("{path} is a table"))
 }
 

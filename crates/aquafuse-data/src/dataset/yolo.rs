@@ -9,8 +9,6 @@ use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) use config::splits_of_config;
-#[cfg(feature = "fuzz-targets")]
-pub(crate) use label::try_parse;
 
 use super::tree::{NO_TEXT, Tree};
 use super::{Companion, Dataset, Fault, Faults, Index, Sample, places, split, stem};
@@ -21,6 +19,8 @@ use crate::image_file::ImageFile;
 const LABELS: [&str; 5] = ["labels", "label", "annotations", "yolo", "txt"];
 /// Files about all labels that are carried over as they are.
 const ABOUT_ALL: [&str; 5] = ["classes.txt", "obj.names", "obj.data", "notes.json", "_darknet.labels"];
+/// Ends of the names of such files of darknet, which calls them as it likes.
+const OF_DARKNET: [&str; 2] = [".names", ".data"];
 
 /// The label of an image: `NAME.txt`, or `NAME.jpg.txt`, as some tools call it.
 fn label<'t>(tree: &'t Tree, key: &str) -> Option<&'t String> {
@@ -30,7 +30,8 @@ fn label<'t>(tree: &'t Tree, key: &str) -> Option<&'t String> {
 }
 
 fn is_about_all(path: &str) -> bool {
-    ABOUT_ALL.iter().any(|name| split(path).1.eq_ignore_ascii_case(name))
+    let name = split(path).1.to_lowercase();
+    ABOUT_ALL.contains(&name.as_str()) || OF_DARKNET.iter().any(|end| name.ends_with(end))
 }
 
 fn is_config(path: &str) -> bool {
@@ -125,6 +126,16 @@ fn look(
         }
     }
     Ok(())
+}
+
+/// Reads a text as a label, a configuration and a list, for nothing but that: a target of fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_parse(text: &str) {
+    label::try_parse(text);
+    let _ = (classes::of_config(text), splits_of_config(text));
+    for line in text.lines() {
+        let _ = super::named(line, |name| name == "images/a.jpg");
+    }
 }
 
 #[cfg(test)]

@@ -4,19 +4,27 @@ use std::io::Read;
 use std::path::Path;
 
 use aquafuse_data::files::FileError;
+use aquafuse_data::image_file::ReadOptions;
 
 use super::SceneFileError;
 
 /// The most bytes a file of a scene may have: ten million splats of degree 3.
 const MOST_BYTES: u64 = 4 << 30;
+/// What reading a file takes, in its sizes: its bytes, and what is made of them.
+const TIMES: u64 = 2;
 
-/// All of a file that is no larger than we take on.
-pub(super) fn read(path: &Path) -> Result<Vec<u8>, SceneFileError> {
+/// All of a file whose content fits into the memory that `reading` allows.
+pub(super) fn read(path: &Path, reading: &ReadOptions) -> Result<Vec<u8>, SceneFileError> {
     let failed = |error| FileError::Read { path: path.to_owned(), error };
     // Before opening: that would wait for ever for somebody to write into a pipe.
     let about = path.metadata().map_err(failed)?;
     if !about.is_file() {
         return Err(FileError::NoFile { path: path.to_owned() }.into());
+    }
+    let (needed, most) = (about.len().saturating_mul(TIMES), reading.max_memory);
+    if needed > most {
+        let cause = format!("reading it takes {needed} bytes, more than the {most} of --max-memory");
+        return Err(FileError::TooLarge { path: path.to_owned(), cause }.into());
     }
     let file = std::fs::File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();

@@ -1,6 +1,6 @@
 //! The cameras and points of a scene, whichever program found them.
 
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
 use aquafuse_data::files::{Step, count, display};
@@ -84,11 +84,13 @@ fn images_in(model: &Path) -> u64 {
     {
         return u64::from_le_bytes(count);
     }
-    let text = bytes::read(&model.join("images.txt")).unwrap_or_default();
+    let text = model.join("images.txt");
+    let file = text.is_file().then(|| std::fs::File::open(text));
+    let Some(Ok(file)) = file else { return 0 };
     // Two lines for each image: its pose, and its points, which may be none.
-    let lines = text.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#"));
-    let lines = lines.fold(0_u64, |count, _| count.saturating_add(1));
-    lines.checked_div(2).unwrap_or(0)
+    let lines = BufReader::new(file).split(b'\n').map_while(Result::ok);
+    let lines = lines.filter(|line| !line.starts_with(b"#")).fold(0_u64, |count, _| count.saturating_add(1));
+    lines.div_ceil(2)
 }
 
 /// What NeRF's files of cameras are called; Blender's have one for each split.
@@ -98,14 +100,16 @@ const TRANSFORMS: [&str; 2] = ["transforms.json", "transforms_train.json"];
 ///
 /// # Errors
 ///
-/// [`SceneFileError`] when there is none, or one cannot be read.
-pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
+/// [`SceneFileError`] when there is none, or one cannot be read within the memory that `reading` allows.
+pub fn read_cameras(folder: &Path, reading: &ReadOptions) -> Result<Cameras, SceneFileError> {
     count(Step::CamerasParsed);
     if let Some(chosen) = ChosenModel::of(folder) {
         let model = folder.join(&chosen.model);
         let there = |name: &str| model.join(name).is_file();
-        let mut cameras =
-            if there("cameras.bin") { colmap_binary::read(&model)? } else { colmap_text::read(&model)? };
+        let mut cameras = match there("cameras.bin") {
+            true => colmap_binary::read(&model, reading)?,
+            false => colmap_text::read(&model, reading)?,
+        };
         cameras.images.sort_by(|a, b| a.name.cmp(&b.name));
         return checked(Cameras { model: chosen.model, ..cameras }, &model);
     }
@@ -115,10 +119,10 @@ pub fn read_cameras(folder: &Path) -> Result<Cameras, SceneFileError> {
     };
     let size_of = |name: &Path| {
         let paths = [folder.join(name), folder.join("images").join(name)];
-        let opened = paths.iter().find_map(|path| ImageFile::open(path, &ReadOptions::default()).ok());
+        let opened = paths.iter().find_map(|path| ImageFile::open(path, reading).ok());
         opened.map(|image| image.size())
     };
-    let mut images = transforms::read(&path, &bytes::read(&path)?, &size_of)?;
+    let mut images = transforms::read(&path, &bytes::read(&path, reading)?, &size_of)?;
     images.sort_by(|a, b| a.name.cmp(&b.name));
     checked(Cameras { images, points: Vec::new(), model: PathBuf::new() }, &path)
 }

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use aquafuse_data::image_file::ReadOptions;
+
 use super::SceneFileError;
 use super::bytes::{self, Bytes};
 use super::cameras::{Cameras, Intrinsics, PosedImage, inside, model, point};
@@ -18,13 +20,13 @@ const IMAGE_POINT: usize = 8 + 8 + 8;
 const TRACK: usize = 4 + 4;
 
 /// Reads `cameras.bin`, `images.bin` and `points3D.bin` of a folder.
-pub(super) fn read(folder: &Path) -> Result<Cameras, SceneFileError> {
+pub(super) fn read(folder: &Path, reading: &ReadOptions) -> Result<Cameras, SceneFileError> {
     let path = folder.join("cameras.bin");
-    let intrinsics = cameras(&path, &bytes::read(&path)?)?;
+    let intrinsics = cameras(&path, &bytes::read(&path, reading)?)?;
     let path = folder.join("images.bin");
-    let posed = images(&path, &bytes::read(&path)?, &intrinsics)?;
+    let posed = images(&path, &bytes::read(&path, reading)?, &intrinsics)?;
     let path = folder.join("points3D.bin");
-    Ok(Cameras { images: posed, points: points(&path, &bytes::read(&path)?)?, ..Cameras::default() })
+    Ok(Cameras { images: posed, points: points(&path, &bytes::read(&path, reading)?)?, ..Cameras::default() })
 }
 
 /// So many things, and nothing after them.

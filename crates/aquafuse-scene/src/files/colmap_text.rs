@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
 
+use aquafuse_data::image_file::ReadOptions;
+
 use super::cameras::{Cameras, Intrinsics, PosedImage, inside, model, point};
 use super::{SceneFileError, bytes};
 use crate::points::Point;
@@ -13,10 +15,10 @@ use crate::points::Point;
 pub use write::write_cameras;
 
 /// Reads `cameras.txt`, `images.txt` and `points3D.txt` of a folder.
-pub(super) fn read(folder: &Path) -> Result<Cameras, SceneFileError> {
+pub(super) fn read(folder: &Path, reading: &ReadOptions) -> Result<Cameras, SceneFileError> {
     let parse = |name: &str| -> Result<_, SceneFileError> {
         let path = folder.join(name);
-        let bytes = bytes::read(&path)?;
+        let bytes = bytes::read(&path, reading)?;
         let text = String::from_utf8(bytes);
         let text =
             text.map_err(|_| SceneFileError::content(&path, "it is no text. Export the model again"))?;

@@ -7,6 +7,7 @@ use std::io::Write;
 use std::path::Path;
 
 use aquafuse_data::files::write_bytes;
+use aquafuse_data::image_file::ReadOptions;
 
 use super::SceneFileError;
 use super::bytes::{self, Bytes};
@@ -67,9 +68,10 @@ pub fn ply_bytes(splats: &Splats<f32>) -> Vec<u8> {
 ///
 /// # Errors
 ///
-/// [`SceneFileError`] when it is no such file, lacks a property, is cut short, or holds a value that is no number.
-pub fn read_ply(path: &Path) -> Result<Splats<f32>, SceneFileError> {
-    parse(path, &bytes::read(path)?)
+/// [`SceneFileError`] when it is no such file, lacks a property, is cut short, holds a value that is no number, or takes more
+/// memory than `reading` allows.
+pub fn read_ply(path: &Path, reading: &ReadOptions) -> Result<Splats<f32>, SceneFileError> {
+    parse(path, &bytes::read(path, reading)?)
 }
 
 fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {

@@ -32,6 +32,7 @@ fn plan(folder: &TempDir, output: &str) -> Plan {
         output: &output,
         depth_model,
         inputs: &[],
+        reading: &ReadOptions::default(),
         skip_missing: false,
         overwrite: false,
     })
@@ -100,6 +101,7 @@ fn a_folder_with_other_files_is_refused_before_anything_is_written() {
         output: &output,
         depth_model: DepthModel::default(),
         inputs: &[],
+        reading: &ReadOptions::default(),
         skip_missing: false,
         overwrite: false,
     };
@@ -119,7 +121,8 @@ fn no_input_is_written_whatever_its_folder_is_called() {
             output,
             depth_model,
             inputs,
-            skip_missing: false,
+            reading: &ReadOptions::default(),
+        skip_missing: false,
             overwrite: true,
         })
     };

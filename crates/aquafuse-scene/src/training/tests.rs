@@ -29,7 +29,7 @@ fn request(folder: &TempDir, output: &str) -> Request {
 }
 
 fn load(request: Request) -> Training {
-    Plan::new(request).unwrap().load(&RunOptions::default()).unwrap()
+    Plan::new(request, &ReadOptions::default()).unwrap().load(&RunOptions::default()).unwrap()
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn a_run_that_is_stopped_ends_in_the_same_splats() {
 fn more_memory_than_is_allowed_is_refused_before_an_image_is_read() {
     let folder = scene();
     std::fs::remove_file(folder.path().join("reef/images/view_002.png")).unwrap();
-    let plan = Plan::new(request(&folder, "a.ply")).unwrap();
+    let plan = Plan::new(request(&folder, "a.ply"), &ReadOptions::default()).unwrap();
     let mut options = RunOptions::default();
     options.reading.max_memory = plan.memory() - 1;
     assert!(matches!(plan.clone().load(&options), Err(TrainingError::Memory { .. })));
@@ -83,7 +83,7 @@ fn more_memory_than_is_allowed_is_refused_before_an_image_is_read() {
 fn no_image_to_train_on_is_an_error() {
     let folder = scene();
     let all = Request { hold_out: Some(1), ..request(&folder, "a.ply") };
-    let ended = Plan::new(all).unwrap().load(&RunOptions::default());
+    let ended = Plan::new(all, &ReadOptions::default()).unwrap().load(&RunOptions::default());
     assert!(matches!(ended, Err(TrainingError::NothingToTrainOn)));
 }
 
@@ -122,5 +122,5 @@ fn a_run_killed_while_it_writes_is_finished_by_the_next() {
         options: Options { iterations: 13, ..first.request().options.clone() },
         ..request(&folder, "reef.ply")
     };
-    assert!(matches!(Plan::new(longer), Err(TrainingError::File(FileError::Exists { .. }))));
+    assert!(matches!(Plan::new(longer, &ReadOptions::default()), Err(TrainingError::File(FileError::Exists { .. }))));
 }

@@ -67,11 +67,11 @@ impl Compare {
             Ok(Side {
                 name: name(scene),
                 held_out: self.held_out(scene, common)?,
-                model: Model::read(trained)?,
+                model: Model::read(trained, &common.reading.options())?,
             })
         };
         let original = side(&self.original_scene, &self.original)?;
-        let floor = self.floor.as_deref().map(Model::read).transpose()?;
+        let floor = self.floor.as_deref().map(|floor| Model::read(floor, &common.reading.options())).transpose()?;
         let fused = self.fused_scenes.iter().zip(&self.fused).map(|(scene, trained)| side(scene, trained));
         let fused: Vec<Side> = fused.collect::<Result<_, _>>()?;
         let comparison = Comparison::new(original, floor, fused, self.lpips.network()?)?;
@@ -85,7 +85,7 @@ impl Compare {
 
     fn held_out(&self, scene: &Path, common: &Common) -> Result<Vec<View>, Failure> {
         super::say_model(scene, common);
-        let cameras = read_cameras(scene)?;
+        let cameras = read_cameras(scene, &common.reading.options())?;
         let images = images_of(scene, &cameras);
         let views = capture::read(&cameras, &images, self.longest as usize, &common.reading.options())?;
         Ok(Split::new(views, self.hold as usize).held_out)

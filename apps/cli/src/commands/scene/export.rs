@@ -43,7 +43,7 @@ impl Export {
             }
         };
         refuse_inputs([self.output.as_path()], [self.splats.as_path()])?;
-        let splats = read_ply(&self.splats)?;
+        let splats = read_ply(&self.splats, &common.reading.options())?;
         remove_stale_parts(make_folder_of(&self.output)?);
         let (count, what) = if self.points {
             let points = means(&splats);

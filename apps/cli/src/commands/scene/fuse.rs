@@ -54,7 +54,9 @@ impl Fuse {
         let (scene, output) = (&self.scene, &self.output);
         let inputs = [self.water.as_path()];
         let (inputs, skip_missing, overwrite) = (&inputs[..], self.skip_missing, self.overwrite);
-        let plan = Plan::new(&Request { scene, output, depth_model, inputs, skip_missing, overwrite })?;
+        let reading = &common.reading.options();
+        let plan =
+            Plan::new(&Request { scene, output, depth_model, inputs, reading, skip_missing, overwrite })?;
         let file = self.waters.read(&water, depth_model, PixelEncoding::Encoded, &common.reading)?;
         let reference = self.waters.per(DepthKind::Metres, &file)?;
         let recipe = Recipe { smoothing, ..Recipe::new(Operation::Fuse { reference, options }) };
@@ -73,10 +75,7 @@ impl Fuse {
             display(output),
             plan.items().len(),
             water.name(),
-            match plan.missing() {
-                0 => String::new(),
-                missing => format!(" (left out, because missing: {missing})"),
-            },
+            plan.unused(),
             veiling_light(&shared.water.into()),
             match shared.unit {
                 Some(unit) => format!("relative depth 1 is {unit:.2} units of the scene"),

@@ -66,9 +66,9 @@ pub(crate) struct Render {
 impl Render {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         super::say_model(&self.scene, common);
-        let Model { splats, medium } = Model::read(&self.splats)?;
+        let Model { splats, medium } = Model::read(&self.splats, &common.reading.options())?;
         let medium = self.medium.medium(medium, common)?;
-        let views = self.views(&splats)?;
+        let views = self.views(&splats, common)?;
         make_folder(&self.output)?;
         remove_stale_parts(&self.output);
         // A run that was stopped goes on where all of this is the same.
@@ -133,8 +133,8 @@ impl Render {
     }
 
     /// The views to render: a name and a camera each.
-    fn views(&self, splats: &Splats<f32>) -> Result<Vec<(String, Camera)>, Failure> {
-        let posed = read_cameras(&self.scene)?.images;
+    fn views(&self, splats: &Splats<f32>, common: &Common) -> Result<Vec<(String, Camera)>, Failure> {
+        let posed = read_cameras(&self.scene, &common.reading.options())?.images;
         if let Some(count) = self.orbit {
             let cameras: Vec<&Camera> = posed.iter().map(|one| &one.lens.camera).collect();
             let around = Around::new(&cameras, splats).ok_or_else(|| {

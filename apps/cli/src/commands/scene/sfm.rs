@@ -10,7 +10,7 @@ use aquafuse_data::files::{
     FileError, display, make_folder, make_work_folder, remove_stale_parts, write_bytes, write_text,
 };
 use aquafuse_data::image_file;
-use aquafuse_data::image_file::ImageFile;
+use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use aquafuse_scene::files::{Cameras, read_cameras};
 use clap::Args;
 
@@ -83,7 +83,7 @@ impl Sfm {
             progress.done(step);
         }
         progress.finish();
-        let (model, found) = largest(&work.join("models"))?;
+        let (model, found) = largest(&work.join("models"), &common.reading.options())?;
         self.write(&names, &model)?;
         // Its duty is done; the next run would remove it too.
         let _ = std::fs::remove_dir_all(&work);
@@ -176,13 +176,13 @@ impl Sfm {
 }
 
 /// The model with the most images: where parts of a scene do not hang together, each has its own.
-fn largest(models: &Path) -> Result<(PathBuf, Cameras), Failure> {
+fn largest(models: &Path, reading: &ReadOptions) -> Result<(PathBuf, Cameras), Failure> {
     let entries = models.read_dir().map_err(|error| FileError::Read { path: models.to_owned(), error })?;
     let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
     folders.sort();
     let mut best: Option<(PathBuf, Cameras)> = None;
     for folder in folders.into_iter().filter(|folder| folder.join(MODEL_FILES[0]).is_file()) {
-        let found = read_cameras(&folder)?;
+        let found = read_cameras(&folder, reading)?;
         if best.as_ref().is_none_or(|(_, other)| found.images.len() > other.images.len()) {
             best = Some((folder, found));
         }

@@ -94,9 +94,9 @@ enum Trainer {
 impl Train {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         super::say_model(&self.scene, common);
-        let plan = Plan::new(self.request())?;
-        let brush = self.brush()?;
         let options = common.run_options();
+        let plan = Plan::new(self.request(), &options.reading)?;
+        let brush = self.brush()?;
         let training = plan.load(&options)?;
         // Now, not at the end: a second run to this output would work for hours and be refused then.
         let _claim = Claim::of(&self.output)?;
@@ -104,7 +104,7 @@ impl Train {
             return Err(FileError::Exists { path: self.output.clone() }.into());
         }
         let model = match &brush {
-            Some(brush) => brush.train(&training)?,
+            Some(brush) => brush.train(&training, &options.reading)?,
             None => {
                 let progress = Progress::new(common.quiet);
                 let ended = training.run(&options, &|event| match event {
@@ -159,12 +159,8 @@ impl Train {
 }
 
 fn summary(training: &Training, model: &Model) -> String {
-    let missing = match training.missing() {
-        0 => String::new(),
-        missing => format!(" (images left out, because missing: {missing})"),
-    };
-    let mut text =
-        format!("{}: {} splats{missing}\n", display(&training.request().output), model.splats.len());
+    let output = display(&training.request().output);
+    let mut text = format!("{output}: {} splats{}\n", model.splats.len(), training.unused());
     if let Medium::Learned(water) = &model.medium {
         let three = |values: [f32; 3]| values.map(|value| format!("{value:.3}")).join(" ");
         text += &format!(

@@ -44,11 +44,11 @@ impl View {
         if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
             return Err(FileError::UnknownExtension { path: path.clone(), expected: ".html" }.into());
         }
-        let Model { splats, medium } = Model::read(&self.splats)?;
+        let Model { splats, medium } = Model::read(&self.splats, &common.reading.options())?;
         let model = Model { splats, medium: self.medium.medium(medium, common)? };
         self.scene.iter().for_each(|scene| super::say_model(scene, common));
         let cameras = match &self.scene {
-            Some(scene) => read_cameras(scene)?
+            Some(scene) => read_cameras(scene, &common.reading.options())?
                 .images
                 .into_iter()
                 .map(|one| (display(&one.name).to_string(), one.lens.camera))

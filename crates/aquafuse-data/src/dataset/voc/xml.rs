@@ -232,12 +232,14 @@ fn encoded(text: &str, encoding: &'static Encoding) -> Vec<u8> {
 
 /// Reads an annotation for nothing but that: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
-pub(crate) fn try_parse(text: &str) {
-    if let Ok(found) = parse(text) {
+pub(crate) fn try_parse(bytes: &[u8]) {
+    if let Ok((text, _)) = text(bytes)
+        && let Ok(found) = parse(&text)
+    {
         let _ = found.faults().count();
-        let renamed = renamed(text.as_bytes(), "a__b__0.jpg");
-        let again = std::str::from_utf8(&renamed).expect("text stays text");
-        let again = parse(again).expect("what is renamed is read");
+        let renamed = renamed(bytes, "a__b__0.jpg");
+        let (again, _) = self::text(&renamed).expect("text stays text");
+        let again = parse(&again).expect("what is renamed is read");
         assert!(
             again.boxes.iter().flatten().map(|side| side.to_bits()).eq(found
                 .boxes

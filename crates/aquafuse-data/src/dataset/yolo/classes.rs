@@ -30,7 +30,7 @@ pub(super) fn count<'a>(
 }
 
 /// The number of classes of a configuration: what it says, or what it names in one of the common ways.
-fn of_config(text: &str) -> Option<usize> {
+pub(super) fn of_config(text: &str) -> Option<usize> {
     let after = |word: &str| text.lines().find_map(|line| line.strip_prefix(word));
     let plain = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
     if let Some(number) = after("nc:") {

@@ -82,7 +82,7 @@ fn short(text: &str) -> String {
 
 /// Reads a label for nothing but that: a target of fuzzing.
 #[cfg(feature = "fuzz-targets")]
-pub(crate) fn try_parse(text: &str) {
+pub(super) fn try_parse(text: &str) {
     for line in text.lines() {
         let _ = check(line, Some(3), &|| Some((64, 48)));
     }

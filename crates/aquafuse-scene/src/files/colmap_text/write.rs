@@ -73,6 +73,8 @@ fn pose(one: &PosedImage) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use aquafuse_data::image_file::ReadOptions;
+
     use crate::files::read_cameras;
     use crate::points::Point;
 
@@ -104,7 +106,7 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         write_cameras(folder.path(), &cameras, false).unwrap();
-        let read = read_cameras(folder.path()).unwrap();
+        let read = read_cameras(folder.path(), &ReadOptions::default()).unwrap();
         assert_eq!(read.points, cameras.points);
         for (read, written) in read.images.iter().zip(&cameras.images) {
             assert_eq!((&read.name, read.lens.distortion), (&written.name, written.lens.distortion));

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, anyhow};
 use aquafuse_data::files::{FileError, make_folder, make_work_folder};
-use aquafuse_data::image_file::{ImageFile, WriteOptions};
+use aquafuse_data::image_file::{ImageFile, ReadOptions, WriteOptions};
 use aquafuse_scene::files::{Cameras, PosedImage, read_ply, write_cameras};
 use aquafuse_scene::lens::Lens;
 use aquafuse_scene::medium::Medium;
@@ -62,7 +62,7 @@ impl Brush {
     }
 
     /// Trains to the end, in a folder beside the output.
-    pub(super) fn train(&self, training: &Training) -> Result<Model, Failure> {
+    pub(super) fn train(&self, training: &Training, reading: &ReadOptions) -> Result<Model, Failure> {
         let work = training.beside(WORK);
         make_work_folder(&work)?;
         // The program may resolve paths from another folder.
@@ -73,7 +73,7 @@ impl Brush {
         tool::run(&mut self.command(training, &scene, &into), &work.join("log.txt"))
             .context("Brush did not train")
             .map_err(Failure::work)?;
-        let splats = read_ply(&into.join(SPLATS))?;
+        let splats = read_ply(&into.join(SPLATS), reading)?;
         Ok(Model { splats, medium: Medium::Air })
     }
 

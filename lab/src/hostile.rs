@@ -14,7 +14,7 @@ use crate::forge::{self, Role};
 use crate::pages::{RESULTS, write_section};
 use crate::runner::{End, Limits, Outcome, Runner};
 use tally::{FAULTS, Tally};
-use trials::Trial;
+use trials::{Given, Trial};
 use xtask::shell::{root, say};
 
 /// The kinds that ask for much time or memory.
@@ -64,13 +64,14 @@ impl Stage {
         let mut runner = Runner::new(LIMITS)?;
         let mut seen = Vec::new();
         for trial in trials {
-            let rivals = if trial.role == Role::Image { &[false, true][..] } else { &[false] };
+            let rivals =
+                if matches!(trial.given, Given::As(Role::Image)) { &[false, true][..] } else { &[false] };
             for &is_rival in rivals {
                 let (outcome, tally) = self.one(&mut runner, trial, is_rival)?;
                 if tally.faults.iter().any(|count| *count > 0) {
                     complain(trial, is_rival, &outcome, &tally);
                 }
-                let (file, kind) = (trial.name(), trial.kind.clone());
+                let (file, kind) = (trial.shown(), trial.kind.clone());
                 seen.push(Seen { file, kind, is_rival, outcome, tally });
             }
         }
@@ -87,13 +88,12 @@ impl Stage {
             ["fuse", "-o", "--threads", "1", "--model", "physical", "--depth", "--depth-kind", "metres"]
                 .map(Path::new);
         let ours = |content| [fuse, content, &self.water, to, &output, threads, one, model, physical];
-        let outcome = match (is_rival, trial.role) {
+        let outcome = match (is_rival, &trial.given) {
             (true, _) => runner.run(&self.rival, &[Path::new("rival"), file, &output])?,
-            (false, Role::Image) => runner.run(&self.ours, &ours(file))?,
-            (false, Role::Depth) => runner
+            (false, Given::As(Role::Image)) => runner.run(&self.ours, &ours(file))?,
+            (false, Given::As(Role::Depth)) => runner
                 .run(&self.ours, &[&ours(&self.good)[..], &[depth, file, depth_kind, metres]].concat())?,
-            (false, Role::Labels) => {
-                let dataset = trial.dataset.as_deref().unwrap_or(file);
+            (false, Given::In(dataset)) => {
                 let augment = [Path::new("augment"), dataset, &self.water, to, &set, threads, one];
                 runner.run(&self.ours, &augment)?
             }
@@ -111,7 +111,7 @@ fn complain(trial: &Trial, is_rival: bool, outcome: &Outcome, tally: &Tally) {
     eprintln!(
         "   {who}: {} {} ({:?} is right): {faults}; {end:?} after {milliseconds:.0} ms, {peak:.0} MiB: {said}",
         trial.kind,
-        trial.name(),
+        trial.shown(),
         trial.right
     );
 }

@@ -213,7 +213,10 @@ fn brush_trains_on_the_images_that_we_would_train_on() {
     }
     assert_eq!(std::fs::read_to_string(run.path("pictures.txt")).unwrap().lines().count(), 7);
     assert!(std::fs::read_to_string(run.path("lens.txt")).unwrap().starts_with("1 PINHOLE 32 24 "));
-    assert_eq!(read_ply(&run.path("brush.ply"), &ReadOptions::default()).unwrap(), read_ply(&run.path("ready.ply"), &ReadOptions::default()).unwrap());
+    assert_eq!(
+        read_ply(&run.path("brush.ply"), &ReadOptions::default()).unwrap(),
+        read_ply(&run.path("ready.ply"), &ReadOptions::default()).unwrap()
+    );
     assert!(!run.path("brush.ply.brush").exists());
 
     let said = |arguments: &[&str], code| run.fails(code, &[&train[..], arguments].concat()).stderr;

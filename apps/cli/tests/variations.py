@@ -61,15 +61,13 @@ def photographed(out, whole, said):
     return losses + [f"the mask {path} is fused" for path in touched], bool(lacking)
 
 
-def fused(out):
-    """The keys of a manifest."""
-    lines = (json.loads(line) for line in (out / "manifest.jsonl").read_text().splitlines())
-    keys = {line["key"] if "key" in line else line.get("sample", "") for line in lines if line.get("line") not in ("job", "end")}
-    return keys
+def lines(out):
+    return [json.loads(line) for line in (out / "manifest.jsonl").read_text().splitlines()]
 
 
 def judged(out, whole, said):
-    keys = fused(out)
+    keys = {line["key"] for line in lines(out) if "key" in line}
+    fused = {line["key"] for line in lines(out) if line["line"] == "variant"}
     files = [str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()]
     stems = {PurePosixPath(path).stem.lower() for path in whole.images}
     losses, named = [], False
@@ -82,7 +80,7 @@ def judged(out, whole, said):
             named |= is_said(path)
             losses += [] if is_said(path) else [f"{path} has no variant"]
     for path in sorted(whole.masks):
-        if path in keys:
+        if path in fused:
             losses.append(f"the mask {path} is fused")
         elif not [file for file in files if about(file, path)]:
             named |= is_said(path)
@@ -133,7 +131,7 @@ def main():
             for name, whole in sets.items()
             if CHOSEN in name
             for way, change in WAYS.items()
-            if os.environ.get("WAY", way) == way and (other := change(whole)) is not None
+            if (other := change(whole)) is not None
         ]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             outcomes = list(pool.map(lambda one: tried(command, judge, *one), varied))
@@ -143,8 +141,6 @@ def main():
         for (name, way, _), (outcome, losses, said) in zip(varied, outcomes):
             if outcome == "lost":
                 all_losses.append(f"{name}, {way}: {'; '.join(losses)}\n    {' '.join(said.split())[-300:]}")
-            if os.environ.get("SHOW"):
-                print(f"{outcome:8} {name}, {way}: {' '.join(said.split())[:300]}", file=sys.stderr)
     print("| kind | different | variations | all carried | the rest is named | refused, with the cause | lost without a word |")
     print("|---|---|---|---|---|---|---|")
     print("\n".join(rows))

@@ -29,7 +29,9 @@ pub use fault::{Fault, Faults};
 pub use index::Index;
 pub use left_out::{Kind, LeftOut};
 pub(crate) use lists::named;
-pub(crate) use marks::{Outline, of_coco as marks_of_coco, of_companion as marks_of_companion};
+pub(crate) use marks::{
+    MOST as MOST_MARKS, Outline, of_coco as marks_of_coco, of_companion as marks_of_companion,
+};
 pub use splits::{Split, Splits};
 pub(crate) use tree::{PREVIEW, Tree, inside};
 #[cfg(feature = "fuzz-targets")]

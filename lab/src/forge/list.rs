@@ -21,8 +21,6 @@ pub(crate) enum Right {
 pub(crate) enum Role {
     Image,
     Depth,
-    /// Annotations of a dataset.
-    Labels,
 }
 
 /// A file that was forged.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use super::trials::Trial;
+use super::trials::{Given, Trial};
 use crate::forge::{Right, crc32};
 use crate::runner::{End, Outcome};
 
@@ -45,13 +45,14 @@ pub(super) fn judge(trial: &Trial, outcome: &Outcome, folder: &Path) -> Tally {
     let Outcome { end, said, .. } = outcome;
     let accepted = *end == End::Exit(0);
     let faults = [
-        said.contains("panicked") || *end == End::Exit(101),
+        // One that was caught is an error of its file, which says so in other words.
+        said.contains("panicked at") || *end == End::Exit(101),
         matches!(end, End::Signal | End::Late),
         // What is taken may be a large image; how long that took is in the second table.
         !accepted && outcome.milliseconds > SLOW,
-        match &trial.dataset {
-            None => is_half(accepted, folder),
-            Some(_) => is_half_dataset(accepted, folder),
+        match &trial.given {
+            Given::As(_) => is_half(accepted, folder),
+            Given::In(_) => is_half_dataset(accepted, folder),
         },
         matches!(end, End::Exit(code) if *code != 0 && (!matches!(code, 1 | 2) || !said.contains(&trial.name()))),
         trial.right == Right::Refuse && accepted,

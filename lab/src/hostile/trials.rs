@@ -11,13 +11,26 @@ use crate::forge::{self, Forged, Right, Role};
 pub(super) struct Trial {
     pub(super) path: PathBuf,
     pub(super) kind: String,
-    pub(super) role: Role,
+    pub(super) given: Given,
     pub(super) right: Right,
-    /// The dataset that it is in, where it is annotations.
-    pub(super) dataset: Option<PathBuf>,
+}
+
+/// What a file is given as.
+pub(super) enum Given {
+    As(Role),
+    /// Annotations in the folder of a dataset.
+    In(PathBuf),
 }
 
 impl Trial {
+    /// What is shown of it: its name, and that of its dataset.
+    pub(super) fn shown(&self) -> String {
+        match &self.given {
+            Given::As(_) => self.name(),
+            Given::In(dataset) => dataset.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        }
+    }
+
     /// The file's name, without its folder.
     pub(super) fn name(&self) -> String {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
@@ -31,9 +44,8 @@ pub(super) fn forged(folder: &Path) -> Result<Vec<Trial>> {
     let trial = |(path, file): (PathBuf, &Forged)| Trial {
         path,
         kind: file.kind.to_owned(),
-        role: file.role,
+        given: Given::As(file.role),
         right: file.right,
-        dataset: None,
     };
     Ok(paths.into_iter().zip(files.iter()).map(trial).collect())
 }
@@ -57,8 +69,7 @@ pub(super) fn labelled(folder: &Path, good: &Path) -> Result<Vec<Trial>> {
             Right::Accept => "unusual but valid annotations",
             Right::Any | Right::Refuse => "bad annotations",
         };
-        let (role, right, dataset) = (Role::Labels, label.right, Some(dataset));
-        trials.push(Trial { path, kind: kind.to_owned(), role, right, dataset });
+        trials.push(Trial { path, kind: kind.to_owned(), given: Given::In(dataset), right: label.right });
     }
     Ok(trials)
 }
@@ -119,7 +130,7 @@ pub(super) fn odd(folder: &Path, good: &Path) -> Result<Vec<Trial>> {
         add(Right::Refuse, "not-ours.png");
     }
     let trial =
-        |(path, role, right)| Trial { path, kind: "odd file".to_owned(), role, right, dataset: None };
+        |(path, role, right)| Trial { path, kind: "odd file".to_owned(), given: Given::As(role), right };
     Ok(trials.into_iter().map(trial).collect())
 }
 

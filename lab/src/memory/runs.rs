@@ -63,7 +63,9 @@ impl Trials<'_> {
         let cause = said.lines().rfind(|line| line.starts_with("aquafuse: ")).unwrap_or_default();
         let end = match outcome.end {
             End::Exit(0) => "done".to_owned(),
-            End::Exit(_) if !cause.is_empty() => format!("refused: {}", cause.trim_start_matches("aquafuse: ")),
+            End::Exit(_) if !cause.is_empty() => {
+                format!("refused: {}", cause.trim_start_matches("aquafuse: "))
+            }
             other => bail!("{what} ended with {other:?}: {said}"),
         };
         eprintln!("   {what}: {:.0} MiB, {end}", outcome.peak);
@@ -118,14 +120,26 @@ fn scenes(trials: &mut Trials<'_>, photo: &Path) -> Result<()> {
     if !trials.path("reef.ply").exists() {
         trials.set_up(&small)?;
     }
-    trials.set_up(&[&["scene", "train", "@fused", "-o", "@fused.ply", "--longest", "400"][..], &train].concat())?;
+    trials.set_up(
+        &[&["scene", "train", "@fused", "-o", "@fused.ply", "--longest", "400"][..], &train].concat(),
+    )?;
     let large = ["scene", "train", "@reef", "-o", "@full.ply", "--longest", "6000", "--iterations", "20"];
     trials.row("scene train on it, 6000 pixels", &large)?;
     trials.row("scene render, its 12 cameras", &["scene", "render", "@reef.ply", "@reef", "-o", "@views"])?;
     let large = ["scene", "render", "@reef.ply", "@reef", "-o", "@full", "--longest", "6000"];
     trials.row("scene render, 6000 pixels", &large)?;
-    let compare =
-        ["scene", "compare", "@reef", "@fused", "--original", "@reef.ply", "--fused", "@fused.ply", "--hold", "8"];
+    let compare = [
+        "scene",
+        "compare",
+        "@reef",
+        "@fused",
+        "--original",
+        "@reef.ply",
+        "--fused",
+        "@fused.ply",
+        "--hold",
+        "8",
+    ];
     trials.row("scene compare", &compare)?;
     let what = format!("scene render, a PLY of {SPLATS} splats");
     trials.row(&what, &["scene", "render", "@large.ply", "@reef", "-o", "@many"])?;
@@ -180,14 +194,21 @@ fn files_of_runs(trials: &mut Trials<'_>) -> Result<()> {
 /// Repeats the last line but one of a file that names `a.png`, each time with another name, so many times.
 fn longer(path: &Path) -> Result<()> {
     let lines: Vec<String> = BufReader::new(File::open(path)?).lines().collect::<Result<_, _>>()?;
-    let at = lines.iter().rposition(|line| line.contains("a.png") || line.contains("a__")).context("no line of an image")?;
+    let at = lines
+        .iter()
+        .rposition(|line| line.contains("a.png") || line.contains("a__"))
+        .context("no line of an image")?;
     let mut file = writer(path)?;
     for (number, line) in lines.iter().enumerate() {
         writeln!(file, "{line}")?;
         if number == at {
             for other in 0..LINES {
                 let name = format!("n{other}");
-                writeln!(file, "{}", line.replace("a.png", &format!("{name}.png")).replace("a__", &format!("{name}__")))?;
+                writeln!(
+                    file,
+                    "{}",
+                    line.replace("a.png", &format!("{name}.png")).replace("a__", &format!("{name}__"))
+                )?;
             }
         }
     }

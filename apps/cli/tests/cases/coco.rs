@@ -10,7 +10,9 @@ fn about(names: &[&str]) -> String {
     format!(
         "{{\"images\": [{}],\n\"annotations\": [{}],\n\"categories\": [{{\"id\": 1, \"name\": \"fish\"}}]}}",
         list(&|id, name| format!(r#"{{"id": {id}, "file_name": "{name}", "width": 96, "height": 64}}"#)),
-        list(&|id, _| format!(r#"{{"id": {id}, "image_id": {id}, "category_id": 1, "bbox": [1, 2, 30, 40]}}"#)),
+        list(&|id, _| format!(
+            r#"{{"id": {id}, "image_id": {id}, "category_id": 1, "bbox": [1, 2, 30, 40]}}"#
+        )),
     )
 }
 
@@ -53,7 +55,11 @@ fn coco_odd_values() {
     let text = about(&["a.png", "b.png"]);
     write(&run, "annotations.json", text.replacen("[1, 2, 30, 40]", "[\"1\", \"2\", \"3\", \"4\"]", 1));
     refused(&run, &["annotations.json, annotations[0]: its box is not a list of numbers"]);
-    write(&run, "annotations.json", text.replacen("{\"id\": 2, \"image_id\"", "{\"id\": 9223372036854775808, \"image_id\"", 1));
+    write(
+        &run,
+        "annotations.json",
+        text.replacen("{\"id\": 2, \"image_id\"", "{\"id\": 9223372036854775808, \"image_id\"", 1),
+    );
     refused(&run, &["annotations[1]: the id is 9223372036854775808, but must be from -9223372036854775808"]);
     write(&run, "annotations.json", text.replacen("[1, 2, 30, 40]", "[]", 1));
     augmented(&run);
@@ -72,7 +78,11 @@ fn coco_backslash() {
 #[test]
 fn coco_float_ids() {
     let run = with_images(&TWO);
-    write(&run, "annotations.json", about(&["a.png", "b.png"]).replace("\"image_id\": 1", "\"image_id\": 1.0"));
+    write(
+        &run,
+        "annotations.json",
+        about(&["a.png", "b.png"]).replace("\"image_id\": 1", "\"image_id\": 1.0"),
+    );
     augmented(&run);
     boxes(&run, "annotations.json", 4);
 }

@@ -46,7 +46,10 @@ fn picture_raw_dng() {
     preview.write_data(&[90; 40 * 30 * 3]).unwrap();
     encoder.write_image::<colortype::Gray16>(160, 120, &[900; 160 * 120]).unwrap();
     let said = run.fails(1, &["fuse", "G001.DNG", "green.png", "-o", "out.png"]).stderr;
-    assert!(said.contains("G001.DNG: it is a camera's raw file") && said.contains("Develop it first"), "{said}");
+    assert!(
+        said.contains("G001.DNG: it is a camera's raw file") && said.contains("Develop it first"),
+        "{said}"
+    );
     assert!(!run.path("out.png").exists());
 }
 
@@ -62,7 +65,11 @@ fn picture_refused() {
     let at = plain.windows(10).position(|part| part == [3, 1, 3, 0, 1, 0, 0, 0, 1, 0]).unwrap();
     for (name, compression, said) in [
         ("zstd.tif", 50_000_u16, "compression method ZSTD is unsupported"),
-        ("jpeg.tif", 7, "a TIFF compressed as JPEG. Save it with LZW, deflate or no compression, or as a JPEG"),
+        (
+            "jpeg.tif",
+            7,
+            "a TIFF compressed as JPEG. Save it with LZW, deflate or no compression, or as a JPEG",
+        ),
         ("old_jpeg.tif", 6, "a TIFF compressed as JPEG. Save it with LZW"),
     ] {
         let mut other = plain.clone();
@@ -79,7 +86,9 @@ fn picture_refused() {
 fn with_bars(run: &Run, name: &str, rows: usize, row: impl Fn(usize, usize) -> [u8; 3]) {
     let inner = bytes(run, "bare.png");
     let (width, height) = inner.size();
-    let bar = |first: usize| (0..rows * width).flat_map(|at| row(at % width, first + at / width)).collect::<Vec<u8>>();
+    let bar = |first: usize| {
+        (0..rows * width).flat_map(|at| row(at % width, first + at / width)).collect::<Vec<u8>>()
+    };
     let pixels = [bar(0), inner.as_raw().to_vec(), bar(rows + height)].concat();
     let image = Image::from_raw(width, height + 2 * rows, pixels).unwrap();
     ImageFile::new(image).write(&run.path(name), &WriteOptions::default()).unwrap();
@@ -125,13 +134,18 @@ fn restore_red() {
     let pixel = |at: usize| {
         let (x, y) = (at % 96, at / 96);
         let texture = ((x * 7 + y * 13) % 11) as u8;
-        if y < 30 { [20, 120 + texture / 2, 125 + texture / 2] } else { [95 + texture, 104 + texture, 101 + texture] }
+        if y < 30 {
+            [20, 120 + texture / 2, 125 + texture / 2]
+        } else {
+            [95 + texture, 104 + texture, 101 + texture]
+        }
     };
     let image = Image::from_raw(96, 64, (0..96 * 64).flat_map(pixel).collect()).unwrap();
     ImageFile::new(image).write(&run.path("teal.png"), &WriteOptions::default()).unwrap();
     run.ok(&["restore", "teal.png", "-o", "out.png"]);
     let restored = bytes(&run, "out.png");
-    let leads = restored.as_raw().chunks(3).filter(|pixel| pixel[0] > pixel[1].max(pixel[2]).saturating_add(4));
+    let leads =
+        restored.as_raw().chunks(3).filter(|pixel| pixel[0] > pixel[1].max(pixel[2]).saturating_add(4));
     assert!(leads.count() * 100 < 96 * 64, "red leads");
 }
 

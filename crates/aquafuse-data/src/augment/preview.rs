@@ -10,7 +10,9 @@ use super::journal::{Journal, Slot};
 use super::line::Written;
 use super::plan::Planned;
 use super::{Augmentation, Plan};
-use crate::dataset::{Companion, Index, Outline, PREVIEW, Sample, marks_of_coco, marks_of_companion, split};
+use crate::dataset::{
+    Companion, Index, MOST_MARKS, Outline, PREVIEW, Sample, marks_of_coco, marks_of_companion, split,
+};
 use crate::drawing::{Cell, contact_sheet, outlined};
 use crate::files::{FileError, sha256, text_of, write_bytes};
 use crate::image_file::{Format, ImageFile, ReadOptions, read_beside};
@@ -149,6 +151,9 @@ impl Augmentation {
         };
         let name = split(key).1;
         match draw() {
+            Some((image, count)) if count >= MOST_MARKS => {
+                Cell { caption: format!("{name} ({count} or more)"), image: Some(image) }
+            }
             Some((image, count)) => Cell { caption: format!("{name} ({count})"), image: Some(image) },
             None => Cell { caption: format!("{name}: not shown"), image: None },
         }

@@ -78,7 +78,8 @@ pub(super) fn is_table(tree: &Tree, path: &str) -> bool {
     let Some(line) = text.lines().find(|line| !line.trim().is_empty()) else { return false };
     let cells: Vec<&str> = line.split([' ', '\t', ',', ';']).filter(|cell| !cell.is_empty()).collect();
     let is_image = |cell: &&str| crate::image_file::Format::listed(std::path::Path::new(cell));
-    cells.first().is_some_and(is_image) || cells.len() >= 4 && cells.iter().all(|cell| cell.parse::<f64>().is_ok())
+    cells.first().is_some_and(is_image)
+        || cells.len() >= 4 && cells.iter().all(|cell| cell.parse::<f64>().is_ok())
 }
 
 /// Whether a file begins as JSON of objects or lists does, or as XML of annotations.

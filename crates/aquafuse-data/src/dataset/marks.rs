@@ -8,6 +8,9 @@ use super::{Companion, Layout, Naming, split, voc};
 /// An outline in shares of the image's sides, from its left upper corner.
 pub(crate) type Outline = Vec<[f64; 2]>;
 
+/// Outlines of an image, at most: nobody could tell more apart, and drawing them would take minutes.
+pub(crate) const MOST: usize = 1000;
+
 /// The outline of a box.
 fn of_box([left, top, right, bottom]: [f64; 4]) -> Outline {
     vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
@@ -26,9 +29,9 @@ pub(crate) fn of_companion(
         of_box([left / width, top / height, right / width, bottom / height])
     };
     match (layout, companion.naming) {
-        (_, Naming::Voc) => voc::boxes(bytes).into_iter().map(in_shares).collect(),
+        (_, Naming::Voc) => voc::boxes(bytes).into_iter().map(in_shares).take(MOST).collect(),
         (Layout::Yolo, Naming::Nothing) if companion.path.ends_with(".txt") => {
-            String::from_utf8_lossy(bytes).lines().filter_map(of_line).collect()
+            String::from_utf8_lossy(bytes).lines().filter_map(of_line).take(MOST).collect()
         }
         _ => Vec::new(),
     }
@@ -68,7 +71,10 @@ pub(crate) fn of_coco(text: &str, keys: &[&str]) -> BTreeMap<String, Vec<Outline
         let image = Id::of(annotation.image_id).ok().and_then(|id| by_id.get(&id));
         if let (Some((key, [width, height])), Some([x, y, w, h])) = (image, annotation.sides()) {
             let sides = [x / width, y / height, (x + w) / width, (y + h) / height];
-            found.entry(key.clone()).or_default().push(of_box(sides));
+            let outlines = found.entry(key.clone()).or_default();
+            if outlines.len() < MOST {
+                outlines.push(of_box(sides));
+            }
         }
         Ok(())
     });
@@ -92,5 +98,8 @@ mod tests {
             "annotations": [{"image_id": 1, "bbox": [10, 5, 20, 10]}, {"image_id": 2, "bbox": [0, 0, 1, 1]}]}"#;
         let found = of_coco(coco, &["images/x/a.jpg", "images/b.jpg"]);
         assert_eq!(found, BTreeMap::from([("images/x/a.jpg".to_owned(), vec![square])]));
+        let yolo = Companion { path: "a.txt".into(), naming: Naming::Nothing };
+        let many = "0 0.5 0.5 0.5 0.5\n".repeat(2 * MOST);
+        assert_eq!(of_companion(Layout::Yolo, &yolo, many.as_bytes(), (40, 20)).len(), MOST);
     }
 }

@@ -122,7 +122,7 @@ fn no_input_is_written_whatever_its_folder_is_called() {
             depth_model,
             inputs,
             reading: &ReadOptions::default(),
-        skip_missing: false,
+            skip_missing: false,
             overwrite: true,
         })
     };

@@ -122,5 +122,8 @@ fn a_run_killed_while_it_writes_is_finished_by_the_next() {
         options: Options { iterations: 13, ..first.request().options.clone() },
         ..request(&folder, "reef.ply")
     };
-    assert!(matches!(Plan::new(longer, &ReadOptions::default()), Err(TrainingError::File(FileError::Exists { .. }))));
+    assert!(matches!(
+        Plan::new(longer, &ReadOptions::default()),
+        Err(TrainingError::File(FileError::Exists { .. }))
+    ));
 }

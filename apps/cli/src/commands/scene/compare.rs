@@ -71,7 +71,8 @@ impl Compare {
             })
         };
         let original = side(&self.original_scene, &self.original)?;
-        let floor = self.floor.as_deref().map(|floor| Model::read(floor, &common.reading.options())).transpose()?;
+        let floor =
+            self.floor.as_deref().map(|floor| Model::read(floor, &common.reading.options())).transpose()?;
         let fused = self.fused_scenes.iter().zip(&self.fused).map(|(scene, trained)| side(scene, trained));
         let fused: Vec<Side> = fused.collect::<Result<_, _>>()?;
         let comparison = Comparison::new(original, floor, fused, self.lpips.network()?)?;

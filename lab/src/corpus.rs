@@ -69,7 +69,8 @@ const MANIFEST: &str = r#"{"line":"job","schema":1,"version":"0.1.0","dataset":"
 "#;
 
 /// Text files, one each.
-const TEXTS: [(&str, &str, &str); 7] = [
+const TEXTS: [(&str, &str, &str); 8] = [
+    ("depth-colmap", "small.geometric.bin", "2&1&1&@@@@AAAA"),
     ("dataset-coco", "instances.json", COCO),
     ("dataset-voc", "a.xml", VOC),
     ("dataset-yolo", "a.txt", YOLO),

@@ -134,10 +134,10 @@ fn restore_red() {
     let pixel = |at: usize| {
         let (x, y) = (at % 96, at / 96);
         let texture = ((x * 7 + y * 13) % 11) as u8;
-        if y < 30 {
-            [20, 120 + texture / 2, 125 + texture / 2]
-        } else {
-            [95 + texture, 104 + texture, 101 + texture]
+        let nearness = ((y.max(30) - 30) / 2) as u8;
+        match y < 30 {
+            true => [20, 120 + texture / 2, 125 + texture / 2],
+            false => [60 + nearness + texture, 128 + texture, 120 + texture - nearness / 3],
         }
     };
     let image = Image::from_raw(96, 64, (0..96 * 64).flat_map(pixel).collect()).unwrap();

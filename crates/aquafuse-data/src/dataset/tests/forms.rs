@@ -95,13 +95,13 @@ fn lists_of_images_are_found_behind_folders_of_other_machines() {
         ("obj_train_data/a.jpg", ""),
         ("obj_train_data/a.txt", "0 0.5 0.5 0.1 0.1\n"),
         ("obj.data", "train = data/train.txt\n"),
-        ("obj.names", "fish\n"),
+        ("brackish.names", "fish\n"),
         ("train.txt", "data/obj_train_data/a.jpg\n"),
     ]);
     let found = opened(&set);
     assert_eq!(
         found.indices.iter().map(Index::path).collect::<Vec<_>>(),
-        ["obj.data", "obj.names", "train.txt"]
+        ["brackish.names", "obj.data", "train.txt"]
     );
     assert!(matches!(found.indices[2], Index::Paths { .. }) && found.left_out.is_empty());
 }
@@ -140,6 +140,7 @@ fn masks_are_found_in_splits_and_in_folders_of_classes() {
         ("JPEGImages/a.jpg", &["SegmentationClass/a.png", "SegmentationObject/a.png"]),
         ("train/images/a.jpg", &["masks/train/a.png"]),
         ("images_train/a.jpg", &["CombinedMasks_train/a.png"]),
+        ("images/train/a.png", &["GTFINE/train/a.png"]),
     ] {
         let files: Vec<(&str, &str)> = [key].iter().chain(masks).map(|path| (*path, "")).collect();
         let found = opened(&folder(&files));

@@ -24,6 +24,8 @@ fn a_folder_is_plain_only_where_nothing_looks_like_annotations() {
         ),
         (&[("a.jpg", ""), ("boxes.csv", "filename,x\na.jpg,1\n")], "1 .csv (boxes.csv)"),
         (&[("a.jpg", ""), ("boxes.txt", "a.jpg 1,2,3,4,0\n")], "1 .txt (boxes.txt)"),
+        (&[("a.jpg", ""), ("groundtruth_rect.txt", "1\t1\t30\t20\n")], "1 .txt (groundtruth_rect.txt)"),
+        (&[("seq/img1/a.jpg", ""), ("seq/det.txt", "1,-1,1,1,30,20,1\n")], "1 .txt (seq/det.txt)"),
         (&[("a.jpg", ""), ("metadata.jsonl", "{\"file_name\": \"a.jpg\"}\n")], "Hugging Face"),
         (&[("a.jpg", ""), ("labels.zip", "")], "unpack it"),
         (&[("a.jpg", ""), ("s0.tar.gz", "")], "gunzip"),
@@ -130,6 +132,41 @@ fn a_mask_is_never_an_image() {
         picture(&set, "eel/1.png", channels);
         assert_eq!(keys(&opened(&set)).len(), 2);
     }
+}
+
+/// Writes an image in which nearly every pixel equals the one before it, or none does.
+fn drawn(set: &tempfile::TempDir, name: &str, is_drawn: bool) {
+    let path = set.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let colour = |x: u32, y: u32| match is_drawn {
+        true => [200 * u8::from(x > 30), 60, 60],
+        false => [(x * 7 + y * 13) as u8 % 31, 120 + (x * 11 + y * 3) as u8 % 29, 130],
+    };
+    image::RgbImage::from_fn(96, 72, |x, y| image::Rgb(colour(x, y))).save(&path).unwrap();
+}
+
+#[test]
+fn a_mask_whose_name_says_nothing_is_known_by_its_pixels() {
+    for mask in ["task-1-annotation-1-by-1-tag-fish-0.png", "Beschriftet/x.png", "other/x.bmp", "a_mask.png"] {
+        let set = tempfile::tempdir().unwrap();
+        drawn(&set, "a_mask.jpg", false);
+        drawn(&set, mask, true);
+        let said = Dataset::open(set.path(), None, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(said.contains("like masks") && said.contains(mask), "{said}");
+    }
+    // Photographs are none, in any format; nor are drawings where nothing else is.
+    for is_drawn in [false, true] {
+        let set = tempfile::tempdir().unwrap();
+        ["a.png", "b.bmp", "c.tif"].iter().for_each(|name| drawn(&set, name, is_drawn));
+        assert_eq!(keys(&opened(&set)), ["a.png", "b.bmp", "c.tif"]);
+    }
+}
+
+#[test]
+fn a_table_about_a_shard_hides_no_shard() {
+    let found = opened(&folder(&[("00000.tar", ""), ("00000.parquet", ""), ("00000_stats.json", "{}")]));
+    assert_eq!((found.layout, keys(&found)), (Layout::Shards, vec!["00000.tar"]));
+    assert_eq!(found.left_out.to_string(), "1 .json (00000_stats.json); 1 .parquet (00000.parquet)");
 }
 
 #[test]

@@ -43,7 +43,7 @@ pub(crate) fn run(images: usize) -> Result<()> {
         writeln!(table, "| {images} | {threads} | {BUDGET} | {peak:.0} | {each:.2} |")?;
     }
     show_section(RESULTS, "memory", &table)?;
-    show_section(RESULTS, "memory-runs", &runs::table(&program, &folder, &folder.join("0.jpg"))?)
+    show_section(RESULTS, "memory-runs", &runs::table(&program, &folder)?)
 }
 
 /// The second table alone: scenes, and the files of long runs.
@@ -51,8 +51,7 @@ pub(crate) fn runs() -> Result<()> {
     let program = crate::programs::aquafuse()?;
     let folder = root().join("target/memory");
     fs::create_dir_all(&folder)?;
-    photos::write(&folder.join("0.jpg"), 0)?;
-    show_section(RESULTS, "memory-runs", &runs::table(&program, &folder, &folder.join("0.jpg"))?)
+    show_section(RESULTS, "memory-runs", &runs::table(&program, &folder)?)
 }
 
 /// A folder of so many images.
@@ -60,7 +59,7 @@ fn photos(folder: &Path, count: usize) -> Result<PathBuf> {
     say(&format!("Making {DIFFERENT} images of 24 megapixels"));
     fs::create_dir_all(folder)?;
     for seed in 0..DIFFERENT {
-        photos::write(&folder.join(format!("{seed}.jpg")), seed as u32)?;
+        photos::write(&folder.join(format!("{seed}.jpg")), seed as u32, photos::LARGE)?;
     }
     let photos = folder.join("photos");
     if photos.exists() {

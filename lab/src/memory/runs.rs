@@ -9,22 +9,29 @@ use anyhow::{Context, Result, bail};
 use aquafuse::image::Image;
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 
+use super::photos;
 use crate::runner::{End, Limits, Runner};
 use xtask::shell::say;
 
 const BUDGET: &str = "256MiB";
 const LIMITS: Limits = Limits { seconds: 3600, address_space: 16 << 20 };
-/// Images of the scene.
-const IMAGES: usize = 12;
-/// Points of the scene.
-const POINTS: usize = 500_000;
+/// A scene: the sides of its images, how many they are, and its points.
+struct Scene {
+    size: [usize; 2],
+    images: usize,
+    points: usize,
+}
+
+const SCENE: Scene = Scene { size: [1920, 1280], images: 60, points: 20_000 };
+/// One that the budget is too small for.
+const LARGE: Scene = Scene { size: photos::LARGE, images: 4, points: 2_000_000 };
 /// Lines of the files of runs.
 const LINES: usize = 1_000_000;
 /// Splats of the large file.
 const SPLATS: usize = 5_000_000;
 
-/// The table. `photo` is an image of 24 megapixels.
-pub(super) fn table(program: &Path, folder: &Path, photo: &Path) -> Result<String> {
+/// The table.
+pub(super) fn table(program: &Path, folder: &Path) -> Result<String> {
     let folder = folder.join("runs");
     if folder.exists() {
         fs::remove_dir_all(&folder)?;
@@ -33,7 +40,7 @@ pub(super) fn table(program: &Path, folder: &Path, photo: &Path) -> Result<Strin
     let mut trials = Trials { program, folder, runner: Runner::new(LIMITS)?, table: String::new() };
     writeln!(trials.table, "| what | budget | peak memory, MiB | end |\n|---|---|---|---|")?;
     say("Making a large scene, and files of a million lines");
-    scenes(&mut trials, photo)?;
+    scenes(&mut trials)?;
     files_of_runs(&mut trials)?;
     Ok(trials.table)
 }
@@ -92,59 +99,57 @@ fn writer(path: &Path) -> Result<BufWriter<File>> {
     Ok(BufWriter::new(File::create(path).with_context(|| format!("cannot make {}", path.display()))?))
 }
 
-fn scenes(trials: &mut Trials<'_>, photo: &Path) -> Result<()> {
-    let model = trials.path("reef/sparse/0");
+/// Writes a scene as COLMAP does.
+fn write_scene(folder: &Path, scene: &Scene) -> Result<()> {
+    let (model, photos) = (folder.join("sparse/0"), folder.join("images"));
     fs::create_dir_all(&model)?;
-    fs::create_dir_all(trials.path("reef/images"))?;
-    fs::write(model.join("cameras.txt"), "1 PINHOLE 6000 4000 5000 5000 3000 2000\n")?;
+    fs::create_dir_all(&photos)?;
+    let [width, height] = scene.size;
+    let camera = format!("1 PINHOLE {width} {height} {width} {width} {} {}\n", width / 2, height / 2);
+    fs::write(model.join("cameras.txt"), camera)?;
+    photos::write(&photos.join("000.jpg"), 0, scene.size)?;
     let mut images = writer(&model.join("images.txt"))?;
-    for number in 0..IMAGES {
+    for number in 0..scene.images {
         let name = format!("{number:03}.jpg");
-        fs::hard_link(photo, trials.path("reef/images").join(&name)).context("cannot link an image")?;
-        writeln!(images, "{} 1 0 0 0 {} 0 0 1 {name}\n", number + 1, -(number as f64) / 10.0)?;
+        if number > 0 {
+            fs::hard_link(photos.join("000.jpg"), photos.join(&name)).context("cannot link an image")?;
+        }
+        writeln!(images, "{} 1 0 0 0 {} 0 0 1 {name}\n", number + 1, -(number as f64) / 50.0)?;
     }
     let mut points = writer(&model.join("points3D.txt"))?;
-    for number in 0..POINTS {
-        let (x, y) = ((number % 1000) as f64 / 250.0 - 2.0, (number / 1000) as f64 / 250.0 - 1.0);
+    for number in 0..scene.points {
+        let (x, y) = ((number % 1000) as f64 / 250.0 - 2.0, (number / 1000 % 500) as f64 / 250.0 - 1.0);
         let z = 4.0 + (number % 97) as f64 / 20.0;
-        writeln!(points, "{} {x} {y} {z} 90 120 110 0.5 1 {} 2 {}", number + 1, number, number)?;
+        writeln!(points, "{} {x} {y} {z} 90 120 110 0.5 1 {number} 2 {number}", number + 1)?;
     }
-    drop((images, points));
-    large_ply(&trials.path("large.ply"))?;
-    let what = format!("scene fuse, {IMAGES} images of 24 megapixels, {POINTS} points");
-    trials.row(&what, &["scene", "fuse", "@reef", "preset:jerlov-IB", "-o", "@fused"])?;
-    let train = ["--iterations", "20", "--hold", "8", "--splats", "100000"];
-    let small = [&["scene", "train", "@reef", "-o", "@reef.ply", "--longest", "400"][..], &train].concat();
-    trials.row("scene train on it, 400 pixels, 100,000 splats", &small)?;
-    // The same with room, for what follows.
-    if !trials.path("reef.ply").exists() {
-        trials.set_up(&small)?;
-    }
-    trials.set_up(
-        &[&["scene", "train", "@fused", "-o", "@fused.ply", "--longest", "400"][..], &train].concat(),
-    )?;
-    let large = ["scene", "train", "@reef", "-o", "@full.ply", "--longest", "6000", "--iterations", "20"];
-    trials.row("scene train on it, 6000 pixels", &large)?;
-    trials.row("scene render, its 12 cameras", &["scene", "render", "@reef.ply", "@reef", "-o", "@views"])?;
-    let large = ["scene", "render", "@reef.ply", "@reef", "-o", "@full", "--longest", "6000"];
-    trials.row("scene render, 6000 pixels", &large)?;
-    let compare = [
-        "scene",
-        "compare",
-        "@reef",
-        "@fused",
-        "--original",
-        "@reef.ply",
-        "--fused",
-        "@fused.ply",
-        "--hold",
-        "8",
-    ];
-    trials.row("scene compare", &compare)?;
-    let what = format!("scene render, a PLY of {SPLATS} splats");
-    trials.row(&what, &["scene", "render", "@large.ply", "@reef", "-o", "@many"])?;
-    let what = format!("scene view, a PLY of {SPLATS} splats");
-    trials.row(&what, &["scene", "view", "@large.ply", "-o", "@large.html"])
+    points.flush()?;
+    Ok(images.flush()?)
+}
+
+fn scenes(trials: &mut Trials<'_>) -> Result<()> {
+    write_scene(&trials.path("reef"), &SCENE)?;
+    write_scene(&trials.path("large"), &LARGE)?;
+    large_ply(&trials.path("many.ply"))?;
+    let said = |scene: &Scene| {
+        format!("{} images of {}x{}, {} points", scene.images, scene.size[0], scene.size[1], scene.points)
+    };
+    let fuse = |scene, output| ["scene", "fuse", scene, "preset:jerlov-IB", "-o", output];
+    let how = ["--longest", "400", "--hold", "8", "--iterations", "20", "--splats", "30000"];
+    let train = |scene, output| [&["scene", "train", scene, "-o", output][..], &how].concat();
+    trials.row(&format!("scene fuse, {}", said(&SCENE)), &fuse("@reef", "@fused"))?;
+    trials.row("scene train on it, 400 pixels, 30,000 splats", &train("@reef", "@reef.ply"))?;
+    trials.set_up(&train("@fused", "@fused.ply"))?;
+    trials.row("scene render, its cameras", &["scene", "render", "@reef.ply", "@reef", "-o", "@views"])?;
+    let of = ["--original", "@reef.ply", "--fused", "@fused.ply", "--hold", "8"];
+    trials.row("scene compare", &[&["scene", "compare", "@reef", "@fused"][..], &of].concat())?;
+    trials.row(&format!("scene fuse, {}", said(&LARGE)), &fuse("@large", "@large_fused"))?;
+    trials.row("scene train on it, 400 pixels, 30,000 splats", &train("@large", "@large.ply"))?;
+    let render = ["scene", "render", "@reef.ply", "@reef", "-o", "@full", "--longest", "6000"];
+    trials.row("scene render, 6000 pixels", &render)?;
+    let what = format!("a PLY of {SPLATS} splats");
+    trials
+        .row(&format!("scene render, {what}"), &["scene", "render", "@many.ply", "@reef", "-o", "@many"])?;
+    trials.row(&format!("scene view, {what}"), &["scene", "view", "@many.ply", "-o", "@many.html"])
 }
 
 /// Splats of degree 0 as PLY, whose values are all small.

@@ -147,7 +147,8 @@ fn drawn(set: &tempfile::TempDir, name: &str, is_drawn: bool) {
 
 #[test]
 fn a_mask_whose_name_says_nothing_is_known_by_its_pixels() {
-    for mask in ["task-1-annotation-1-by-1-tag-fish-0.png", "Beschriftet/x.png", "other/x.bmp", "a_mask.png"] {
+    for mask in ["task-1-annotation-1-by-1-tag-fish-0.png", "Beschriftet/x.png", "other/x.bmp", "a_mask.png"]
+    {
         let set = tempfile::tempdir().unwrap();
         drawn(&set, "a_mask.jpg", false);
         drawn(&set, mask, true);
@@ -157,8 +158,8 @@ fn a_mask_whose_name_says_nothing_is_known_by_its_pixels() {
     // Photographs are none, in any format; nor are drawings where nothing else is.
     for is_drawn in [false, true] {
         let set = tempfile::tempdir().unwrap();
-        ["a.png", "b.bmp", "c.tif"].iter().for_each(|name| drawn(&set, name, is_drawn));
-        assert_eq!(keys(&opened(&set)), ["a.png", "b.bmp", "c.tif"]);
+        ["a.png", "b.bmp"].iter().for_each(|name| drawn(&set, name, is_drawn));
+        assert_eq!(keys(&opened(&set)), ["a.png", "b.bmp"]);
     }
 }
 

@@ -134,16 +134,20 @@ fn scenes(trials: &mut Trials<'_>) -> Result<()> {
         format!("{} images of {}x{}, {} points", scene.images, scene.size[0], scene.size[1], scene.points)
     };
     let fuse = |scene, output| ["scene", "fuse", scene, "preset:jerlov-IB", "-o", output];
-    let how = ["--longest", "400", "--hold", "8", "--iterations", "20", "--splats", "30000"];
+    let how = ["--longest", "200", "--hold", "8", "--iterations", "20", "--splats", "20000"];
     let train = |scene, output| [&["scene", "train", scene, "-o", output][..], &how].concat();
     trials.row(&format!("scene fuse, {}", said(&SCENE)), &fuse("@reef", "@fused"))?;
-    trials.row("scene train on it, 400 pixels, 30,000 splats", &train("@reef", "@reef.ply"))?;
+    trials.row("scene train on it, 200 pixels, 20,000 splats", &train("@reef", "@reef.ply"))?;
+    // What follows reads it.
+    if !trials.path("reef.ply").exists() {
+        bail!("the scene was not trained on within {BUDGET}");
+    }
     trials.set_up(&train("@fused", "@fused.ply"))?;
     trials.row("scene render, its cameras", &["scene", "render", "@reef.ply", "@reef", "-o", "@views"])?;
     let of = ["--original", "@reef.ply", "--fused", "@fused.ply", "--hold", "8"];
     trials.row("scene compare", &[&["scene", "compare", "@reef", "@fused"][..], &of].concat())?;
     trials.row(&format!("scene fuse, {}", said(&LARGE)), &fuse("@large", "@large_fused"))?;
-    trials.row("scene train on it, 400 pixels, 30,000 splats", &train("@large", "@large.ply"))?;
+    trials.row("scene train on it, 200 pixels, 20,000 splats", &train("@large", "@large.ply"))?;
     let render = ["scene", "render", "@reef.ply", "@reef", "-o", "@full", "--longest", "6000"];
     trials.row("scene render, 6000 pixels", &render)?;
     let what = format!("a PLY of {SPLATS} splats");

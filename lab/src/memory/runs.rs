@@ -25,6 +25,8 @@ struct Scene {
 const SCENE: Scene = Scene { size: [1920, 1280], images: 60, points: 20_000 };
 /// One that the budget is too small for.
 const LARGE: Scene = Scene { size: photos::LARGE, images: 4, points: 2_000_000 };
+/// Letters of a message that are shown.
+const LONGEST: usize = 160;
 /// Lines of the files of runs.
 const LINES: usize = 1_000_000;
 /// Splats of the large file.
@@ -70,8 +72,10 @@ impl Trials<'_> {
         let cause = said.lines().rfind(|line| line.starts_with("aquafuse: ")).unwrap_or_default();
         let end = match outcome.end {
             End::Exit(0) => "done".to_owned(),
-            End::Exit(_) if !cause.is_empty() => {
-                format!("refused: {}", cause.trim_start_matches("aquafuse: "))
+            End::Exit(code) if !cause.is_empty() => {
+                // All that was said is one line here, which may be as long as the run.
+                let cause: String = cause.trim_start_matches("aquafuse: ").chars().take(LONGEST).collect();
+                format!("exit code {code}: {cause}")
             }
             other => bail!("{what} ended with {other:?}: {said}"),
         };

@@ -79,9 +79,7 @@ pub(super) fn planar(info: &VideoInfo, is_deep: bool) -> String {
     // Colour at half the resolution needs an even number of columns and rows.
     let chroma = if format.contains("444") || is_rgb(format) || is_odd(info.width) {
         "444"
-    } else if half {
-        "422"
-    } else if is_odd(info.height) {
+    } else if half || is_odd(info.height) {
         "422"
     } else {
         "420"

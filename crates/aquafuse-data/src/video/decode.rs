@@ -35,6 +35,9 @@ impl Decoder {
             Place::File(path) => {
                 // A packet that is cut would be decoded to a frame that is half grey.
                 command.args(["-fflags", "+discardcorrupt"]).args(input(path));
+                if info.keeps_start() {
+                    command.arg("-copyts");
+                }
                 Stdio::null()
             }
             Place::Y4m(_) => {

@@ -55,6 +55,9 @@ impl Encoder {
             arguments.extend(input(source));
         }
         arguments.extend(["-map", "0:v:0"].map(OsString::from));
+        if info.keeps_start() {
+            arguments.push("-copyts".into());
+        }
         if target.source.is_some() {
             arguments.extend(copies(info, target.container).into_iter().map(OsString::from));
         }
@@ -65,6 +68,7 @@ impl Encoder {
         if target.container.holds_mp4_tags() && info.time_base.0 == 1 {
             arguments.extend(["-video_track_timescale".into(), info.time_base.1.to_string().into()]);
         }
+        arguments.extend(last_duration(ffmpeg, info).into_iter().map(OsString::from));
         arguments.extend(["-y", "-f", target.container.muxer()].map(OsString::from));
         arguments.push(file(target.part));
         let mut encoder = Self::start(ffmpeg, arguments, Stdio::null(), target.path)?;
@@ -147,8 +151,12 @@ impl Sink for Encoder {
     }
 }
 
-/// The arguments by which frames are read. Their first time is where they begin, whatever it is.
+/// The arguments by which frames are read. Where a file begins at 0, ffmpeg takes the time of the first frame off all others: it is
+/// added again.
 fn frames_in(info: &VideoInfo, first: i64) -> Vec<OsString> {
+    if info.keeps_start() {
+        return ["-f", "ivf", "-c:v", "rawvideo", "-i", "pipe:0"].map(OsString::from).into();
+    }
     let Ratio(above, below) = info.time_base;
     let micros = i128::from(first).saturating_mul(i128::from(above)).saturating_mul(1_000_000);
     let micros = micros.checked_div(i128::from(below)).unwrap_or(0);
@@ -156,6 +164,17 @@ fn frames_in(info: &VideoInfo, first: i64) -> Vec<OsString> {
     let (seconds, rest) = (micros.unsigned_abs() / 1_000_000, micros.unsigned_abs() % 1_000_000);
     let offset = format!("{sign}{seconds}.{rest:06}");
     ["-f", "ivf", "-c:v", "rawvideo", "-itsoffset", &offset, "-i", "pipe:0"].map(OsString::from).into()
+}
+
+/// The arguments by which the last frame is shown for a while: a frame has a time, and no duration.
+fn last_duration(ffmpeg: &Ffmpeg, info: &VideoInfo) -> Vec<String> {
+    let ticks = info.rate.and_then(|rate| Some((rate.value()? * info.time_base.value()?).recip().round()));
+    match ticks {
+        Some(ticks) if ffmpeg.is_new() && (1.0..1e9).contains(&ticks) => {
+            vec!["-bsf:v".to_owned(), format!("setts=duration={ticks}")]
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The header of IVF.
@@ -182,6 +201,7 @@ fn header(Ratio(above, below): Ratio, shape: Shape) -> [u8; 32] {
 fn copies(info: &VideoInfo, container: Container) -> Vec<String> {
     let mut arguments: Vec<String> = Vec::new();
     let mut codecs: Vec<String> = Vec::new();
+    let mut tags = Vec::new();
     let kinds = [(StreamKind::Audio, "a"), (StreamKind::Subtitles, "s"), (StreamKind::Attachment, "t")];
     for (kind, letter) in kinds {
         let streams = info.streams.iter().filter(|stream| stream.kind == kind);
@@ -189,16 +209,21 @@ fn copies(info: &VideoInfo, container: Container) -> Vec<String> {
         for (i, (stream, how)) in taken.enumerate() {
             arguments.extend(["-map".to_owned(), format!("1:{}", stream.index)]);
             codecs.extend([format!("-c:{letter}:{i}"), how.to_owned()]);
+            tags.push((letter, i, stream.index));
         }
     }
     arguments.extend(codecs);
     arguments.extend(["-map_metadata", "1", "-map_chapters", "1"].map(str::to_owned));
     if let Some(video) = info.streams.iter().find(|stream| stream.kind == StreamKind::Video) {
-        arguments.extend(["-map_metadata:s:v:0".to_owned(), format!("1:s:{}", video.index)]);
+        tags.push(("v", 0, video.index));
         // Frames are rotated already, and their bytes are others.
         for old in ["rotate", "BPS", "BPS-eng", "NUMBER_OF_BYTES", "NUMBER_OF_BYTES-eng"] {
             arguments.extend(["-metadata:s:v:0".to_owned(), format!("{old}=")]);
         }
+    }
+    // Once those of one stream are named, no others are copied unless they are named too.
+    for (letter, i, index) in tags {
+        arguments.extend([format!("-map_metadata:s:{letter}:{i}"), format!("1:s:{index}")]);
     }
     arguments.extend(["-max_muxing_queue_size", "9999"].map(str::to_owned));
     arguments

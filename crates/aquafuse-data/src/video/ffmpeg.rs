@@ -20,6 +20,10 @@ pub const VARIABLE: &str = "AQUAFUSE_FFMPEG";
 const FORMATS: &str = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,mpegvideo,flv,asf,ogg,mxf,nut,ivf,gif,apng,h264,hevc,\
 m4v,dv,wtv,obu,av1,rm,yuv4mpegpipe,live_flv,gxf,vob,vc1,mjpeg,webp_pipe";
 
+/// The option by which each frame is passed on, and the one before version 5.1.
+const NEW: &str = "-fps_mode";
+const OLD: &str = "-vsync";
+
 /// The program ffmpeg.
 #[derive(Clone, Debug)]
 pub struct Ffmpeg {
@@ -40,12 +44,12 @@ impl Ffmpeg {
     pub fn find() -> Result<Self, VideoError> {
         let named = std::env::var_os(VARIABLE).filter(|name| !name.is_empty());
         let mut found =
-            Self { program: named.unwrap_or_else(|| Self::NAME.into()), passthrough: "-fps_mode" };
+            Self { program: named.unwrap_or_else(|| Self::NAME.into()), passthrough: NEW };
         let mut command = found.command();
         let said = command.arg("-version").stdin(Stdio::null()).stderr(Stdio::null()).output();
         let said = said.map_err(|error| found.not_started(&error))?;
         if is_before_5_1(&String::from_utf8_lossy(&said.stdout)) {
-            found.passthrough = "-vsync";
+            found.passthrough = OLD;
         }
         Ok(found)
     }
@@ -55,6 +59,11 @@ impl Ffmpeg {
         let mut command = Command::new(&self.program);
         command.args(["-hide_banner", "-nostdin", "-nostats", "-loglevel", "level+info"]);
         command
+    }
+
+    /// Whether it is of version 5.1 or later.
+    pub(super) fn is_new(&self) -> bool {
+        self.passthrough == NEW
     }
 
     /// Each frame as it comes, none dropped and none doubled.
@@ -171,7 +180,10 @@ impl Said {
         }
     }
 
-    fn add(&mut self, complaint: String) {
+    fn add(&mut self, mut complaint: String) {
+        if complaint.starts_with("Format not on whitelist") {
+            complaint.replace_range(.., "it is of no format that holds one video; lists of files, images and subtitles are not read");
+        }
         self.count = self.count.saturating_add(1);
         if self.first.len() < FIRST {
             self.first.push(complaint);

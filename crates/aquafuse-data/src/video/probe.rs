@@ -29,6 +29,8 @@ pub struct VideoInfo {
     pub is_interlaced: bool,
     /// All streams of the file.
     pub streams: Vec<StreamInfo>,
+    /// When its first stream begins, in seconds.
+    pub(super) start: f64,
     pub(super) colour: Colour,
 }
 
@@ -100,6 +102,11 @@ impl VideoInfo {
         Some(count.round() as u64)
     }
 
+    /// Whether times are kept as they are: a stream that was broadcast may begin at any time, and then the file begins at 0.
+    pub(super) fn keeps_start(&self) -> bool {
+        self.start.abs() < 1.0
+    }
+
     /// Whether values have more than 8 bits.
     pub fn is_deep(&self) -> bool {
         bits(&self.pixel_format) > 8
@@ -111,6 +118,7 @@ impl VideoInfo {
 struct Found {
     streams: Vec<StreamInfo>,
     duration: Option<f64>,
+    start: f64,
     stream: Option<(Ratio, Option<Ratio>)>,
     frame: Option<super::log::FrameInfo>,
     colour: Option<Colour>,
@@ -123,6 +131,8 @@ impl Found {
             Shown::Input(line) if self.stream.is_none() => {
                 if let Some(duration) = line.strip_prefix("Duration: ") {
                     self.duration = seconds(duration.split(',').next().unwrap_or_default());
+                    let start = duration.split_once("start: ").and_then(|(_, rest)| rest.split(',').next());
+                    self.start = start.and_then(|start| start.parse().ok()).unwrap_or(0.0);
                 }
                 self.streams.extend(stream(&line));
             }
@@ -148,6 +158,7 @@ impl Found {
             pixel_aspect: Some(frame.pixel_aspect).filter(|&Ratio(a, b)| a > 0 && b > 0 && a != b),
             is_interlaced: frame.is_interlaced,
             streams: self.streams.clone(),
+            start: self.start,
             colour: self.colour.clone().unwrap_or_default(),
         })
     }

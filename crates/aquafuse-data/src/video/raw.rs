@@ -49,6 +49,7 @@ impl RawFrames {
             pixel_aspect: None,
             is_interlaced: false,
             streams: Vec::new(),
+            start: 0.0,
             colour: super::log::Colour::default(),
         }
     }

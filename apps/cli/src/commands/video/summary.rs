@@ -61,8 +61,8 @@ impl Report<'_> {
     pub(super) fn damage(&self, Damage { last, cause, .. }: &Damage) -> Error {
         let input = if self.input == Path::new("-") { Path::new("standard input") } else { self.input };
         anyhow!(
-            "{} is damaged or cut: {} has its {} frames that can be decoded, the last one at {}. ffmpeg says: {cause}. Get an \
-             intact copy if there should be more; --lenient accepts it",
+            "{} is damaged or cut: {} has its {} frames that can be decoded, the last one at {} ({cause}). Get an intact copy if \
+             there should be more; --lenient accepts it",
             display(input),
             display(self.output),
             self.summary.frames,

@@ -40,8 +40,12 @@ pub use container::Codec;
 pub use error::VideoError;
 pub use ffmpeg::{Ffmpeg, VARIABLE};
 pub use plan::{Input, Output, Plan, Request};
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use probe::try_log;
 pub use probe::{StreamInfo, StreamKind, VideoInfo};
 pub use raw::RawFrames;
+#[cfg(feature = "fuzz-targets")]
+pub(crate) use raw::try_y4m;
 pub use run::{Damage, Summary, VideoEvent, VideoListener};
 
 /// A quotient of two whole numbers.

@@ -164,6 +164,21 @@ impl Found {
     }
 }
 
+/// Reads a log.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_log(bytes: &[u8]) {
+    let mut found = Found::default();
+    for line in bytes.split(|&byte| byte == b'\n') {
+        if let Some(super::log::Line::Shown(shown)) = super::log::Line::parse(&String::from_utf8_lossy(line)) {
+            found.take(shown);
+        }
+    }
+    if let Some(info) = found.info() {
+        assert!(info.width > 0 && info.height > 0, "a frame has pixels");
+        std::hint::black_box((info.frames(), info.is_deep(), info.keeps_start()));
+    }
+}
+
 /// `01:02:03.50` in seconds.
 fn seconds(text: &str) -> Option<f64> {
     text.split(':').try_fold(0.0, |sum, part| Some(60.0 * sum + part.trim().parse::<f64>().ok()?))

@@ -153,6 +153,15 @@ pub(super) fn y4m_header() -> Result<(Vec<u8>, VideoInfo), VideoError> {
     Ok((header, info))
 }
 
+/// Reads a header.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_y4m(bytes: &[u8]) {
+    if let Some(info) = y4m_info(&String::from_utf8_lossy(bytes)) {
+        assert!((1..=65_535).contains(&info.width) && (1..=65_535).contains(&info.height));
+        std::hint::black_box((info.frames(), info.is_deep()));
+    }
+}
+
 fn y4m_info(header: &str) -> Option<VideoInfo> {
     let mut words = header.trim_end().split(' ');
     if words.next() != Some("YUV4MPEG2") {

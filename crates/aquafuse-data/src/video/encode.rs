@@ -171,7 +171,7 @@ fn last_duration(ffmpeg: &Ffmpeg, info: &VideoInfo) -> Vec<String> {
     let ticks = info.rate.and_then(|rate| Some((rate.value()? * info.time_base.value()?).recip().round()));
     match ticks {
         Some(ticks) if ffmpeg.is_new() && (1.0..1e9).contains(&ticks) => {
-            vec!["-bsf:v".to_owned(), format!("setts=duration={ticks}")]
+            vec!["-bsf:v".to_owned(), format!("setts=pts=PTS:dts=DTS:duration={ticks}")]
         }
         _ => Vec::new(),
     }

@@ -40,8 +40,9 @@ pub(super) fn write() -> Result<()> {
             ours.add(&way.join(" "), changed(&program, &clip, way)?);
         }
     }
-    let mut table =
-        String::from("| 1920 x 1080, h264 | frames/s | ffmpeg alone, frames/s | share of its speed |\n|---|---|---|---|\n");
+    let mut table = String::from(
+        "| 1920 x 1080, h264 | frames/s | ffmpeg alone, frames/s | share of its speed |\n|---|---|---|---|\n",
+    );
     for way in WAYS.map(|way| way.join(" ")) {
         let share = theirs.times("alone", (&ours, &way));
         let [fps, alone] = [ours.median(&way), theirs.median("alone")].map(|each| 1e3 / each);
@@ -55,7 +56,8 @@ pub(super) fn write() -> Result<()> {
 fn clip(folder: &Path) -> Result<PathBuf> {
     say("Making a clip");
     let clip = folder.join("clip.mp4");
-    let moves = "scale=2112:1188,crop=1920:1080:96+90*sin(t):54+50*cos(0.7*t),noise=alls=8:allf=t,format=yuv420p";
+    let moves =
+        "scale=2112:1188,crop=1920:1080:96+90*sin(t):54+50*cos(0.7*t),noise=alls=8:allf=t,format=yuv420p";
     let mut make = command("ffmpeg", &["-v", "error", "-y", "-loop", "1", "-framerate", "30", "-i"]);
     make.arg(folder.join("blue.ppm")).args(["-f", "lavfi", "-i", "sine", "-t", SECONDS, "-vf", moves]);
     make.args(["-c:v", "libx264", "-crf", "20", "-preset", "fast"]).arg(&clip);
@@ -94,11 +96,17 @@ fn memory(program: &Path, folder: &Path) -> Result<String> {
     let mut table = String::from("\n| frames of 3840 x 2160 | peak memory, MiB |\n|---|---|\n");
     for frames in FRAMES {
         say(&format!("{frames} frames of 3840 x 2160"));
-        let source = ["-v", "error", "-y", "-f", "lavfi", "-i", "testsrc2=size=3840x2160:rate=30", "-frames:v"];
+        let source =
+            ["-v", "error", "-y", "-f", "lavfi", "-i", "testsrc2=size=3840x2160:rate=30", "-frames:v"];
         let mut make = command("ffmpeg", &source);
-        make.arg(frames.to_string()).args(["-c:v", "libx264", "-preset", "ultrafast"]).arg(folder.join("uhd.mp4"));
+        make.arg(frames.to_string())
+            .args(["-c:v", "libx264", "-preset", "ultrafast"])
+            .arg(folder.join("uhd.mp4"));
         run(make)?;
-        let mut ours = command(program, &["video", "uhd.mp4", "green.png", "--quiet", "--overwrite", "-o", "changed.mp4"]);
+        let mut ours = command(
+            program,
+            &["video", "uhd.mp4", "green.png", "--quiet", "--overwrite", "-o", "changed.mp4"],
+        );
         let mut child = ours.current_dir(folder).stdin(Stdio::null()).spawn().context("cannot start it")?;
         let mut peak = 0.0_f64;
         let status = loop {

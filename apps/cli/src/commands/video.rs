@@ -7,7 +7,9 @@ use std::path::PathBuf;
 use aquafuse::depth::DepthKind;
 use aquafuse::stream::Steady;
 use aquafuse_data::pipeline::{Operation, PixelEncoding, WaterEstimate};
-use aquafuse_data::video::{Codec, ContentWater, Input, Output, Plan, RawFrames, Recipe, Request, VideoEvent};
+use aquafuse_data::video::{
+    Codec, ContentWater, Input, Output, Plan, RawFrames, Recipe, Request, VideoEvent,
+};
 use aquafuse_data::water_file::WaterFile;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args};
@@ -129,15 +131,13 @@ impl Video {
         let (recipe, heading) = self.recipe(water.as_ref(), common)?;
         let notes = plan.notes();
         if !common.quiet {
-            notes.iter().for_each(|note| output::complain(note));
+            notes.iter().for_each(output::complain);
         }
         let progress = Progress::new(common.quiet);
         let begun = std::time::Instant::now();
         let ended = plan.run(&recipe, &options, &|event| match event {
-            VideoEvent::Started { frames } => {
-                if let Some(frames) = frames {
-                    progress.start(usize::try_from(frames).unwrap_or(usize::MAX));
-                }
+            VideoEvent::Started { frames: Some(frames) } => {
+                progress.start(usize::try_from(frames).unwrap_or(usize::MAX));
             }
             VideoEvent::Frame { seconds, .. } => progress.done(&summary::clock(seconds)),
             _ => {}
@@ -240,7 +240,6 @@ impl Video {
 }
 
 fn codec() -> impl TypedValueParser<Value = Codec> {
-    PossibleValuesParser::new(Codec::ALL.iter().map(|codec| codec.name())).map(|name| {
-        Codec::ALL.iter().copied().find(|codec| codec.name() == name).unwrap_or(Codec::H264)
-    })
+    PossibleValuesParser::new(Codec::ALL.iter().map(|codec| codec.name()))
+        .map(|name| Codec::ALL.iter().copied().find(|codec| codec.name() == name).unwrap_or(Codec::H264))
 }

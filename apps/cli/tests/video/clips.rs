@@ -40,7 +40,8 @@ pub(crate) fn probe(run: &Run, name: &str, arguments: &[&str]) -> Vec<String> {
 /// The times of all frames of a video, in order.
 pub(crate) fn times(run: &Run, name: &str) -> Vec<f64> {
     let entries = ["-select_streams", "V:0", "-show_entries", "packet=pts_time"];
-    let mut times: Vec<f64> = probe(run, name, &entries).iter().filter_map(|time| time.parse().ok()).collect();
+    let mut times: Vec<f64> =
+        probe(run, name, &entries).iter().filter_map(|time| time.parse().ok()).collect();
     times.sort_by(f64::total_cmp);
     times
 }

@@ -15,7 +15,9 @@ fn a_cut_video_keeps_the_frames_that_can_be_decoded_and_fails() {
         let said = run.fails(1, &["video", cut, "green.png", "-o", &output]).stderr;
         let frames = times(&run, &output).len();
         assert!((30..70).contains(&frames), "{frames} frames of 90");
-        let words = format!("{cut} is damaged or cut: {output} has its {frames} frames that can be decoded, the last one at 0:00:0");
+        let words = format!(
+            "{cut} is damaged or cut: {output} has its {frames} frames that can be decoded, the last one at 0:00:0"
+        );
         assert!(said.contains(&words), "{said}");
         let lenient = run.ok(&["video", cut, "green.png", "-o", &output, "--overwrite", "--lenient"]);
         assert!(lenient.stdout.contains("WARNING: "), "{}", lenient.stdout);
@@ -34,7 +36,11 @@ fn what_is_no_video_is_named_with_its_cause() {
     let Some(run) = run() else { return };
     make(&run, &[&SOUND, &["-t", "1", "sound.m4a"]]);
     std::fs::write(run.path("list.mp4"), "ffconcat version 1.0\nfile secret.mp4\n").unwrap();
-    std::fs::write(run.path("list.m3u8"), "#EXTM3U\n#EXTINF:1,\nsecret.ts\n").unwrap();
+    std::fs::write(
+        run.path("list.m3u8"),
+        "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nsecret.ts\n#EXT-X-ENDLIST\n",
+    )
+    .unwrap();
     std::fs::write(run.path("empty.mp4"), "").unwrap();
     for (name, cause) in [
         ("sound.m4a", "it has no video stream"),

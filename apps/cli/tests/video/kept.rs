@@ -62,15 +62,24 @@ fn rotation_is_applied_and_its_tag_dropped() {
     make(&run, &[&PICTURE, &["-t", "0.5"], &H264, &["flat.mp4"]]);
     make(&run, &[&["-i", "flat.mp4", "-c", "copy", "-metadata:s:v", "rotate=90", "turned.mp4"]]);
     run.ok(&["video", "turned.mp4", "--enhance", "-o", "out.mp4"]);
-    let about = ["-select_streams", "v", "-show_entries", "stream=width,height:stream_tags=rotate:stream_side_data=rotation"];
+    let about = [
+        "-select_streams",
+        "v",
+        "-show_entries",
+        "stream=width,height:stream_tags=rotate:stream_side_data=rotation",
+    ];
     assert_eq!(probe(&run, "out.mp4", &about), ["96,128"]);
 }
 
 #[test]
 fn ten_bits_and_colour_tags_stay() {
     let Some(run) = run() else { return };
-    let deep = ["-t", "0.5", "-pix_fmt", "yuv422p10le", "-colorspace", "bt2020nc", "-color_primaries", "bt2020"];
-    make(&run, &[&PICTURE, &deep, &["-color_trc", "arib-std-b67", "-color_range", "tv"], &H264, &["deep.mkv"]]);
+    let deep =
+        ["-t", "0.5", "-pix_fmt", "yuv422p10le", "-colorspace", "bt2020nc", "-color_primaries", "bt2020"];
+    make(
+        &run,
+        &[&PICTURE, &deep, &["-color_trc", "arib-std-b67", "-color_range", "tv"], &H264, &["deep.mkv"]],
+    );
     run.ok(&["video", "deep.mkv", "green.png", "-o", "out.mkv", "--flicker"]);
     let about = [
         "-select_streams",
@@ -93,18 +102,23 @@ fn ten_bits_and_colour_tags_stay() {
 fn subtitles_go_along_and_into_the_codec_of_the_file() {
     let Some(run) = run() else { return };
     std::fs::write(run.path("s.srt"), "1\n00:00:00,100 --> 00:00:00,900\nfish\n").unwrap();
-    let more = ["-i", "s.srt", "-t", "1", "-metadata:s:a:0", "language=deu", "-c:a", "libopus"];
-    make(&run, &[&PICTURE, &SOUND, &more, &H264, &["a.mkv"]]);
-    run.ok(&["video", "a.mkv", "--enhance", "-o", "out.mkv"]);
+    let more = ["-i", "s.srt", "-t", "1", "-metadata:s:a:0", "language=deu", "-c:s", "srt"];
+    make(&run, &[&PICTURE, &SOUND, &more, &H264, &["-c:a", "flac", "flac.mkv"]]);
+    make(&run, &[&["-i", "flac.mkv", "-map", "0", "-c", "copy", "-c:a", "libopus", "opus.mkv"]]);
+    run.ok(&["video", "flac.mkv", "--enhance", "-o", "out.mkv"]);
     let about = ["-show_entries", "stream=codec_name:stream_tags=language"];
-    assert_eq!(probe(&run, "out.mkv", &about), ["h264", "opus,deu", "subrip"]);
-    assert_eq!((sound(&run, "out.mkv"), times(&run, "out.mkv")), (sound(&run, "a.mkv"), times(&run, "a.mkv")));
-    run.ok(&["video", "a.mkv", "--enhance", "-o", "out.mp4"]);
-    let about = ["-show_entries", "stream=codec_name"];
-    assert_eq!(probe(&run, "out.mp4", &about), ["h264", "opus", "mov_text"]);
+    assert_eq!(probe(&run, "out.mkv", &about), ["h264", "flac,deu", "subrip"]);
+    assert_eq!(sound(&run, "out.mkv"), sound(&run, "flac.mkv"));
+    assert_eq!(times(&run, "out.mkv"), times(&run, "flac.mkv"));
+    for (name, codecs) in [("out.mp4", ["h264", "opus", "mov_text"]), ("out.webm", ["vp9", "opus", "webvtt"])]
+    {
+        run.ok(&["video", "opus.mkv", "--enhance", "-o", name]);
+        assert_eq!(probe(&run, name, &["-show_entries", "stream=codec_name"]), codecs);
+    }
     // Sound that does not go into a file is an error with a remedy, and leaves nothing.
-    let said = run.fails(1, &["video", "a.mkv", "--enhance", "-o", "out.webm", "--codec", "vp9"]);
-    assert!(said.stderr.is_empty() || said.stderr.contains(".mkv"), "{}", said.stderr);
+    let said = run.fails(1, &["video", "flac.mkv", "--enhance", "-o", "none.webm"]).stderr;
+    assert!(said.contains("cannot write none.webm") && said.contains("Write to a .mkv file"), "{said}");
+    assert!(!run.path("none.webm").exists() && !has_parts(&run.path("")));
 }
 
 /// FFV1 keeps what was computed: the same as the core's stream makes of the same frames.

@@ -35,7 +35,8 @@ fn y4m_comes_and_goes() {
     let about = ["-count_frames", "-show_entries", "stream=width,height,pix_fmt,r_frame_rate,nb_read_frames"];
     assert_eq!(probe(&run, "out.y4m", &about), ["128,96,yuv420p,30/1,30"]);
     // To a file it is the same as from a file.
-    let ended = fed(&run, &["video", "-", "--enhance", "-o", "b.mkv", "--codec", "ffv1"], run.bytes("a.y4m"), None);
+    let ended =
+        fed(&run, &["video", "-", "--enhance", "-o", "b.mkv", "--codec", "ffv1"], run.bytes("a.y4m"), None);
     assert!(ended.status.success());
     run.ok(&["video", "a.y4m", "--enhance", "-o", "c.mkv", "--codec", "ffv1"]);
     assert!(pixels(&run, "b.mkv") == pixels(&run, "c.mkv"));

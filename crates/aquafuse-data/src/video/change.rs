@@ -87,7 +87,9 @@ impl Recipe {
     }
 
     fn changer<T: Sample>(&self, shape: Shape) -> Result<Changer<T>, VideoError> {
-        let refused = || VideoError::Request("a video is fused, restored or enhanced by levels, in encoded values".into());
+        let refused = || {
+            VideoError::Request("a video is fused, restored or enhanced by levels, in encoded values".into())
+        };
         let streams = match &self.operation {
             Operation::Fuse { .. } => {
                 let stream = self.fusion().ok_or_else(refused)?;
@@ -110,7 +112,14 @@ impl Recipe {
             Operation::Clarify { .. } => return Err(refused()),
         };
         let flicker = self.flicker.then(Flicker::default);
-        Ok(Changer { streams, shape, flicker, before: Vec::new(), samples: Vec::new(), seen: Seen::default() })
+        Ok(Changer {
+            streams,
+            shape,
+            flicker,
+            before: Vec::new(),
+            samples: Vec::new(),
+            seen: Seen::default(),
+        })
     }
 }
 

@@ -29,7 +29,12 @@ pub(super) enum Place<'p> {
 }
 
 impl Decoder {
-    pub(super) fn start(ffmpeg: &Ffmpeg, place: Place<'_>, info: &VideoInfo, shape: Shape) -> Result<Self, VideoError> {
+    pub(super) fn start(
+        ffmpeg: &Ffmpeg,
+        place: Place<'_>,
+        info: &VideoInfo,
+        shape: Shape,
+    ) -> Result<Self, VideoError> {
         let mut command = ffmpeg.command();
         let stdin = match &place {
             Place::File(path) => {
@@ -52,7 +57,8 @@ impl Decoder {
             // It waits for standard input, and nobody waits for it.
             let feed = move || {
                 use std::io::Write;
-                let _ = stdin.write_all(&begun).and_then(|()| std::io::copy(&mut std::io::stdin(), &mut stdin));
+                let _ =
+                    stdin.write_all(&begun).and_then(|()| std::io::copy(&mut std::io::stdin(), &mut stdin));
             };
             let _ = std::thread::Builder::new().spawn(feed);
         }
@@ -90,7 +96,8 @@ impl Source for Decoder {
         let Some(shown) = self.shown() else { return Ok(false) };
         if (shown.width, shown.height) != (self.shape.width, self.shape.height) {
             let (width, height) = (shown.width, shown.height);
-            self.damage = Some(format!("its frames change their size, to {width} x {height}; split the file there"));
+            self.damage =
+                Some(format!("its frames change their size, to {width} x {height}; split the file there"));
             return Ok(false);
         }
         // Times rise from frame to frame, whatever a damaged file says.
@@ -123,7 +130,9 @@ pub(super) fn filters(info: &VideoInfo, shape: Shape) -> String {
     }
     let matrix = matrix(info);
     let range = if is_full(info) { "pc" } else { "tv" };
-    format!("scale=in_color_matrix={matrix}:in_range={range}:out_range=pc:flags=bicubic,format={format},showinfo=checksum=0")
+    format!(
+        "scale=in_color_matrix={matrix}:in_range={range}:out_range=pc:flags=bicubic,format={format},showinfo=checksum=0"
+    )
 }
 
 /// Whether values take the whole range.

@@ -81,8 +81,16 @@ impl Encoder {
     pub(super) fn to_y4m(ffmpeg: &Ffmpeg, info: &VideoInfo, shape: Shape) -> Result<Self, VideoError> {
         let Ratio(above, below) = info.rate.unwrap_or(USUAL_RATE);
         let (size, rate) = (format!("{}x{}", shape.width, shape.height), format!("{above}/{below}"));
-        let frames =
-            ["-f", "rawvideo", "-pixel_format", shape.raw_format(), "-video_size", &size, "-framerate", &rate];
+        let frames = [
+            "-f",
+            "rawvideo",
+            "-pixel_format",
+            shape.raw_format(),
+            "-video_size",
+            &size,
+            "-framerate",
+            &rate,
+        ];
         let mut arguments: Vec<OsString> = frames.map(OsString::from).into();
         arguments.extend(["-i", "pipe:0", "-vf"].map(OsString::from));
         arguments.push(filters(info, &planar(info, shape.is_deep)).into());
@@ -236,7 +244,8 @@ fn frames_out(ffmpeg: &Ffmpeg, info: &VideoInfo, format: &str) -> Vec<String> {
     arguments.extend(["-enc_time_base".to_owned(), format!("{above}/{below}")]);
     arguments.extend(["-vf".to_owned(), filters(info, format)]);
     if format.starts_with("yuv") {
-        arguments.extend(colour_tags(info));
+        let tags = colour_tags(info).into_iter().filter(|(_, _, value)| *value != "unknown");
+        arguments.extend(tags.flat_map(|(option, _, value)| [option.to_owned(), value.to_owned()]));
     }
     arguments
 }
@@ -250,33 +259,52 @@ fn filters(info: &VideoInfo, format: &str) -> String {
         filters.push(format!("scale=in_range=pc:out_color_matrix={matrix}:out_range={range}:flags=bicubic"));
     }
     filters.push(format!("format={format}"));
+    if format.starts_with("yuv") {
+        // From version 7 on, the tags of frames count and the options do not.
+        let tags = colour_tags(info).map(|(_, tag, value)| format!("{tag}={value}"));
+        filters.push(format!("setparams={}", tags.join(":")));
+    }
     if let Some(Ratio(above, below)) = info.pixel_aspect {
         filters.push(format!("setsar={above}/{below}"));
     }
     filters.join(",")
 }
 
-/// The arguments that say how colours are coded, where the source says it.
-fn colour_tags(info: &VideoInfo) -> Vec<String> {
-    const SPACES: [&str; 7] =
-        ["bt709", "fcc", "bt470bg", "smpte170m", "smpte240m", "bt2020nc", "bt2020c"];
+/// How colours are coded, by name and value; where the source does not say it, it is `unknown`.
+fn colour_tags(info: &VideoInfo) -> [(&'static str, &'static str, &str); 4] {
+    const SPACES: [&str; 7] = ["bt709", "fcc", "bt470bg", "smpte170m", "smpte240m", "bt2020nc", "bt2020c"];
     const PRIMARIES: [&str; 10] = [
-        "bt709", "bt470m", "bt470bg", "smpte170m", "smpte240m", "film", "bt2020", "smpte428", "smpte431", "smpte432",
+        "bt709",
+        "bt470m",
+        "bt470bg",
+        "smpte170m",
+        "smpte240m",
+        "film",
+        "bt2020",
+        "smpte428",
+        "smpte431",
+        "smpte432",
     ];
     const TRANSFERS: [&str; 9] = [
-        "bt709", "smpte170m", "smpte240m", "linear", "iec61966-2-1", "bt2020-10", "bt2020-12", "smpte2084",
+        "bt709",
+        "smpte170m",
+        "smpte240m",
+        "linear",
+        "iec61966-2-1",
+        "bt2020-10",
+        "bt2020-12",
+        "smpte2084",
         "arib-std-b67",
     ];
     let colour = &info.colour;
-    let range = if is_full(info) { "pc" } else { "tv" };
-    let tags = [
-        ("-colorspace", &SPACES[..], colour.space.as_str()),
-        ("-color_primaries", &PRIMARIES[..], colour.primaries.as_str()),
-        ("-color_trc", &TRANSFERS[..], colour.transfer.as_str()),
-        ("-color_range", &["tv", "pc"][..], range),
-    ];
-    let known = tags.into_iter().filter(|(_, known, value)| known.contains(value));
-    known.flat_map(|(option, _, value)| [option.to_owned(), value.to_owned()]).collect()
+    // Other names may mean something else as an option, or nothing.
+    let known = |names: &[&str], name| if names.contains(&name) { name } else { "unknown" };
+    [
+        ("-colorspace", "colorspace", known(&SPACES, colour.space.as_str())),
+        ("-color_primaries", "color_primaries", known(&PRIMARIES, colour.primaries.as_str())),
+        ("-color_trc", "color_trc", known(&TRANSFERS, colour.transfer.as_str())),
+        ("-color_range", "range", if is_full(info) { "pc" } else { "tv" }),
+    ]
 }
 
 /// What to do about an encoder that failed.
@@ -284,7 +312,10 @@ fn remedy(status: Option<ExitStatus>, said: &Said) -> &'static str {
     if said.has("No space left") {
         return "Free space on its disk, and run the command again";
     }
-    if said.has("supported in container") || said.has("Could not write header") || said.has("supported for WebM") {
+    if said.has("supported in container")
+        || said.has("Could not write header")
+        || said.has("supported for WebM")
+    {
         return "Write to a .mkv file, which takes sound and subtitles of any kind";
     }
     if said.has("Unknown encoder") {

@@ -19,7 +19,10 @@ pub enum VideoError {
         program: String,
     },
     /// ffmpeg cannot be started.
-    #[error("cannot start {program}: {cause}. Name another ffmpeg in the environment variable {}", super::ffmpeg::VARIABLE)]
+    #[error(
+        "cannot start {program}: {cause}. Name another ffmpeg in the environment variable {}",
+        super::ffmpeg::VARIABLE
+    )]
     Start {
         /// The program.
         program: String,
@@ -47,7 +50,10 @@ pub enum VideoError {
         path: PathBuf,
     },
     /// No frame can be decoded.
-    #[error("cannot read {}: no frame of its video can be decoded ({said}). Get an intact copy", display(path))]
+    #[error(
+        "cannot read {}: no frame of its video can be decoded ({said}). Get an intact copy",
+        display(path)
+    )]
     NoFrames {
         /// The file.
         path: PathBuf,
@@ -78,7 +84,10 @@ pub enum VideoError {
         remedy: &'static str,
     },
     /// The encoder ended before it was done.
-    #[error("cannot write {}: ffmpeg ended after {frames} frames ({status}): {said}. {remedy}", display(path))]
+    #[error(
+        "cannot write {}: ffmpeg ended after {frames} frames ({status}): {said}. {remedy}",
+        display(path)
+    )]
     Encoder {
         /// The output.
         path: PathBuf,

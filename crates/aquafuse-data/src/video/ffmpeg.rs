@@ -43,8 +43,7 @@ impl Ffmpeg {
     /// [`VideoError::NoFfmpeg`] when it is not there, [`VideoError::Start`] when it does not run.
     pub fn find() -> Result<Self, VideoError> {
         let named = std::env::var_os(VARIABLE).filter(|name| !name.is_empty());
-        let mut found =
-            Self { program: named.unwrap_or_else(|| Self::NAME.into()), passthrough: NEW };
+        let mut found = Self { program: named.unwrap_or_else(|| Self::NAME.into()), passthrough: NEW };
         let mut command = found.command();
         let said = command.arg("-version").stdin(Stdio::null()).stderr(Stdio::null()).output();
         let said = said.map_err(|error| found.not_started(&error))?;
@@ -77,7 +76,8 @@ impl Ffmpeg {
         let program = Program::start(command).map_err(|error| self.not_started(&error))?;
         let (sender, shown) = channel();
         let stderr = program.stderr();
-        let listen = move || stderr.map(|stderr| Said::read(BufReader::new(stderr), &sender)).unwrap_or_default();
+        let listen =
+            move || stderr.map(|stderr| Said::read(BufReader::new(stderr), &sender)).unwrap_or_default();
         let said = std::thread::Builder::new().spawn(listen).map_err(|error| self.not_started(&error))?;
         Ok(Running { program, shown, said: Some(said) })
     }
@@ -97,7 +97,8 @@ fn is_before_5_1(version: &str) -> bool {
     else {
         return false;
     };
-    let mut numbers = name.trim_start_matches('n').split(['.', '-', '~']).map_while(|part| part.parse::<u32>().ok());
+    let mut numbers =
+        name.trim_start_matches('n').split(['.', '-', '~']).map_while(|part| part.parse::<u32>().ok());
     match (numbers.next(), numbers.next()) {
         (Some(major), Some(minor)) => (major, minor) < (5, 1),
         (Some(major), None) => major <= 4,
@@ -182,7 +183,10 @@ impl Said {
 
     fn add(&mut self, mut complaint: String) {
         if complaint.starts_with("Format not on whitelist") {
-            complaint.replace_range(.., "it is of no format that holds one video; lists of files, images and subtitles are not read");
+            complaint.replace_range(
+                ..,
+                "it is of no format that holds one video; lists of files, images and subtitles are not read",
+            );
         }
         self.count = self.count.saturating_add(1);
         if self.first.len() < FIRST {
@@ -199,7 +203,9 @@ impl Said {
     pub(super) fn words(&self) -> String {
         let mut lines: Vec<&str> = Vec::new();
         for line in self.first.iter().chain(&self.last) {
-            if !lines.contains(&line.as_str()) {
+            // That of its first cause comes before it.
+            let follows = line.starts_with("Error opening") && !lines.is_empty();
+            if !follows && !lines.contains(&line.as_str()) {
                 lines.push(line);
             }
         }

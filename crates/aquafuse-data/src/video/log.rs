@@ -78,9 +78,10 @@ fn parts(line: &str) -> Option<(&str, &str, &str)> {
     let mut who = "";
     // Some have two names, one for the file and one for what reads it.
     for _ in 0..4 {
-        let (name, after) = rest.strip_prefix('[')?.split_once("] ").or_else(|| {
-            rest.strip_prefix('[')?.strip_suffix(']').map(|name| (name, ""))
-        })?;
+        let (name, after) = rest
+            .strip_prefix('[')?
+            .split_once("] ")
+            .or_else(|| rest.strip_prefix('[')?.strip_suffix(']').map(|name| (name, "")))?;
         if LEVELS.contains(&name) {
             return Some((who, name, after));
         }
@@ -136,8 +137,12 @@ mod tests {
                     fmt:yuv420p sar:4/3 s:1920x1080 i:T iskey:0 type:P ";
         let Some(Line::Shown(Shown::Frame(frame))) = Line::parse(line) else { panic!("no frame") };
         assert_eq!((frame.time, frame.width, frame.height), (Some(512), 1920, 1080));
-        assert_eq!((frame.format.as_str(), frame.pixel_aspect, frame.is_interlaced), ("yuv420p", Ratio(4, 3), true));
-        let line = "[Parsed_showinfo_1 @ 0x5] [info] n: 0 pts:NOPTS pts_time:NOPTS fmt:gray sar:0/1 s:8x8 i:P";
+        assert_eq!(
+            (frame.format.as_str(), frame.pixel_aspect, frame.is_interlaced),
+            ("yuv420p", Ratio(4, 3), true)
+        );
+        let line =
+            "[Parsed_showinfo_1 @ 0x5] [info] n: 0 pts:NOPTS pts_time:NOPTS fmt:gray sar:0/1 s:8x8 i:P";
         let Some(Line::Shown(Shown::Frame(frame))) = Line::parse(line) else { panic!("no frame") };
         assert_eq!(frame.time, None);
         let line = "[Parsed_showinfo_0 @ 0x5] [info] color_range:tv color_space:bt709 color_primaries:unknown color_trc:bt709";
@@ -154,7 +159,9 @@ mod tests {
         ] {
             assert_eq!(Line::parse(line), Some(Line::Complaint("no such thing".into())));
         }
-        for line in ["", "[", "[info]", "[warning] a", "[x @ 0x1] [info] n: 0", "title : [error] x", "[] [] [] [] []"] {
+        for line in
+            ["", "[", "[info]", "[warning] a", "[x @ 0x1] [info] n: 0", "title : [error] x", "[] [] [] [] []"]
+        {
             assert_eq!(Line::parse(line), None, "{line}");
         }
         assert_eq!(Line::parse("[info] frame=   90 fps=0.0 q=-1.0"), Some(Line::Frames(90)));

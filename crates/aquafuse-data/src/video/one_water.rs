@@ -24,7 +24,9 @@ pub(super) fn of(
     recipe: &Recipe,
     stop: &Stop,
 ) -> Result<Estimate<Encoded>, VideoError> {
-    let no = |why: &str| VideoError::Request(format!("{why}; leave out --one-water, or give the water with --content-water"));
+    let no = |why: &str| {
+        VideoError::Request(format!("{why}; leave out --one-water, or give the water with --content-water"))
+    };
     let mut stream =
         recipe.fusion::<u8>().ok_or_else(|| no("the water of all frames is pooled for fusion alone"))?;
     let duration = info.duration.ok_or_else(|| no("the video does not say how long it is"))?;
@@ -56,7 +58,17 @@ fn read(
 ) -> Result<bool, VideoError> {
     let mut command = ffmpeg.command();
     command.args(["-ss", &format!("{time:.3}")]).args(input(path));
-    command.args(["-map", "0:V:0", "-frames:v", "1", "-vf", &filters(info, shape), "-f", "rawvideo", "pipe:1"]);
+    command.args([
+        "-map",
+        "0:V:0",
+        "-frames:v",
+        "1",
+        "-vf",
+        &filters(info, shape),
+        "-f",
+        "rawvideo",
+        "pipe:1",
+    ]);
     let mut running = ffmpeg.start(command.stdin(Stdio::null()).stdout(Stdio::piped()))?;
     let read = running.program.stdout().is_some_and(|mut pixels| pixels.read_exact(bytes).is_ok());
     running.end();

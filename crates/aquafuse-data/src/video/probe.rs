@@ -72,11 +72,13 @@ impl VideoInfo {
     /// [`VideoError`] when the file is no video, or no frame of it can be decoded.
     pub fn read(ffmpeg: &Ffmpeg, path: &Path) -> Result<Self, VideoError> {
         // A file that is not there has an error of its own, with its remedy.
-        std::fs::File::open(path).and_then(|file| file.metadata()).and_then(|about| match about.is_dir() {
-            true => Err(std::io::ErrorKind::IsADirectory.into()),
-            false => Ok(()),
-        })
-        .map_err(|error| crate::files::FileError::Read { path: path.to_owned(), error })?;
+        std::fs::File::open(path)
+            .and_then(|file| file.metadata())
+            .and_then(|about| match about.is_dir() {
+                true => Err(std::io::ErrorKind::IsADirectory.into()),
+                false => Ok(()),
+            })
+            .map_err(|error| crate::files::FileError::Read { path: path.to_owned(), error })?;
         let mut command = ffmpeg.command();
         command.args(input(path)).args(["-map", "0:V:0", "-frames:v", "1", "-vf", "showinfo=checksum=0"]);
         command.args(["-f", "null", "-"]).stdin(Stdio::null()).stdout(Stdio::null());
@@ -98,7 +100,11 @@ impl VideoInfo {
     /// How many frames it has, about.
     pub fn frames(&self) -> Option<u64> {
         let count = self.duration? * self.rate?.value()?;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast of a float saturates")]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a cast of a float saturates"
+        )]
         Some(count.round() as u64)
     }
 
@@ -169,7 +175,8 @@ impl Found {
 pub(crate) fn try_log(bytes: &[u8]) {
     let mut found = Found::default();
     for line in bytes.split(|&byte| byte == b'\n') {
-        if let Some(super::log::Line::Shown(shown)) = super::log::Line::parse(&String::from_utf8_lossy(line)) {
+        if let Some(super::log::Line::Shown(shown)) = super::log::Line::parse(&String::from_utf8_lossy(line))
+        {
             found.take(shown);
         }
     }

@@ -212,12 +212,15 @@ mod tests {
 
     #[test]
     fn headers_of_y4m_are_read() {
-        let info = y4m_info("YUV4MPEG2 W64 H48 F30000:1001 Ip A4:3 C422p10 XYSCSS=422P10 XCOLORRANGE=FULL\n").unwrap();
+        let info = y4m_info("YUV4MPEG2 W64 H48 F30000:1001 Ip A4:3 C422p10 XYSCSS=422P10 XCOLORRANGE=FULL\n")
+            .unwrap();
         assert_eq!((info.width, info.height, info.rate), (64, 48, Some(Ratio(30_000, 1001))));
         assert_eq!((info.pixel_format.as_str(), info.is_deep()), ("yuv422p10le", true));
         assert_eq!((info.pixel_aspect, info.colour.range.as_str()), (Some(Ratio(4, 3)), "pc"));
         assert_eq!(y4m_info("YUV4MPEG2 W64 H48 F25:1 C420mpeg2").unwrap().pixel_format, "yuv420p");
-        for wrong in ["", "YUV4MPEG2", "YUV4MPEG2 W0 H1", "YUV4MPEG2 W1 H1000000", "YUV4MPEG W1 H1", "YUV4MPEG2 W H ä"] {
+        for wrong in
+            ["", "YUV4MPEG2", "YUV4MPEG2 W0 H1", "YUV4MPEG2 W1 H1000000", "YUV4MPEG W1 H1", "YUV4MPEG2 W H ä"]
+        {
             assert_eq!(y4m_info(wrong), None, "{wrong}");
         }
     }

@@ -121,7 +121,9 @@ impl Plan {
 
     fn source(&self) -> Result<Box<dyn Source>, VideoError> {
         let decoder = |place| match &self.ffmpeg {
-            Some(ffmpeg) => Ok(Box::new(Decoder::start(ffmpeg, place, &self.info, self.shape)?) as Box<dyn Source>),
+            Some(ffmpeg) => {
+                Ok(Box::new(Decoder::start(ffmpeg, place, &self.info, self.shape)?) as Box<dyn Source>)
+            }
             None => Err(no_ffmpeg()),
         };
         match &self.input {
@@ -175,7 +177,8 @@ impl Stages<'_> {
             let _ = free.send(Frame::default());
         });
         thread::scope(|scope| {
-            let no_thread = |error: std::io::Error| VideoError::Request(format!("the system gives no thread: {error}"));
+            let no_thread =
+                |error: std::io::Error| VideoError::Request(format!("the system gives no thread: {error}"));
             let decode = move || self.decode(first, source, &taken, &to_change);
             let decode = thread::Builder::new().spawn_scoped(scope, decode).map_err(no_thread)?;
             let encode = move || self.encode(&changed, &free, sink);

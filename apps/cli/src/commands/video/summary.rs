@@ -72,7 +72,8 @@ impl Report<'_> {
 
     /// One record; `schema` changes when a field changes its meaning or goes.
     pub(super) fn json(&self) -> Result<String, Failure> {
-        let Summary { frames, verdicts: [good, doubtful, failed], clipped, flicker, damage, .. } = self.summary;
+        let Summary { frames, verdicts: [good, doubtful, failed], clipped, flicker, damage, .. } =
+            self.summary;
         let record = json!({
             "schema": 1,
             "input": display(self.input).to_string(),
@@ -97,13 +98,7 @@ impl Report<'_> {
 pub(super) fn clock(seconds: f64) -> String {
     let (sign, hundredths) = (if seconds < 0.0 { "-" } else { "" }, (seconds.abs() * 100.0).round() as u64);
     let (minutes, hundredths) = (hundredths / 6000, hundredths % 6000);
-    format!(
-        "{sign}{}:{:02}:{:02}.{:02}",
-        minutes / 60,
-        minutes % 60,
-        hundredths / 100,
-        hundredths % 100
-    )
+    format!("{sign}{}:{:02}:{:02}.{:02}", minutes / 60, minutes % 60, hundredths / 100, hundredths % 100)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ mod published;
 mod python;
 mod rivals;
 mod turns;
+mod video;
 
 use std::fmt::Write;
 use std::path::Path;
@@ -39,7 +40,7 @@ const CASES: [(&str, &str, &str); 3] = [
 const STAGES: [&str; 4] = ["depth", "waterbody", "fusion", "bilateral"];
 
 /// What can be measured by itself.
-pub(crate) const PARTS: [&str; 6] = ["frames", "others", "scaling", "python", "footprint", "arm64"];
+pub(crate) const PARTS: [&str; 7] = ["frames", "others", "scaling", "python", "footprint", "arm64", "video"];
 
 /// Measures these of [`PARTS`].
 pub(crate) fn run(parts: &[&str]) -> Result<()> {
@@ -51,6 +52,7 @@ pub(crate) fn run(parts: &[&str]) -> Result<()> {
             "scaling" => scaling()?,
             "python" => python::write()?,
             "footprint" => footprint::write(PAGE)?,
+            "video" => video::write()?,
             _ => crate::arm64::write_instructions(PAGE, &images((256, 256))?, &published()?)?,
         }
     }

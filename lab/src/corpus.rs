@@ -67,9 +67,25 @@ const MANIFEST: &str = r#"{"line":"job","schema":1,"version":"0.1.0","dataset":"
 {"line":"index","output":"data.yaml","bytes":4,"sha256":"04"}
 {"line":"end","sha256":"05"}
 "#;
+const VIDEO_LOG: &str = "\
+[info] Input #0, matroska,webm, from 'file:a.mkv':
+[info]   Metadata:
+[info]     title           : reef
+[info]   Duration: 00:01:02.50, start: -0.007000, bitrate: 1000 kb/s
+[info]   Stream #0:0: Video: h264 (High 10), yuv420p10le(tv, bt709, progressive), 64x48 [SAR 4:3 DAR 16:9], 30 fps, 30 tbr, 1k tbn
+[info]   Stream #0:1(deu): Audio: opus, 48000 Hz, mono, fltp (default)
+[info]   Stream #0:2: Subtitle: subrip
+[info]   Stream #0:3: Video: mjpeg (Baseline), yuvj420p(pc), 8x8, 90k tbr (attached pic)
+[Parsed_showinfo_0 @ 0x55b3460db700] [info] config in time_base: 1/1000, frame_rate: 30000/1001
+[Parsed_showinfo_0 @ 0x55b3460db700] [info] n:   0 pts:      7 pts_time:0.007   pos:      643 fmt:yuv420p10le sar:4/3 s:64x48 i:P iskey:1 type:I
+[Parsed_showinfo_0 @ 0x55b3460db700] [info] color_range:tv color_space:bt709 color_primaries:bt709 color_trc:bt709
+[matroska,webm @ 0x55b3460db700] [error] File ended prematurely
+[info] frame=    1 fps=0.0 q=-0.0 Lsize=N/A time=00:00:00.06 bitrate=N/A speed=1.53x
+";
+const VIDEO_Y4M: &str = "YUV4MPEG2 W64 H48 F30000:1001 Ip A4:3 C422p10 XYSCSS=422P10 XCOLORRANGE=FULL\n";
 
 /// Text files, one each.
-const TEXTS: [(&str, &str, &str); 8] = [
+const TEXTS: [(&str, &str, &str); 10] = [
     ("depth-colmap", "small.geometric.bin", "2&1&1&@@@@AAAA"),
     ("dataset-coco", "instances.json", COCO),
     ("dataset-voc", "a.xml", VOC),
@@ -77,6 +93,8 @@ const TEXTS: [(&str, &str, &str); 8] = [
     ("job-record", "job.jsonl", RECORD),
     ("manifest", "manifest.jsonl", MANIFEST),
     ("model-file", "model.toml", MODEL),
+    ("video-log", "a.log", VIDEO_LOG),
+    ("video-y4m", "a.y4m", VIDEO_Y4M),
     ("water-file", "a.water.json", WATER),
 ];
 

@@ -59,7 +59,8 @@ docs/method.md
   readings [TABLE]    how each reading of the paper changes the scores
 
 BENCHMARKS.md
-  bench [PART...]     speed beside OpenCV and others; PART is frames, others, scaling, python, footprint or arm64
+  bench [PART...]     speed beside OpenCV and others; PART is frames, others, scaling, python, footprint,
+                      arm64 or video
 
 Files
   corpus              makes the files of fuzz/corpus again; needs `--features parquet`

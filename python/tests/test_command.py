@@ -54,3 +54,13 @@ def test_a_signal_ends_it_and_no_half_file_is_left(tmp_path: Path, number: signa
 def test_the_command_starts_without_numpy() -> None:
     script = "import sys, aquafuse._command; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+
+
+def test_video_finds_the_ffmpeg_of_a_package(tmp_path: Path) -> None:
+    (tmp_path / "imageio_ffmpeg.py").write_text("def get_ffmpeg_exe():\n    return 'ffmpeg of the package'\n")
+    (tmp_path / "clip.mp4").write_text("")
+    words = [sys.executable, "-m", "aquafuse", "video", str(tmp_path / "clip.mp4"), "--enhance", "-o", str(tmp_path / "out.mp4")]
+    environment = {**os.environ, "PATH": str(tmp_path), "PYTHONPATH": str(tmp_path)}
+    environment.pop("AQUAFUSE_FFMPEG", None)
+    ended = subprocess.run(words, capture_output=True, text=True, check=False, env=environment)
+    assert ended.returncode == 1 and "cannot find ffmpeg of the package" in ended.stderr, ended.stderr

@@ -10,6 +10,7 @@ pub(crate) mod evaluation;
 pub(crate) mod failures;
 pub(crate) mod fusion;
 pub(crate) mod levels;
+pub(crate) mod max_gain;
 pub(crate) mod pairs;
 pub(crate) mod reading;
 pub(crate) mod water;

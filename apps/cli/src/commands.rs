@@ -16,4 +16,5 @@ pub(crate) mod restore;
 pub(crate) mod scene;
 pub(crate) mod simulate;
 pub(crate) mod verify;
+pub(crate) mod video;
 pub(crate) mod water;

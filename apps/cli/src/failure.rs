@@ -110,3 +110,15 @@ impl From<aquafuse_data::augment::AugmentError> for Failure {
         }
     }
 }
+
+impl From<aquafuse_data::video::VideoError> for Failure {
+    /// What the request makes impossible is wrong usage; what the files or ffmpeg do is a failure of the work.
+    fn from(error: aquafuse_data::video::VideoError) -> Self {
+        use aquafuse_data::video::VideoError::{Codec, File, Request};
+        match error {
+            File(error) => error.into(),
+            error @ (Codec { .. } | Request(_)) => Self::usage(error),
+            error => Self::work(error),
+        }
+    }
+}

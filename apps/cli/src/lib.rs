@@ -13,7 +13,7 @@ use args::common::Common;
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{
     augment, bench, crossover, demo, depth, enhance, evaluate, fit, fuse, inspect, manual, replay, restore,
-    scene, simulate, verify, water,
+    scene, simulate, verify, video, water,
 };
 use failure::Failure;
 use report::output;
@@ -47,6 +47,7 @@ enum Command {
     Replay(replay::Replay),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    Video(video::Video),
     Scene(scene::Scene),
     Completions(manual::Completions),
     Man(manual::Man),
@@ -74,6 +75,8 @@ Examples:
                                                      a depth model from images with known depth
   aquafuse evaluate fusion --contents photos/ --references waters/ -o report.html
                                                      the scores of the paper on your images
+  aquafuse video dive.mp4 green.jpg -o green_dive.mp4
+                                                     every frame of a video, with its sound
   aquafuse scene train reef/ -o reef.ply --water learn
                                                      a 3D scene and its water
 
@@ -137,6 +140,7 @@ fn run_command(cli: &Cli) -> Result<(), Failure> {
         Command::Replay(replay) => replay.run(common),
         Command::Evaluate(evaluate) => evaluate.run(common),
         Command::Bench(bench) => bench.run(common),
+        Command::Video(video) => video.run(common),
         Command::Scene(scene) => scene.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Man(man) => man.run(Cli::command(), common),

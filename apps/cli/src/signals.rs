@@ -47,7 +47,7 @@ mod unix {
 
     /// Drops the images in work: they may take seconds more, and their outputs do not exist yet.
     fn stop(signal: i32) {
-        crate::tool::stop();
+        aquafuse_data::run::end_programs();
         abandon_parts();
         let mut stderr = std::io::stderr();
         // Over a progress bar, where there may be one.

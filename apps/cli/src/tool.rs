@@ -2,17 +2,11 @@
 
 use std::fs::File;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Mutex, PoisonError};
-use std::thread;
-use std::time::Duration;
+use std::process::{Command, ExitStatus, Stdio};
 
 use aquafuse_data::files::{display, one_line};
+use aquafuse_data::run::Program;
 
-/// The program that runs, if any.
-static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
-/// How often its end is checked.
-const LOOK: Duration = Duration::from_millis(20);
 /// Lines of its output that a message repeats.
 const LAST_LINES: usize = 4;
 
@@ -48,25 +42,11 @@ pub(crate) fn run(command: &mut Command, log: &Path) -> Result<(), ToolError> {
         File::options().create(true).append(true).open(log).and_then(|file| Ok((file.try_clone()?, file)));
     let (out, err) = both.map_err(no_log)?;
     let program = command.get_program().to_string_lossy().into_owned();
-    let child = command.stdin(Stdio::null()).stdout(out).stderr(err).spawn();
-    let child = child.map_err(|cause| ToolError::Start { program: program.clone(), cause })?;
-    *running() = Some(child);
-    loop {
-        let asked = running().as_mut().map(Child::try_wait);
-        match asked {
-            Some(Ok(None)) => {}
-            Some(ended) => {
-                *running() = None;
-                return match ended {
-                    Ok(Some(status)) if !status.success() => Err(failed(program, &status, log)),
-                    Ok(_) => Ok(()),
-                    Err(cause) => Err(ToolError::Start { program, cause }),
-                };
-            }
-            // A signal has ended it, and is about to end this process.
-            None => {}
-        }
-        thread::sleep(LOOK);
+    let started = Program::start(command.stdin(Stdio::null()).stdout(out).stderr(err));
+    match started.and_then(|running| running.wait()) {
+        Ok(status) if !status.success() => Err(failed(program, &status, log)),
+        Ok(_) => Ok(()),
+        Err(cause) => Err(ToolError::Start { program, cause }),
     }
 }
 
@@ -76,17 +56,4 @@ fn failed(program: String, status: &ExitStatus, log: &Path) -> ToolError {
     let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     let last = one_line(&lines[lines.len().saturating_sub(LAST_LINES)..].join(" / "));
     ToolError::Failed { program, status: status.to_string(), last, log: display(log).to_string() }
-}
-
-fn running() -> std::sync::MutexGuard<'static, Option<Child>> {
-    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Ends the program that runs: nobody waits for it any more.
-#[cfg(unix)]
-pub(crate) fn stop() {
-    if let Some(mut child) = running().take() {
-        let _ = child.kill();
-        let _ = child.wait();
-    }
 }

@@ -20,6 +20,7 @@
 //! | [`run`] | threads, memory budget, events, options and the stop flag of every run |
 //! | [`pipeline`] | one image: depth and water are estimated, an operation changes it, maps and scores describe the change |
 //! | [`batch`] | the same operation on an image or a folder of images; a stopped run can be continued |
+//! | [`video`] | videos, decoded and encoded by the program ffmpeg; their frames fused, restored or enhanced |
 //! | [`dataset`] | datasets: images and their annotations, read |
 //! | [`augment`] | a dataset multiplied in other waters, with its annotations and a manifest; verified, and made again |
 //! | [`pairs`] | images with known depth, to fit a depth model to |
@@ -69,4 +70,5 @@ pub mod pipeline;
 pub mod run;
 #[cfg(feature = "fuzz-targets")]
 pub mod targets;
+pub mod video;
 pub mod water_file;

@@ -9,6 +9,7 @@ mod differences;
 mod event;
 mod options;
 mod pool;
+mod program;
 mod stop;
 
 pub use budget::{Budget, Reservation};
@@ -16,4 +17,5 @@ pub(crate) use differences::differences;
 pub use event::{Event, Listener};
 pub use options::{RunOptions, Summary};
 pub use pool::{Ending, Permit};
+pub use program::{Program, end_programs};
 pub use stop::{Stop, Stopped};

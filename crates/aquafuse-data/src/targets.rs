@@ -21,6 +21,7 @@ use crate::files::FileError;
 use crate::image_file::{Format, ImageFile, Pixels, ReadOptions, try_exif};
 use crate::model_file::ModelFile;
 use crate::pipeline::{DepthSource, Operation, PixelEncoding, analyse_in};
+use crate::video::{try_log, try_y4m};
 use crate::water_file::WaterFile;
 
 pub use replay::replay;
@@ -78,11 +79,15 @@ pub const JOB_RECORD: Target = Target { name: "job-record", run: batch::try_pars
 pub const MANIFEST: Target = Target { name: "manifest", run: try_manifest };
 /// Models of depth from colour.
 pub const MODEL_FILE: Target = Target { name: "model-file", run: model };
+/// What ffmpeg says about a video.
+pub const VIDEO_LOG: Target = Target { name: "video-log", run: try_log };
+/// Headers of YUV4MPEG2.
+pub const VIDEO_Y4M: Target = Target { name: "video-y4m", run: try_y4m };
 /// Water files.
 pub const WATER_FILE: Target = Target { name: "water-file", run: water };
 
 /// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
-pub const ALL: [Target; 22] = [
+pub const ALL: [Target; 24] = [
     BMP,
     EXIF,
     GIF,
@@ -104,6 +109,8 @@ pub const ALL: [Target; 22] = [
     JOB_RECORD,
     MANIFEST,
     MODEL_FILE,
+    VIDEO_LOG,
+    VIDEO_Y4M,
     WATER_FILE,
 ];
 

@@ -404,7 +404,7 @@ impl Fuser<'_> {
 }
 
 /// Shows an image as estimators see it: in bytes.
-fn on_bytes<T: Sample, R>(image: ImageRef<'_, T>, look: impl FnOnce(ImageRef<'_, u8>) -> R) -> R {
+pub(crate) fn on_bytes<T: Sample, R>(image: ImageRef<'_, T>, look: impl FnOnce(ImageRef<'_, u8>) -> R) -> R {
     match image.as_bytes() {
         Some(bytes) => look(bytes),
         None => look(image.to_image().convert::<u8>().view()),

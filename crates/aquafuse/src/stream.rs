@@ -11,7 +11,7 @@ pub(crate) use effect::{EffectTable, WaterEffect};
 pub use steady::Steady;
 
 use crate::fuser::{Fuser, Memory, Report};
-use crate::image::{ImageError, ImageMut, ImageRef};
+use crate::image::{ImageError, ImageMut, ImageRef, Sample};
 use crate::waterbody::Estimate;
 
 /// Fuses the frames of a sequence with one reference, as its [`Fuser`] fuses images, with a water that changes smoothly ([`Steady`]).
@@ -46,7 +46,7 @@ use crate::waterbody::Estimate;
 /// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Stream<'z> {
+pub struct Stream<'z, T = u8> {
     fuser: Fuser<'z>,
     every: usize,
     /// The content's water, where it is not estimated.
@@ -54,12 +54,19 @@ pub struct Stream<'z> {
     content: Option<Estimate>,
     /// Frames since the content's water was estimated.
     age: usize,
-    memory: Memory<u8>,
+    memory: Memory<T>,
 }
 
 impl<'z> Stream<'z> {
-    /// A stream of frames that are fused by `fuser`.
+    /// A stream of frames of bytes that are fused by `fuser`.
     pub fn new(fuser: Fuser<'z>) -> Self {
+        Self::of_samples(fuser)
+    }
+}
+
+impl<'z, T: Sample> Stream<'z, T> {
+    /// A stream of frames of samples of any type: of 16 bits, say, for video of 10 bits.
+    pub fn of_samples(fuser: Fuser<'z>) -> Self {
         Self { fuser, every: 1, given: None, content: None, age: 0, memory: Memory::default() }
             .steady_over(Steady::FRAMES)
     }
@@ -109,7 +116,7 @@ impl<'z> Stream<'z> {
 
     /// The water of an image in the memory of this stream, estimated as the contents' is, from colour alone: a new
     /// reference, say.
-    pub fn estimate<'a>(&mut self, image: impl Into<ImageRef<'a, u8>>) -> Estimate {
+    pub fn estimate<'a>(&mut self, image: impl Into<ImageRef<'a, T>>) -> Estimate {
         let found = self.fuser.options().estimate_in(image.into(), None, &mut self.memory);
         found.expect("the depth map was made for this image")
     }
@@ -121,8 +128,8 @@ impl<'z> Stream<'z> {
     /// [`ImageError`] when the two, or the fuser's depth map, differ in size; `fused` is then unchanged.
     pub fn fuse_into<'a, 'b>(
         &mut self,
-        frame: impl Into<ImageRef<'a, u8>>,
-        fused: impl Into<ImageMut<'b, u8>>,
+        frame: impl Into<ImageRef<'a, T>>,
+        fused: impl Into<ImageMut<'b, T>>,
     ) -> Result<Report, ImageError> {
         self.fuse_from(Some(frame.into()), fused.into())
     }
@@ -132,14 +139,14 @@ impl<'z> Stream<'z> {
     /// # Errors
     ///
     /// [`ImageError`] when the fuser's depth map, if it has one, is of another size; the frame is then unchanged.
-    pub fn fuse_mut<'a>(&mut self, frame: impl Into<ImageMut<'a, u8>>) -> Result<Report, ImageError> {
+    pub fn fuse_mut<'a>(&mut self, frame: impl Into<ImageMut<'a, T>>) -> Result<Report, ImageError> {
         self.fuse_from(None, frame.into())
     }
 
     fn fuse_from(
         &mut self,
-        frame: Option<ImageRef<'_, u8>>,
-        fused: ImageMut<'_, u8>,
+        frame: Option<ImageRef<'_, T>>,
+        fused: ImageMut<'_, T>,
     ) -> Result<Report, ImageError> {
         let known = self.given.or(self.content.filter(|_| self.age < self.every));
         let report = self.fuser.fuse_in(frame, fused, known, &mut self.memory)?;

@@ -173,9 +173,14 @@ impl WaterArguments {
         }
     }
 
+    /// What relative depth is in metres.
+    pub(crate) fn scale(&self) -> Result<RelativeScale, Failure> {
+        RelativeScale::new(self.metres_at_one).map_err(Failure::usage)
+    }
+
     /// The water per unit of depth of `kind`.
     pub(crate) fn per(&self, kind: DepthKind, file: &WaterFile) -> Result<WaterEstimate, Failure> {
-        let scale = RelativeScale::new(self.metres_at_one).map_err(Failure::usage)?;
+        let scale = self.scale()?;
         let Some(visibility) = self.visibility else { return file.per(kind, scale).map_err(Failure::work) };
         let metric = file.per(DepthKind::Metres, scale).and_then(|water| water.with_visibility(visibility));
         metric.and_then(|water| water.per(DepthKind::Metres, kind, scale)).map_err(Failure::work)

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use aquafuse::formation::RestoreOptions;
 use aquafuse_data::pipeline::Operation;
 use clap::Args;
 use serde_json::json;
@@ -11,6 +10,7 @@ use crate::args::batch::BatchArguments;
 use crate::args::common::Common;
 use crate::args::depth_model::DepthModelArg;
 use crate::args::levels::LevelsArguments;
+use crate::args::max_gain::MaxGain;
 use crate::failure::Failure;
 use crate::report::batch::{self, Words};
 
@@ -41,9 +41,8 @@ pub(crate) struct Restore {
     depth_model: DepthModelArg,
     #[command(flatten)]
     levels: LevelsArguments,
-    /// Upper limit of the gain on the light of the scene, 1 to 100. The gain amplifies noise too.
-    #[arg(long, value_name = "N", default_value_t = RestoreOptions::default().max_gain[0], value_parser = gain)]
-    max_gain: f32,
+    #[command(flatten)]
+    max_gain: MaxGain,
 }
 
 impl Restore {
@@ -52,23 +51,18 @@ impl Restore {
         let encoding = self.batch.encoding();
         let depth_model = self.depth_model.get();
         let plan = self.batch.plan(&self.contents, &[], depth_model, false)?;
-        let options = RestoreOptions::default().with_max_gain([self.max_gain; 3]);
+        let options = self.max_gain.options();
         let levels = self.levels.options();
         let operation = Operation::Restore { options, levels, encoding };
         let recipe = self.batch.recipe(operation);
         let settings = json!({
             "command": "restore",
             "encoding": encoding.name(),
-            "max_gain": self.max_gain,
+            "max_gain": self.max_gain.get(),
             "levels": levels,
             "depth_model": depth_model.name(),
             "border": common.reading.border.to_string(),
         });
         batch::run(&plan, &recipe, Words { heading: String::new(), settings }, &self.batch, common)
     }
-}
-
-fn gain(text: &str) -> Result<f32, String> {
-    let gain: f32 = text.parse().map_err(|_| "not a number")?;
-    if (1.0..=100.0).contains(&gain) { Ok(gain) } else { Err("give a number from 1 to 100".into()) }
 }

@@ -73,6 +73,16 @@ impl Staged {
         Ok(Self { path, overwrite, part })
     }
 
+    /// An empty file, for another program to fill by the name of its [`part`](Self::part).
+    pub(crate) fn empty(path: &Path, overwrite: bool) -> Result<Self, FileError> {
+        Self::fill(path, overwrite, |_| Ok::<(), std::convert::Infallible>(()))
+    }
+
+    /// The temporary file.
+    pub(crate) fn part(&self) -> &Path {
+        self.part.path()
+    }
+
     /// Waits until it is on the disk, and gives it its name.
     pub(crate) fn persist(self) -> Result<(), FileError> {
         let Self { path, overwrite, part } = self;

@@ -1,6 +1,6 @@
 //! How much more a sequence changes from frame to frame than its source.
 
-use crate::image::{ImageError, ImageRef, check_same_size};
+use crate::image::{ImageError, ImageRef, Sample, check_same_size};
 
 /// How much the mean colour of a sequence changes from frame to frame, beside the sequence it was made of.
 ///
@@ -34,10 +34,10 @@ impl Flicker {
     /// # Errors
     ///
     /// [`ImageError`] when the two differ in size.
-    pub fn add<'a, 'b>(
+    pub fn add<'a, 'b, T: Sample>(
         &mut self,
-        source: impl Into<ImageRef<'a, u8>>,
-        output: impl Into<ImageRef<'b, u8>>,
+        source: impl Into<ImageRef<'a, T>>,
+        output: impl Into<ImageRef<'b, T>>,
     ) -> Result<(), ImageError> {
         let (source, output) = (source.into(), output.into());
         check_same_size(source.size(), output.size())?;
@@ -76,12 +76,13 @@ impl Flicker {
 }
 
 /// The mean of each channel, in `[0, 1]`.
-fn mean(image: ImageRef<'_, u8>) -> [f64; 3] {
+fn mean<T: Sample>(image: ImageRef<'_, T>) -> [f64; 3] {
     let mut sums = [0_u64; 3];
     for pixel in image.pixels() {
-        (0..3).for_each(|c| sums[c] += u64::from(pixel[c]));
+        (0..3).for_each(|c| sums[c] += pixel[c].to_steps());
     }
-    sums.map(|sum| sum as f64 / (255 * image.width() * image.height()) as f64)
+    let whole = T::from_unit(1.0).to_steps() as f64 * (image.width() * image.height()) as f64;
+    sums.map(|sum| sum as f64 / whole)
 }
 
 /// The warping error of a frame: how much it differs from the frame before, each pixel compared with where the flow says it was.

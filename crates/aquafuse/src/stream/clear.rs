@@ -3,8 +3,8 @@
 use super::steady::Steady;
 use crate::depth::{DepthMap, DepthModel};
 use crate::formation::{BoundedRestoration, RestoreBounds, RestoreOptions};
-use crate::fuser::{Memory, Options};
-use crate::image::{Clipping, ImageError, ImageMut};
+use crate::fuser::{Memory, Options, on_bytes};
+use crate::image::{Clipping, ImageError, ImageMut, Sample};
 use crate::levels::{Levels, LevelsOptions};
 use crate::scene_area::{Border, Margins};
 use crate::waterbody::{Estimate, EstimateOptions};
@@ -29,13 +29,13 @@ use crate::waterbody::{Estimate, EstimateOptions};
 /// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct RestoreStream<'z> {
+pub struct RestoreStream<'z, T = u8> {
     estimates: Options,
     restoration: RestoreOptions,
     levels: LevelsOptions,
     depth: Option<&'z DepthMap>,
     steady: Steady,
-    memory: Memory<u8>,
+    memory: Memory<T>,
 }
 
 /// How the restoration of a frame went.
@@ -54,7 +54,7 @@ pub struct RestoreReport {
     pub margins: Margins,
 }
 
-impl<'z> RestoreStream<'z> {
+impl<'z, T: Sample> RestoreStream<'z, T> {
     /// Restores with these options.
     #[must_use]
     pub fn restoration(self, restoration: RestoreOptions) -> Self {
@@ -87,7 +87,7 @@ impl<'z> RestoreStream<'z> {
 
     /// Takes `depth` for the depth of every frame. A frame of another size is then an error.
     #[must_use]
-    pub fn depth(self, depth: &DepthMap) -> RestoreStream<'_> {
+    pub fn depth(self, depth: &DepthMap) -> RestoreStream<'_, T> {
         RestoreStream { depth: Some(depth), ..self }
     }
 
@@ -104,7 +104,7 @@ impl<'z> RestoreStream<'z> {
     /// [`ImageError`] when the depth map, if there is one, is of another size; the frame is then unchanged.
     pub fn restore_mut<'a>(
         &mut self,
-        frame: impl Into<ImageMut<'a, u8>>,
+        frame: impl Into<ImageMut<'a, T>>,
     ) -> Result<RestoreReport, ImageError> {
         let Self { estimates, restoration, levels, depth, steady, memory } = self;
         memory
@@ -113,7 +113,7 @@ impl<'z> RestoreStream<'z> {
                 let z = estimates.depth_in(image, depth, memory);
                 let content = estimates.water_in(image, &z, memory)?;
                 let bounded = BoundedRestoration::new(image, &z, &content, restoration)?;
-                steady.look(image);
+                on_bytes(image, |bytes| steady.look(bytes));
                 let (clipping, levels) = if levels.sets_nothing() {
                     (steady.restore_mut(scene.reborrow(), &z, &content, &bounded)?, None)
                 } else {
@@ -146,14 +146,14 @@ impl<'z> RestoreStream<'z> {
 /// # Ok::<(), aquafuse::image::ImageError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct EnhanceStream {
+pub struct EnhanceStream<T = u8> {
     levels: LevelsOptions,
     border: Border,
     steady: Steady,
-    memory: Memory<u8>,
+    memory: Memory<T>,
 }
 
-impl EnhanceStream {
+impl<T: Sample> EnhanceStream<T> {
     /// Sets levels with these options.
     #[must_use]
     pub fn levels(self, levels: LevelsOptions) -> Self {
@@ -179,11 +179,11 @@ impl EnhanceStream {
     /// [`ImageError`] when the border leaves no scene; the frame is then unchanged.
     pub fn enhance_mut<'a>(
         &mut self,
-        frame: impl Into<ImageMut<'a, u8>>,
+        frame: impl Into<ImageMut<'a, T>>,
     ) -> Result<(Clipping, Levels), ImageError> {
         let Self { levels, border, steady, memory } = self;
-        let enhance = |mut scene: ImageMut<'_, u8>, _: Option<&DepthMap>, _: &mut Memory<u8>| {
-            steady.look(scene.as_ref());
+        let enhance = |mut scene: ImageMut<'_, T>, _: Option<&DepthMap>, _: &mut Memory<T>| {
+            on_bytes(scene.as_ref(), |bytes| steady.look(bytes));
             Ok(steady.enhance_mut(scene.reborrow(), levels))
         };
         Ok(memory.on_scene(frame.into(), *border, None, enhance)?.0)

@@ -63,6 +63,10 @@ impl Part {
         self.0.as_ref().expect("a part holds its file until it takes its name").as_file()
     }
 
+    pub(super) fn path(&self) -> &Path {
+        self.0.as_ref().expect("a part holds its file until it takes its name").path()
+    }
+
     /// Gives the file its name.
     pub(super) fn persist(mut self, path: &Path, overwrite: bool) -> io::Result<()> {
         let Some(part) = self.0.take() else { return Ok(()) };

@@ -33,8 +33,8 @@ pub(crate) struct Fuse {
     /// --recursive). There may be several, as *.jpg.
     #[arg(required = true, value_name = "CONTENT")]
     contents: Vec<PathBuf>,
-    /// The reference water: an image (best with open water in view), NAME.water.json from `water extract`, or
-    /// preset:NAME from `water list`.
+    /// The reference water: an image (best with open water in view), NAME.water.json from `water extract`,
+    /// preset:NAME from `water list`, or sea:NUMBER, a drawn water.
     water: PathBuf,
     #[command(flatten)]
     batch: BatchArguments,

@@ -32,7 +32,7 @@ pub(crate) struct Simulate {
     /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the image's size. Invalid pixels are filled from colour, which
     /// is a guess in air; the command prints their share.
     depth: PathBuf,
-    /// The water: preset:NAME from `water list`, NAME.water.json from `water extract`, or an image.
+    /// The water: preset:NAME from `water list`, sea:NUMBER, NAME.water.json from `water extract`, or an image.
     water: PathBuf,
     /// Output file; the extension selects the format.
     #[arg(short, long, value_name = "OUT")]

@@ -61,8 +61,8 @@ pub(crate) struct Video {
     /// The video: any file that ffmpeg reads, or - for standard input.
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// The reference water: an image (best with open water in view), NAME.water.json from `water extract`, or
-    /// preset:NAME from `water list`.
+    /// The reference water: an image (best with open water in view), NAME.water.json from `water extract`,
+    /// preset:NAME from `water list`, or sea:NUMBER, a drawn water.
     #[arg(required_unless_present_any = ["restore", "enhance"])]
     water: Option<PathBuf>,
     /// Output file, .mp4, .m4v, .mov, .mkv or .webm; or - for standard output.

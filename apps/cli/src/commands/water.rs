@@ -66,7 +66,7 @@ struct Extract {
     overwrite: bool,
 }
 
-/// List the presets, which other commands take as preset:NAME.
+/// List the presets, which other commands take as preset:NAME. Drawn waters, sea:NUMBER, are not listed.
 #[derive(Args)]
 struct List {
     #[command(flatten)]

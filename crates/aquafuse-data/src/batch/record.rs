@@ -8,6 +8,7 @@
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
 use std::fs::{File, OpenOptions};
+use std::hash::{BuildHasher as _, Hash, RandomState};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -34,21 +35,54 @@ pub struct Record {
     /// The folder of the outputs.
     folder: PathBuf,
     file: Mutex<File>,
-    items: HashMap<OsString, Known>,
+    items: Items,
 }
 
-/// What is known of an output.
-#[derive(Clone, Debug, PartialEq)]
-enum Known {
-    /// It may have its name or not; `before` is what stood there and was not ours.
-    Begun {
-        source: Source,
-        before: Option<Stamp>,
-    },
-    Done {
-        source: Source,
-        output: Stamp,
-    },
+/// What is known of the outputs, as digests: a record may have a million lines.
+#[derive(Debug, Default)]
+struct Items {
+    keys: [RandomState; 2],
+    known: HashMap<u128, Digests>,
+}
+
+/// What is compared of an output.
+#[derive(Clone, Copy, Debug)]
+struct Digests {
+    /// Whether it has its name; one that was begun may have it or not.
+    is_done: bool,
+    /// Of the path of its content, and how its depth is obtained.
+    of: u64,
+    /// Of all that is known of its source.
+    source: u64,
+    /// Of what was written, or, of one that was begun, of what stood there before and was not ours.
+    stamp: u64,
+}
+
+impl Items {
+    /// A digest that nobody can foresee: its keys are drawn for each run.
+    fn digest(&self, value: &impl Hash) -> u64 {
+        let [key, _] = &self.keys;
+        key.hash_one(value)
+    }
+
+    fn place(&self, output: &OsStr) -> u128 {
+        let [high, low] = self.keys.each_ref().map(|key| u128::from(key.hash_one(output)));
+        (high << 64) | low
+    }
+
+    fn insert(&mut self, output: &OsStr, is_done: bool, source: &Source, stamp: Option<&Stamp>) {
+        let digests = Digests {
+            is_done,
+            of: self.digest(&source.identity()),
+            source: self.digest(source),
+            stamp: self.digest(&stamp),
+        };
+        self.known.insert(self.place(output), digests);
+    }
+
+    fn get(&self, output: &OsStr) -> Option<&Digests> {
+        self.known.get(&self.place(output))
+    }
 }
 
 /// What stands at the output of an item.
@@ -65,7 +99,7 @@ pub enum State {
 }
 
 /// What an output is made from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 struct Source {
     /// The content, by its absolute path as it was named: to follow links would double the time of a resume.
     path: Name,
@@ -77,7 +111,7 @@ struct Source {
 }
 
 /// Size and time of a file.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 struct Stamp {
     bytes: u64,
     modified_ns: u64,
@@ -106,9 +140,9 @@ impl Source {
         })
     }
 
-    /// Whether it is the same image with depth obtained in the same way, be the files changed or not.
-    fn is_of(&self, other: &Self) -> bool {
-        (&self.path, &self.depth) == (&other.path, &other.depth)
+    /// Which image it is and how its depth is obtained, be the files changed or not.
+    fn identity(&self) -> (&Name, &str) {
+        (&self.path, &self.depth)
     }
 }
 
@@ -124,7 +158,7 @@ enum Line {
 const SCHEMA: u32 = 1;
 
 /// A file name: as text where it is text.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(untagged)]
 enum Name {
     Text(String),
@@ -151,11 +185,10 @@ impl Name {
 }
 
 /// What a record says.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 struct Recorded {
     settings: Option<Value>,
-    /// The state of each output by its name.
-    items: HashMap<OsString, Known>,
+    items: Items,
     /// The bytes of its whole lines.
     whole: u64,
 }
@@ -189,21 +222,21 @@ fn parse(mut text: impl BufRead) -> Result<Recorded, NoRecord> {
         if line == b"\n" {
             continue;
         }
-        let (name, state) = match serde_json::from_slice(&line).map_err(|_| wrong())? {
+        let (name, is_done, source, stamp) = match serde_json::from_slice(&line).map_err(|_| wrong())? {
             Line::Job { schema: SCHEMA, settings } if recorded.settings.is_none() => {
                 recorded.settings = Some(settings);
                 continue;
             }
             Line::Begun { output, source, before } if recorded.settings.is_some() => {
-                (output, Known::Begun { source, before })
+                (output, false, source, before)
             }
             Line::Done { output, source, stamp } if recorded.settings.is_some() => {
-                (output, Known::Done { source, output: stamp })
+                (output, true, source, Some(stamp))
             }
             Line::Failed { .. } if recorded.settings.is_some() => continue,
             _ => return Err(wrong()),
         };
-        recorded.items.insert(name.into_os(), state);
+        recorded.items.insert(&name.into_os(), is_done, &source, stamp.as_ref());
     }
     Ok(recorded)
 }
@@ -249,7 +282,7 @@ impl Record {
             return Err(FileError::OtherSettings { folder: folder.to_owned(), differences });
         }
         // From here on the file is known to be ours.
-        let items = if is_same { items } else { HashMap::new() };
+        let items = if is_same { items } else { Items::default() };
         file.set_len(if is_same { whole } else { 0 }).map_err(cannot_write)?;
         let record = Self { path: path.clone(), folder: folder.to_owned(), file: Mutex::new(file), items };
         if !is_same {
@@ -288,19 +321,19 @@ impl Record {
             return State::Missing;
         }
         let source = Source::of(item).ok();
-        let ours = match self.items.get(self.name_of(item)) {
-            Some(Known::Done { source: known, output }) if there.as_ref() == Some(output) => {
-                if source.as_ref() == Some(known) {
-                    return State::Made;
-                }
-                source.is_some_and(|source| source.is_of(known))
-            }
+        let ours = self.items.get(self.name_of(item)).is_some_and(|known| {
+            let is_there = known.stamp == self.items.digest(&there.as_ref());
             // What stood there before it was begun is still nobody's but its owner's.
-            Some(Known::Begun { source: known, before }) => {
-                before.as_ref() != there.as_ref() && source.is_some_and(|source| source.is_of(known))
-            }
-            _ => false,
+            let is_ours = known.is_done == is_there;
+            is_ours && source.as_ref().is_some_and(|source| known.of == self.items.digest(&source.identity()))
+        });
+        let is_made = |known: &Digests| {
+            let is_same = source.as_ref().is_some_and(|source| known.source == self.items.digest(source));
+            known.is_done && is_same
         };
+        if ours && self.items.get(self.name_of(item)).is_some_and(is_made) {
+            return State::Made;
+        }
         if ours || overwrite { State::Replaceable } else { State::Foreign }
     }
 

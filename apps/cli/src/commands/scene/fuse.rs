@@ -28,7 +28,7 @@ Example:
 pub(crate) struct Fuse {
     /// A folder with cameras and images.
     scene: PathBuf,
-    /// The reference water: an image, NAME.water.json or preset:NAME.
+    /// The reference water: an image, NAME.water.json, preset:NAME or sea:NUMBER.
     water: PathBuf,
     /// Output folder; created if missing.
     #[arg(short, long, value_name = "DIR")]

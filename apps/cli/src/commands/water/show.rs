@@ -23,7 +23,7 @@ use crate::report::water::{hex, reasons};
     after_help = "Examples:\n  aquafuse water show preset:jerlov-3C\n  aquafuse water show harbour.water.json"
 )]
 pub(super) struct Show {
-    /// preset:NAME, NAME.water.json, or an image.
+    /// preset:NAME, sea:NUMBER, NAME.water.json, or an image.
     water: PathBuf,
     #[command(flatten)]
     waters: WaterArguments,

@@ -48,7 +48,7 @@ pub(super) struct Manifest {
 
 impl Entry {
     /// Every file that it lists.
-    fn listed<'a>(&'a self) -> impl Iterator<Item = Listed<'a>> {
+    pub(super) fn listed<'a>(&'a self) -> impl Iterator<Item = Listed<'a>> {
         let companions = |made: &'a [Written]| made.iter().map(Written::listed);
         let original = self.original.iter();
         let original =
@@ -83,6 +83,14 @@ impl Entry {
     }
 }
 
+/// A part of a manifest.
+pub(super) enum Part<'a> {
+    /// What it says of the image of a key.
+    Entry(&'a str, &'a Entry),
+    /// A file about all images.
+    Index(&'a Written),
+}
+
 /// A manifest as it is written at the end of a run.
 pub(super) struct Sealing<W: Write>(Hashed<W>);
 
@@ -114,6 +122,46 @@ impl Manifest {
     pub(super) fn read(path: &Path, reading: &ReadOptions) -> Result<Self, AugmentError> {
         let (file, _) = open_file(path)?;
         Self::from(BufReader::new(file), most_line(reading)).map_err(|error| error.of(path))
+    }
+
+    /// Shows the parts of a manifest one after the other; says whether its last line is there and right. One of a run that ended is
+    /// never whole in memory: its lines about one image stand together.
+    pub(super) fn show(
+        path: &Path,
+        reading: &ReadOptions,
+        mut each: impl FnMut(Part<'_>),
+    ) -> Result<Option<bool>, AugmentError> {
+        let lines = |show: &mut dyn FnMut(Line)| {
+            let (file, _) = open_file(path)?;
+            let scanned = scan(BufReader::new(file), most_line(reading), |line, _| show(line));
+            scanned.map_err(|error| error.of(path))
+        };
+        let sealed = lines(&mut |_| {})?.sealed;
+        if sealed.is_none() {
+            let found = Self::read(path, reading)?;
+            found.entries.iter().for_each(|(key, entry)| each(Part::Entry(key, entry)));
+            found.indices.iter().for_each(|written| each(Part::Index(written)));
+            return Ok(sealed);
+        }
+        let mut open: Option<(String, Entry)> = None;
+        lines(&mut |line| {
+            if let Line::Index(written) = &line {
+                each(Part::Index(written));
+            }
+            let Some(key) = line.key() else { return };
+            if open.as_ref().is_none_or(|(other, _)| other != key)
+                && let Some((other, done)) = open.replace((key.to_owned(), Entry::default()))
+            {
+                each(Part::Entry(&other, &done));
+            }
+            if let Some((_, entry)) = &mut open {
+                entry.learn(line);
+            }
+        })?;
+        if let Some((key, done)) = open {
+            each(Part::Entry(&key, &done));
+        }
+        Ok(sealed)
     }
 
     /// Reads one from anywhere.

@@ -1,6 +1,7 @@
 //! Compares files with their manifest, bit for bit.
 
-use std::collections::BTreeSet;
+use std::collections::HashSet;
+use std::hash::{BuildHasher as _, RandomState};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 use super::AugmentError;
 use super::journal::manifests;
 use super::line::Listed;
-use super::manifest::Manifest;
+use super::manifest::{Entry, Manifest, Part};
 use crate::dataset::{Tree, inside};
 use crate::files::{FileError, sha256_of, stays_within};
 use crate::image_file::ReadOptions;
@@ -31,77 +32,125 @@ pub struct Check {
 ///
 /// [`AugmentError`] when there is no manifest, or one cannot be read.
 pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> Result<Check, AugmentError> {
-    let mut check = Check::default();
     let paths = manifests(folder)?;
-    let mut listed: BTreeSet<PathBuf> = paths.iter().cloned().collect();
     if paths.is_empty() {
         return Err(AugmentError::NoManifest { folder: folder.to_owned() });
     }
+    let (listed, keys) = (HashSet::new(), RandomState::new());
+    let mut checker = Checker { folder, dataset, listed, keys, batch: Vec::new(), check: Check::default() };
     for path in paths {
-        let found = Manifest::read(&path, reading)?;
-        check.files = check.files.saturating_add(1);
-        match found.sealed {
-            Some(true) => {}
-            Some(false) => {
-                check.wrong.push((path.clone(), "its digest does not match: it was changed".into()));
-            }
-            None => {
-                check
-                    .wrong
-                    .push((path.clone(), "its run has not ended; repeat the command to continue".into()));
-            }
-        }
-        let mut files: Vec<(PathBuf, Result<Expected<'_>, String>)> = found
-            .listed()
-            .map(|written| match inside(written.output) {
-                Ok(within) => (folder.join(within), Ok((folder, written))),
-                Err(cause) => (path.clone(), Err(format!("{:?} is {cause}", written.output))),
-            })
-            .collect();
-        if let Some(root) = dataset {
-            let sources = sources(&found).into_iter().map(|(key, bytes, sha256)| match inside(key) {
-                Ok(within) => {
-                    let written = Listed { output: key, bytes, sha256 };
-                    (root.join(within), Ok((root, written)))
-                }
-                Err(cause) => (path.clone(), Err(format!("{key:?} is {cause}"))),
-            });
-            files.extend(sources);
-        }
-        check.files = check.files.saturating_add(files.len());
-        listed.extend(files.iter().map(|(path, _)| path.clone()));
-        let wrong = files.into_par_iter().filter_map(|(path, written)| {
-            let cause = written.and_then(|(root, written)| hold(root, &path, written)).err()?;
-            Some((path, cause))
-        });
-        check.wrong.par_extend(wrong);
+        let sealed = Manifest::show(&path, reading, |part| match part {
+            Part::Entry(key, entry) => checker.entry(&path, key, entry),
+            Part::Index(written) => checker.add(&path, folder, written.listed()),
+        })?;
+        checker.check();
+        checker.manifest(path, sealed);
     }
-    check.wrong.sort();
-    check.wrong.dedup();
     let there = Tree::of(folder, reading)?.files.into_iter().map(|path| folder.join(path));
-    check.unlisted = there.filter(|path| !listed.contains(path)).collect();
-    Ok(check)
+    Ok(checker.end(there))
 }
 
-/// The folder of a file, and what is recorded of it.
-type Expected<'a> = (&'a Path, Listed<'a>);
+/// Files that are compared at once.
+const AT_ONCE: usize = 4096;
 
-/// The keys of the images that variants were made from, and what is recorded of those.
-fn sources(found: &Manifest) -> Vec<(&String, u64, &str)> {
-    let mut sources = Vec::new();
-    for (key, entry) in &found.entries {
-        let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
-        let source = entry.container.as_ref().map(|held| &held.source).or(variant);
-        // What was copied unchanged has the digest of its source.
-        let own = || entry.original.as_ref().map(|own| (own.bytes, own.sha256.as_str()));
-        let source = source.map(|source| (source.bytes, source.sha256.as_str())).or_else(own);
-        sources.extend(source.map(|(bytes, sha256)| (key, bytes, sha256)));
+/// Compares files in batches: a manifest may list millions.
+struct Checker<'a> {
+    folder: &'a Path,
+    dataset: Option<&'a Path>,
+    /// What is listed, as digests.
+    listed: HashSet<u64>,
+    keys: RandomState,
+    batch: Vec<Expected<'a>>,
+    check: Check,
+}
+
+/// A file, its folder, and what is recorded of it: bytes and digest.
+struct Expected<'a> {
+    path: PathBuf,
+    root: &'a Path,
+    bytes: u64,
+    sha256: String,
+}
+
+impl<'a> Checker<'a> {
+    /// Takes what a manifest says of one image.
+    fn entry(&mut self, manifest: &Path, key: &str, entry: &Entry) {
+        for written in entry.listed() {
+            self.add(manifest, self.folder, written);
+        }
+        if let Some(root) = self.dataset
+            && let Some((bytes, sha256)) = source(entry)
+        {
+            self.add(manifest, root, Listed { output: key, bytes, sha256 });
+        }
     }
-    sources
+
+    /// Takes a file below `root`.
+    fn add(&mut self, manifest: &Path, root: &'a Path, written: Listed<'_>) {
+        self.check.files = self.check.files.saturating_add(1);
+        match inside(written.output) {
+            Ok(within) => {
+                let path = root.join(within);
+                self.know(&path);
+                let (bytes, sha256) = (written.bytes, written.sha256.to_owned());
+                self.batch.push(Expected { path, root, bytes, sha256 });
+                if self.batch.len() >= AT_ONCE {
+                    self.check();
+                }
+            }
+            Err(cause) => {
+                let cause = format!("{:?} is {cause}", written.output);
+                self.check.wrong.push((manifest.to_owned(), cause));
+            }
+        }
+    }
+
+    /// Compares what was taken.
+    fn check(&mut self) {
+        let wrong = self.batch.par_drain(..).filter_map(|expected| {
+            let cause = hold(&expected).err()?;
+            Some((expected.path, cause))
+        });
+        self.check.wrong.par_extend(wrong);
+    }
+
+    /// Takes a manifest itself.
+    fn manifest(&mut self, path: PathBuf, sealed: Option<bool>) {
+        self.check.files = self.check.files.saturating_add(1);
+        self.know(&path);
+        let cause = match sealed {
+            Some(true) => return,
+            Some(false) => "its digest does not match: it was changed",
+            None => "its run has not ended; repeat the command to continue",
+        };
+        self.check.wrong.push((path, cause.into()));
+    }
+
+    fn know(&mut self, path: &Path) {
+        self.listed.insert(self.keys.hash_one(path));
+    }
+
+    /// The result; `there` is what stands in the folder.
+    fn end(mut self, there: impl Iterator<Item = PathBuf>) -> Check {
+        self.check.wrong.sort();
+        self.check.wrong.dedup();
+        self.check.unlisted = there.filter(|path| !self.listed.contains(&self.keys.hash_one(path))).collect();
+        self.check
+    }
+}
+
+/// What is recorded of the image that variants were made from.
+fn source(entry: &Entry) -> Option<(u64, &str)> {
+    let variant = entry.variants.first_key_value().map(|(_, variant)| &variant.source);
+    let source = entry.container.as_ref().map(|held| &held.source).or(variant);
+    // What was copied unchanged has the digest of its source.
+    let own = || entry.original.as_ref().map(|own| (own.bytes, own.sha256.as_str()));
+    source.map(|source| (source.bytes, source.sha256.as_str())).or_else(own)
 }
 
 /// Compares a file of a folder with its record.
-fn hold(root: &Path, path: &Path, written: Listed<'_>) -> Result<(), String> {
+fn hold(expected: &Expected<'_>) -> Result<(), String> {
+    let Expected { path, root, bytes, sha256 } = expected;
     let about = path.metadata().map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => "it is missing".to_owned(),
         _ => format!("it cannot be read: {error}"),
@@ -112,12 +161,12 @@ fn hold(root: &Path, path: &Path, written: Listed<'_>) -> Result<(), String> {
     if !stays_within(root, path) {
         return Err("it is reached through a link that leads out of its folder".to_owned());
     }
-    if about.len() != written.bytes {
-        return Err(format!("it has {} bytes instead of {}", about.len(), written.bytes));
+    if about.len() != *bytes {
+        return Err(format!("it has {} bytes instead of {bytes}", about.len()));
     }
-    let sha256 = sha256_of(path).map_err(|error| match error {
+    let found = sha256_of(path).map_err(|error| match error {
         FileError::Read { error, .. } => format!("it cannot be read: {error}"),
         other => other.to_string(),
     })?;
-    if sha256 == written.sha256 { Ok(()) } else { Err("its content changed".to_owned()) }
+    if found == *sha256 { Ok(()) } else { Err("its content changed".to_owned()) }
 }

@@ -3,11 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
 use aquafuse::Fuser;
+use aquafuse::depth::{self, DepthMap};
 use aquafuse::fusion::{Bounded, Gain, Incidence, Model, Options, TransferLaw, Waters};
 use aquafuse::image::{Encoded, Image};
 use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::presets::{Conditions, Preset};
-use aquafuse::waterbody::{Attenuation, Estimate, VeilingLight, Waterbody};
+use aquafuse::waterbody::{self, Attenuation, Estimate, VeilingLight, Waterbody};
 use proptest::prelude::*;
 
 const ROUNDING: f32 = 16.0 * f32::EPSILON;
@@ -139,7 +140,7 @@ fn near_things_take_the_hue_of_the_references_near_things() {
 }
 
 #[test]
-fn a_preset_has_a_light_and_measured_depth_a_haze() {
+fn a_known_water_has_a_light_and_a_haze() {
     let own: Estimate<Encoded> = Preset::I.estimate(&Conditions::default());
     let other = Preset::Coastal5C.estimate(&Conditions::default());
     let bounded = Bounded::new(&own, &other, Options::for_model(Model::Relight));
@@ -147,8 +148,21 @@ fn a_preset_has_a_light_and_measured_depth_a_haze() {
     // Coastal water takes blue from the light, and is thicker.
     assert!(light_gain[2] < light_gain[1], "{light_gain:?}");
     assert_eq!(haze, [2.0; 3]);
-    let mut by_colour = own;
-    by_colour.depth_model = Some(Default::default());
-    let bounded = Bounded::new(&by_colour, &other, Options::for_model(Model::Relight));
-    assert_eq!(bounded.waters().haze, [1.0; 3]);
+    // A water that an image shows has a haze where its depth has a unit.
+    let shown = |image: &Image<u8>, z: &DepthMap| {
+        waterbody::estimate::<Encoded>(image, z, &Default::default()).unwrap()
+    };
+    let scene = |seed, water: usize| {
+        let scene = Scene::new(seed, Size { width: 96, height: 64 });
+        (scene.seen_through(&waters()[water].water).convert::<u8>(), scene.depth)
+    };
+    let [(content, z), (reference, z_of_reference)] = [scene(3, 3), scene(5, 2)];
+    let haze = |own: &Estimate, other: &Estimate| {
+        Bounded::new(own, other, Options::for_model(Model::Relight)).waters().haze
+    };
+    let turbid = shown(&reference, &z_of_reference);
+    assert!(haze(&shown(&content, &z), &turbid)[0] > 1.1);
+    let by_colour = shown(&content, &depth::estimate(&content));
+    assert_eq!(haze(&by_colour, &turbid), [1.0; 3]);
+    assert!(haze(&by_colour, &other)[0] > 1.0);
 }

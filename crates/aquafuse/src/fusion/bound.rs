@@ -2,7 +2,9 @@
 
 use super::{Model, Options, Waters, light};
 use crate::image::Encoding;
-use crate::waterbody::{DepthFactors, Estimate, Reason, VeilingLight, Verdict, Waterbody};
+use crate::waterbody::{
+    DepthFactors, Estimate, Reason, VeilingLight, VeilingLightSource, Verdict, Waterbody,
+};
 
 /// Brightest channel (encoded) of a veil that is taken from glare: as bright as water in the sun.
 const BRIGHTEST_WATER: f32 = 0.7;
@@ -105,12 +107,14 @@ impl<E: Encoding> Bounded<E> {
         waters.with_haze(self.haze).with_depth_factors(self.depth_factors.as_ref())
     }
 
-    /// Haze is compared where both waters are per one unit of z: depth from colour has none.
+    /// Haze is compared where both waters are per one unit of z: of supplied depth, or of a water that is known per metre. Depth from
+    /// colour has no unit; there the scale of relative depth says how far a known water hides.
     fn change_light(&mut self, content: &Estimate<E>, reference: &Estimate<E>) {
         if let (Some(own), Some(other)) = (content.near_colour, reference.near_colour) {
             self.light_gain = light::gain::<E>(own, other);
         }
-        if content.depth_model.is_none() && reference.depth_model.is_none() {
+        let is_given = reference.veiling_light_source == VeilingLightSource::Given;
+        if is_given || (content.depth_model.is_none() && reference.depth_model.is_none()) {
             let [own, other] = [content, reference].map(|one| one.water.backscatter_coefficient);
             self.haze = [light::haze(own, other); 3];
         }
@@ -169,7 +173,7 @@ mod tests {
     use crate::fusion::TransferLaw;
     use crate::image::Encoded;
     use crate::truth::waters;
-    use crate::waterbody::{Intervals, Quality, VeilingLightSource};
+    use crate::waterbody::{Intervals, Quality};
 
     fn estimate(veil: [f32; 3], coefficient: [f32; 3], quality: Quality) -> Estimate<Encoded> {
         let water = Waterbody {

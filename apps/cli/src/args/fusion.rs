@@ -21,8 +21,9 @@ F falls with distance, from 1 at the camera to 0 in open water.
   aquafuse   The equations of the paper to the letter: adds cos(theta) F (1 - F) D, a veil over the
              middle distance. Open water keeps its colour.
   relight    As physical, and near things look lit by the water of WATER: their colour goes most of
-             the way to the colour of its near things, within bounds. With --depth, which needs
-             the same unit as WATER, the water also becomes as thick, within a factor of 2.
+             the way to the colour of its near things, within bounds. If WATER is known per metre
+             (preset:NAME, sea:NUMBER), or both images have depth maps in one unit, the water also
+             becomes thicker or clearer, by a factor of 2 at most.
   exchange   Replaces the water of CONTENT by WATER, with its attenuation, weighted by cos(theta).
              The strongest change, and the most sensitive to wrong estimates: supply depth.
              Faded colours, and their noise, are amplified at most 2 times.

@@ -319,7 +319,7 @@ fn the_summary_counts_what_has_no_variants() {
     let run = with_water();
     image(&run, "set/images/a.png");
     let flat = aquafuse::image::Image::<u8>::from_raw(96, 64, vec![120; 3 * 96 * 64]).unwrap();
-    ImageFile::new(flat).write(&run.path("set/images/flat.png"), &WriteOptions::default()).unwrap();
+    ImageFile::new(flat).write(&run.path("set/images/flat.jpg"), &WriteOptions::default()).unwrap();
     let skip = ["augment", "set", "preset:jerlov-3C", "-o", "out", "--on-doubtful", "skip"];
     let said = run.ok(&skip).stdout;
     assert!(said.contains("without variants, because their estimate is not good: "), "{said}");

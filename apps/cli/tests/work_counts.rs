@@ -37,7 +37,7 @@ fn each_image_of_a_scene_is_decoded_and_its_water_estimated_once() {
     reef(&run);
     scene(&run.path("green.png"), 3, "green");
     let fuse = |output| ["scene", "fuse", "reef", "green.png", "-o", output, "--model", "physical"];
-    let once = "10 images decoded, 10 waters estimated, 1 set of cameras parsed";
+    let once = "1 folder listed, 10 images decoded, 10 waters estimated, 1 set of cameras parsed";
     assert_eq!(work(&run, &fuse("fused")), once);
     // A run that has nothing left to do needs the shared water for its record, and decodes nothing for that twice.
     assert_eq!(work(&run, &fuse("fused")), once);
@@ -48,10 +48,10 @@ fn training_parses_the_cameras_once_and_decodes_each_image_once() {
     let run = Run::new();
     reef(&run);
     let train = |output| ["scene", "train", "reef", "-o", output, "--iterations", "2"];
-    assert_eq!(work(&run, &train("dry.ply")), "9 images decoded, 1 set of cameras parsed");
+    assert_eq!(work(&run, &train("dry.ply")), "1 folder listed, 9 images decoded, 1 set of cameras parsed");
     assert_eq!(
         work(&run, &[&train("wet.ply")[..], &["--water", "learn"]].concat()),
-        "9 images decoded, 9 waters estimated, 1 set of cameras parsed"
+        "1 folder listed, 9 images decoded, 9 waters estimated, 1 set of cameras parsed"
     );
 }
 

@@ -130,7 +130,7 @@ impl<'a> Checker<'a> {
         self.listed.insert(self.keys.hash_one(path));
     }
 
-    /// The result; `there` is what stands in the folder.
+    /// The result; `there` are the files of the folder.
     fn end(mut self, there: impl Iterator<Item = PathBuf>) -> Check {
         self.check.wrong.sort();
         self.check.wrong.dedup();

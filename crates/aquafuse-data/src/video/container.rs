@@ -61,7 +61,7 @@ impl Codec {
         ["-c:v"].iter().chain(encoder).map(|word| (*word).to_owned()).chain(crf).collect()
     }
 
-    /// The pixel format that frames are written in: that of the source where the codec has it.
+    /// The pixel format that frames are written in: the source's where the codec has it.
     pub(super) fn pixel_format(self, info: &VideoInfo) -> String {
         let is_deep = info.is_deep();
         if self == Self::Ffv1 {

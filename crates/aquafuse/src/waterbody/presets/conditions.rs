@@ -149,7 +149,7 @@ impl Conditions {
     }
 
     /// The same with a camera that balances itself by this share, 0 to 1: 0 is [`White::Daylight`], 1 is [`White::AtDepth`]; the
-    /// exposure is that of the white. Default: 0. Only [`White::Daylight`] reads it.
+    /// exposure follows the white. Default: 0. Only [`White::Daylight`] reads it.
     ///
     /// # Errors
     ///

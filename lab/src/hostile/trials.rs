@@ -23,7 +23,7 @@ pub(super) enum Given {
 }
 
 impl Trial {
-    /// What is shown of it: its name, and that of its dataset.
+    /// What is shown of it: its name, and the name of its dataset.
     pub(super) fn shown(&self) -> String {
         match &self.given {
             Given::As(_) => self.name(),

@@ -29,7 +29,7 @@ def moved(whole, rename, contents=lambda path, content: content):
 
 
 def in_texts(change):
-    """The set with other texts."""
+    """The same set, with other texts in its files."""
     return lambda whole: moved(whole, lambda path: path, lambda path, content: change(content) if is_text(path) else content)
 
 

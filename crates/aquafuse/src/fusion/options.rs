@@ -10,7 +10,8 @@ pub enum Model {
     /// The whole backscatter: open water takes the reference's colour, as in the paper's figures. The default.
     #[default]
     Physical,
-    /// The whole backscatter, and the light on near things: they take the hue of the reference's light.
+    /// The whole backscatter, and the light on near things: most of the hue of the reference's light, half of its brightness. A water
+    /// that is known per metre also decides how thick it is.
     Relight,
     /// The whole water: backscatter, and how the scene's own light fades. Strongest and most fragile: it
     /// needs β_D of both waters and a depth whose 0 is at the camera, so measured rather than from colour.

@@ -5,6 +5,7 @@
 //! interpolated: the map then follows the edges of the image, which cells are too coarse for.
 
 use std::any::TypeId;
+use std::ops::Range;
 
 use crate::grid::{Grid, mean_around};
 use crate::image::{Encoded, Encoding, Sample};
@@ -20,11 +21,12 @@ type Affine = [f32; 4];
 /// A map over an image.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Guided {
-    /// Columns of the image.
-    width: usize,
     /// Twice the middles of the cells' columns and rows, in pixels.
     columns: Vec<usize>,
     rows: Vec<usize>,
+    /// What the middles before and after each column of pixels count there.
+    before: Vec<f32>,
+    after: Vec<f32>,
     fits: Vec<Affine>,
 }
 
@@ -32,13 +34,16 @@ impl Guided {
     /// The map whose values in the cells of `grid` are `map`, where their mean colours are `colours`, encoded. `flat` is the
     /// variance of colours, in units of `[0, 1]`, below which they do not guide.
     pub(crate) fn new(grid: &Grid, colours: &[[f32; 3]], map: &[f32], flat: f32) -> Self {
-        let middles = |borders: &[usize]| borders.windows(2).map(|pair| pair[0] + pair[1] - 1).collect();
-        Self {
-            width: grid.columns()[grid.size().0],
-            columns: middles(grid.columns()),
-            rows: middles(grid.rows()),
-            fits: fit(grid.size().0, colours, map, flat),
-        }
+        let middles =
+            |borders: &[usize]| borders.windows(2).map(|pair| pair[0] + pair[1] - 1).collect::<Vec<_>>();
+        let (columns, width) = (middles(grid.columns()), grid.columns()[grid.size().0]);
+        let weights = (0..=columns.len()).flat_map(|place| {
+            let [from, to] = beside(&columns, place);
+            pixels(&columns, width, place).map(move |x| weights(from, to, x).into())
+        });
+        let (before, after) = weights.unzip();
+        let fits = fit(grid.size().0, colours, map, flat);
+        Self { columns, rows: middles(grid.rows()), before, after, fits }
     }
 
     /// The map at column `x`, row `y` where the image has this encoded colour.
@@ -53,8 +58,9 @@ impl Guided {
 
     /// The map, row after row.
     pub(crate) fn rows(&self) -> Rows<'_> {
-        let spread = || Spread { row: None, fits: std::array::from_fn(|_| vec![0.0; self.width]) };
-        Rows { map: self, above: spread(), below: spread(), words: Vec::new(), values: vec![0.0; self.width] }
+        let width = self.before.len();
+        let spread = || Spread { row: None, fits: std::array::from_fn(|_| vec![0.0; width]) };
+        Rows { map: self, above: spread(), below: spread(), words: Vec::new(), values: vec![0.0; width] }
     }
 }
 
@@ -75,22 +81,36 @@ struct Spread {
 
 impl Spread {
     fn fill(&mut self, map: &Guided, row: usize) {
-        if self.row == Some(row) {
-            return;
+        if self.row != Some(row) {
+            self.row = Some(row);
+            let line = &map.fits[row * map.columns.len()..][..map.columns.len()];
+            simd::widest(Fill { fits: &mut self.fits, map, line });
         }
-        self.row = Some(row);
-        let line = &map.fits[row * map.columns.len()..][..map.columns.len()];
-        let mut start = 0;
+    }
+}
+
+/// Functions at each column of pixels, from those of a row of cells.
+struct Fill<'a> {
+    fits: &'a mut [Vec<f32>; 4],
+    map: &'a Guided,
+    line: &'a [Affine],
+}
+
+impl Work for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { fits, map: Guided { columns, before, after, .. }, line } = self;
         for place in 0..=line.len() {
-            // The pixels between two middles, and those before the first and after the last.
-            let [from, to] = [place.saturating_sub(1), place.min(line.len() - 1)];
-            let end = map.columns.get(place).map_or(map.width, |middle| middle.div_ceil(2));
-            let (near, far) = (map.columns[from], map.columns[to]);
-            for x in start..end {
-                let fit = mixed(&line[from], &line[to], weights(near, far, x));
-                self.fits.iter_mut().zip(fit).for_each(|(fits, value)| fits[x] = value);
+            let ([from, to], pixels) = (beside(line, place), pixels(columns, before.len(), place));
+            let (before, after) = (&before[pixels.clone()], &after[pixels.clone()]);
+            for (k, fits) in fits.iter_mut().enumerate() {
+                let (from, to) = (from[k], to[k]);
+                for ((fit, before), after) in fits[pixels.clone()].iter_mut().zip(before).zip(after) {
+                    *fit = before * from + after * to;
+                }
             }
-            start = end;
         }
     }
 }
@@ -174,6 +194,19 @@ fn between(middles: &[usize], place: usize) -> (usize, usize, [f32; 2]) {
     let after = middles.partition_point(|&middle| middle < 2 * place);
     let [from, to] = [after.saturating_sub(1), after.min(middles.len() - 1)];
     (from, to, weights(middles[from], middles[to], place))
+}
+
+/// The cells before and after a gap between middles; the first before the first, the last after the last.
+#[inline(always)]
+fn beside<T: Copy>(cells: &[T], gap: usize) -> [T; 2] {
+    [gap.saturating_sub(1), gap.min(cells.len() - 1)].map(|cell| cells[cell])
+}
+
+/// The pixels of a gap, of so many: from the middle before it on.
+#[inline(always)]
+fn pixels(middles: &[usize], count: usize, gap: usize) -> Range<usize> {
+    let first = |gap: usize| middles.get(gap).map_or(count, |middle| middle.div_ceil(2));
+    gap.checked_sub(1).map_or(0, first)..first(gap)
 }
 
 /// What two middles, each twice what it is, count at a place between them: the nearer the more. Mirrored they are exchanged, to

@@ -77,7 +77,7 @@ pub struct Outcome {
     pub limited: Limited,
     /// The share of the image's contrast (deviation of green) that is left: thick water hides a scene.
     pub contrast_left: f64,
-    /// How much the image changed: the mean distance of colours in CIELab (ΔE 1976), over some rows.
+    /// How much the image changed: the mean distance of colours in CIELab (ΔE 1976), over a grid of pixels.
     pub change: f64,
     /// The levels that were set.
     pub levels: Option<Levels>,

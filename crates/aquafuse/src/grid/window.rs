@@ -7,10 +7,10 @@ pub(crate) fn mean_around(columns: usize, reach: usize, values: &[f32]) -> Vec<f
     let rows = values.len() / columns;
     let mut across = vec![0.0; values.len()];
     let row_of = |y: usize| y * columns..(y + 1) * columns;
+    // A row, padded by nothing at both ends, which adds nothing.
+    let mut padded = vec![0.0; columns + 2 * reach];
     for y in 0..rows {
         let (row, sums) = (&values[row_of(y)], &mut across[row_of(y)]);
-        // Padded by nothing at both ends, which adds nothing.
-        let mut padded = vec![0.0; columns + 2 * reach];
         padded[reach..reach + columns].copy_from_slice(row);
         sums.copy_from_slice(row);
         for step in 1..=reach {

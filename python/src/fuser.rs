@@ -4,7 +4,8 @@ use aquafuse::depth::{DepthKind, DepthModel};
 use aquafuse::fusion::{Model, Options};
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
-use aquafuse_data::pipeline::{Operation, WaterEstimate};
+use aquafuse_data::pipeline::{Operation, PixelEncoding, WaterEstimate};
+use aquafuse_data::video::Recipe;
 use pyo3::prelude::*;
 
 use crate::array::{check_out, give, take};
@@ -42,6 +43,21 @@ pub(crate) struct Fuser {
     depth_model: DepthModel,
     border: Border,
     keep_lightness: bool,
+}
+
+impl Fuser {
+    /// The same for the frames of a sequence, which are encoded values with depth from colour.
+    pub(crate) fn recipe(&self) -> Result<Recipe, Fault> {
+        let reference = self.relative;
+        if reference.encoding() == PixelEncoding::Linear {
+            return Err(Fault::argument("a sequence works on encoded values; leave linear=False"));
+        }
+        let mut recipe = Recipe::new(Operation::Fuse { reference, options: self.options });
+        recipe.depth_model = self.depth_model;
+        recipe.smoothing = self.smoothing;
+        recipe.border = self.border;
+        Ok(recipe)
+    }
 }
 
 /// What [`Fuser::fuse`] reports: verdict and reasons of the content, contrast left, change, whether a bound acted, whether

@@ -14,6 +14,7 @@ mod estimate;
 mod fuser;
 mod metrics;
 mod operations;
+mod sequence;
 mod settings;
 mod threads;
 mod water;
@@ -39,6 +40,8 @@ mod _native {
     use crate::metrics::{depth_rmse, psnr, scores, ssim};
     #[pymodule_export]
     use crate::operations::{enhance, restore, simulate};
+    #[pymodule_export]
+    use crate::sequence::Sequence;
     #[pymodule_export]
     use crate::threads::{get_threads, panic, set_threads};
     #[pymodule_export]

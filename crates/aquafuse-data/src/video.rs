@@ -26,6 +26,7 @@ mod decode;
 mod encode;
 mod error;
 mod ffmpeg;
+mod frames;
 mod log;
 mod one_water;
 mod plan;
@@ -39,6 +40,7 @@ pub use change::{ContentWater, Recipe};
 pub use container::Codec;
 pub use error::VideoError;
 pub use ffmpeg::{Ffmpeg, VARIABLE};
+pub use frames::{FrameReport, Frames};
 pub use plan::{Input, Output, Plan, Request};
 #[cfg(feature = "fuzz-targets")]
 pub(crate) use probe::try_log;

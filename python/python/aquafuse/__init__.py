@@ -23,6 +23,7 @@ from aquafuse._errors import AquaFuseError, ArgumentError, ArrayError, FileError
 from aquafuse._estimate import Estimate, inspect
 from aquafuse._fuser import Fuser, Report, fuse
 from aquafuse._operations import depth, enhance, restore, simulate
+from aquafuse._sequence import FrameReport, Sequence
 from aquafuse._water import Water
 
 __all__ = [
@@ -32,10 +33,12 @@ __all__ = [
     "Estimate",
     "Event",
     "FileError",
+    "FrameReport",
     "Fuser",
     "InternalError",
     "Report",
     "RunError",
+    "Sequence",
     "Summary",
     "Water",
     "augment",

@@ -11,6 +11,7 @@ __all__ = [
     "Draws",
     "Estimate",
     "Fuser",
+    "Sequence",
     "Water",
     "__version__",
     "augment",
@@ -93,6 +94,17 @@ class Fuser:
         alpha: float | None,
         out: _T | None,
     ) -> tuple[_T, tuple[Verdict, list[str], float, float, bool, bool]]: ...
+
+@final
+class Sequence:
+    @staticmethod
+    def fused(fuser: Fuser, content: Water | None, steady_over: int) -> Sequence: ...
+    @staticmethod
+    def restored(reading: Reading, levels: dict[str, Any], max_gain: float, steady_over: int) -> Sequence: ...
+    @staticmethod
+    def enhanced(border: str, levels: dict[str, Any], steady_over: int) -> Sequence: ...
+    def next(self, frame: _T, out: _T | None) -> tuple[_T, tuple[Verdict, list[str]] | None]: ...
+    def reset(self) -> None: ...
 
 @final
 class Estimate:

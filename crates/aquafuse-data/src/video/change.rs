@@ -1,17 +1,16 @@
 //! What happens to each frame.
 
-use aquafuse::Fuser;
 use aquafuse::depth::DepthModel;
-use aquafuse::fuser::Options;
 use aquafuse::image::{Encoded, ImageError, ImageMut, ImageRef, Sample};
 use aquafuse::metrics::Flicker;
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
-use aquafuse::stream::{EnhanceStream, RestoreStream, Steady, Stream};
+use aquafuse::stream::Steady;
 use aquafuse::waterbody::{Estimate, Quality, Verdict};
 
+use super::frames::{FrameReport, Frames};
 use super::{Codec, Frame, Shape, VideoError};
-use crate::pipeline::{Operation, Space};
+use crate::pipeline::Operation;
 
 /// What is done with a video.
 #[derive(Clone, Debug)]
@@ -74,52 +73,10 @@ impl Recipe {
         })
     }
 
-    /// A stream that fuses, if that is what is asked for.
-    pub(super) fn fusion<T: Sample>(&self) -> Option<Stream<'static, T>> {
-        let Operation::Fuse { reference, options } = &self.operation else { return None };
-        let options = Options::default()
-            .with_depth_model(self.depth_model)
-            .with_fusion(*options)
-            .with_smoothing(self.smoothing)
-            .with_border(self.border);
-        let fuser = Fuser::from_estimate(Encoded::estimate(reference)?, options);
-        Some(Stream::of_samples(fuser).steady_over(self.steady_over))
-    }
-
     fn changer<T: Sample>(&self, shape: Shape) -> Result<Changer<T>, VideoError> {
-        let refused = || {
-            VideoError::Request("a video is fused, restored or enhanced by levels, in encoded values".into())
-        };
-        let streams = match &self.operation {
-            Operation::Fuse { .. } => {
-                let stream = self.fusion().ok_or_else(refused)?;
-                Streams::Fuse(Box::new(match self.content_water {
-                    ContentWater::Given(water) => stream.content_water(water),
-                    _ => stream,
-                }))
-            }
-            Operation::Restore { options, levels, .. } => Streams::Restore(Box::new(
-                RestoreStream::default()
-                    .restoration(*options)
-                    .levels(*levels)
-                    .depth_model(self.depth_model)
-                    .border(self.border)
-                    .steady_over(self.steady_over),
-            )),
-            Operation::Enhance { levels } => Streams::Enhance(Box::new(
-                EnhanceStream::default().levels(*levels).border(self.border).steady_over(self.steady_over),
-            )),
-            Operation::Clarify { .. } => return Err(refused()),
-        };
         let flicker = self.flicker.then(Flicker::default);
-        Ok(Changer {
-            streams,
-            shape,
-            flicker,
-            before: Vec::new(),
-            samples: Vec::new(),
-            seen: Seen::default(),
-        })
+        let frames = self.frames()?;
+        Ok(Changer { frames, shape, flicker, before: Vec::new(), samples: Vec::new(), seen: Seen::default() })
     }
 }
 
@@ -139,14 +96,8 @@ pub(super) trait Change: Send {
     fn flicker(&self) -> Option<Flicker>;
 }
 
-enum Streams<T> {
-    Fuse(Box<Stream<'static, T>>),
-    Restore(Box<RestoreStream<'static, T>>),
-    Enhance(Box<EnhanceStream<T>>),
-}
-
 struct Changer<T> {
-    streams: Streams<T>,
+    frames: Frames<T>,
     shape: Shape,
     flicker: Option<Flicker>,
     /// The frame as it was, where flicker is measured.
@@ -180,7 +131,7 @@ impl Bytes for u16 {
 
 impl<T: Bytes> Change for Changer<T> {
     fn change(&mut self, frame: &mut Frame) -> Result<(), VideoError> {
-        let Self { streams, shape, flicker, before, samples, seen } = self;
+        let Self { frames, shape, flicker, before, samples, seen } = self;
         let (width, height) = (shape.width, shape.height);
         let changed = T::on_frame(&mut frame.bytes, samples, |samples| {
             if flicker.is_some() {
@@ -188,17 +139,7 @@ impl<T: Bytes> Change for Changer<T> {
                 before.extend_from_slice(samples);
             }
             let mut image = ImageMut::new(width, height, samples)?;
-            let (clipping, quality) = match streams {
-                Streams::Fuse(stream) => {
-                    let report = stream.fuse_mut(image.reborrow())?;
-                    (report.clipping, Some(report.content.quality))
-                }
-                Streams::Restore(stream) => {
-                    let report = stream.restore_mut(image.reborrow())?;
-                    (report.clipping, Some(report.content.quality))
-                }
-                Streams::Enhance(stream) => (stream.enhance_mut(image.reborrow())?.0, None),
-            };
+            let FrameReport { clipping, quality } = frames.change(image.reborrow())?;
             seen.add(clipping.share(), quality);
             if let Some(flicker) = flicker {
                 flicker.add(ImageRef::new(width, height, before)?, image)?;

@@ -1,0 +1,119 @@
+//! Frames changed one after another, with water and levels that change smoothly.
+
+use aquafuse::Fuser;
+use aquafuse::fuser::Options;
+use aquafuse::fusion::Clipping;
+use aquafuse::image::{Encoded, ImageError, ImageMut, Sample};
+use aquafuse::stream::{EnhanceStream, RestoreStream, Stream};
+use aquafuse::waterbody::Quality;
+
+use super::change::{ContentWater, Recipe};
+use super::error::VideoError;
+use crate::pipeline::{Operation, Space};
+
+/// The frames of one sequence, in their order: what [`Recipe::frames`] makes of each depends on those before it.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::image::Image;
+/// use aquafuse::truth::{Scene, Size, waters};
+/// use aquafuse_data::pipeline::Operation;
+/// use aquafuse_data::video::Recipe;
+///
+/// let recipe = Recipe::new(Operation::Enhance { levels: Default::default() });
+/// let mut frames = recipe.frames::<u8>()?;
+/// for seed in 0..3 {
+///     let scene = Scene::new(seed, Size { width: 64, height: 48 });
+///     let mut frame: Image<u8> = scene.seen_through(&waters()[0].water).convert();
+///     frames.change(frame.view_mut())?;
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Frames<T>(Streams<T>);
+
+/// What was done to a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FrameReport {
+    /// Values that were clipped.
+    pub clipping: Clipping,
+    /// What the estimate of the frame's own water is worth; none where no water is estimated.
+    pub quality: Option<Quality>,
+}
+
+#[derive(Clone, Debug)]
+enum Streams<T> {
+    Fuse(Box<Stream<'static, T>>),
+    Restore(Box<RestoreStream<'static, T>>),
+    Enhance(Box<EnhanceStream<T>>),
+}
+
+impl Recipe {
+    /// Frames of a sequence that begins. [`ContentWater::Pooled`] needs frames that are not there yet; the water is then estimated.
+    ///
+    /// # Errors
+    ///
+    /// [`VideoError::Request`] for an operation in linear light, and for [`Operation::Clarify`].
+    pub fn frames<T: Sample>(&self) -> Result<Frames<T>, VideoError> {
+        let refused = || {
+            VideoError::Request("a video is fused, restored or enhanced by levels, in encoded values".into())
+        };
+        Ok(Frames(match &self.operation {
+            Operation::Fuse { .. } => {
+                let stream = self.fusion().ok_or_else(refused)?;
+                Streams::Fuse(Box::new(match self.content_water {
+                    ContentWater::Given(water) => stream.content_water(water),
+                    _ => stream,
+                }))
+            }
+            Operation::Restore { options, levels, .. } => Streams::Restore(Box::new(
+                RestoreStream::default()
+                    .restoration(*options)
+                    .levels(*levels)
+                    .depth_model(self.depth_model)
+                    .border(self.border)
+                    .steady_over(self.steady_over),
+            )),
+            Operation::Enhance { levels } => Streams::Enhance(Box::new(
+                EnhanceStream::default().levels(*levels).border(self.border).steady_over(self.steady_over),
+            )),
+            Operation::Clarify { .. } => return Err(refused()),
+        }))
+    }
+
+    /// A stream that fuses, if that is what is asked for.
+    pub(super) fn fusion<T: Sample>(&self) -> Option<Stream<'static, T>> {
+        let Operation::Fuse { reference, options } = &self.operation else { return None };
+        let options = Options::default()
+            .with_depth_model(self.depth_model)
+            .with_fusion(*options)
+            .with_smoothing(self.smoothing)
+            .with_border(self.border);
+        let fuser = Fuser::from_estimate(Encoded::estimate(reference)?, options);
+        Some(Stream::of_samples(fuser).steady_over(self.steady_over))
+    }
+}
+
+impl<T: Sample> Frames<T> {
+    /// Changes the next frame in place. Frames may differ in size.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError`] when the frame is no image; it is then unchanged.
+    pub fn change(&mut self, frame: ImageMut<'_, T>) -> Result<FrameReport, ImageError> {
+        let (clipping, quality) = match &mut self.0 {
+            Streams::Fuse(stream) => {
+                let report = stream.fuse_mut(frame)?;
+                (report.clipping, Some(report.content.quality))
+            }
+            Streams::Restore(stream) => {
+                let report = stream.restore_mut(frame)?;
+                (report.clipping, Some(report.content.quality))
+            }
+            Streams::Enhance(stream) => (stream.enhance_mut(frame)?.0, None),
+        };
+        Ok(FrameReport { clipping, quality })
+    }
+}

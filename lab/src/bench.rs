@@ -4,7 +4,7 @@ pub(crate) mod apart;
 mod footprint;
 mod ours;
 mod published;
-mod python;
+pub(crate) mod python;
 mod rivals;
 mod turns;
 mod video;

@@ -13,6 +13,7 @@ mod hostile;
 mod instructions;
 mod memory;
 mod multiply;
+mod nodes;
 mod pages;
 mod programs;
 mod readings;
@@ -47,6 +48,7 @@ docs/results.md
                       peak memory of a run over 1,000 images of 24 megapixels; and, alone with `runs`, of commands on
                       scenes and of files of a million lines
   multiply [IMAGES]   a dataset of 10,000 small images multiplied; a run killed 50 times and resumed
+  nodes               a dataset multiplied on two nodes of Ray, of which one is killed; needs root
   roundtrip           annotations of ten layouts before and after augment, by the readers that people use
   variations          small datasets and scenes of every kind, varied in the ways of users: what is lost without a word
   helps               whether a small network learns more from a dataset that was multiplied
@@ -111,6 +113,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["memory", images] => memory::run(images.parse().ok().filter(|&count| count > 0)?),
         ["multiply"] => multiply::run(multiply::IMAGES),
         ["multiply", images] => multiply::run(images.parse().ok().filter(|&count| count >= 10)?),
+        ["nodes"] => nodes::run(),
         ["roundtrip"] => roundtrip::run(),
         ["variations"] => variations::run(),
         ["helps"] => helps::run(),

@@ -57,8 +57,8 @@ pub(super) fn write() -> Result<()> {
     show_section(PAGE, "python", &table)
 }
 
-/// Builds the wheel as it is released, and installs it beside the rivals.
-fn install(tools: &Path, python: &Path) -> Result<()> {
+/// Builds the wheel as it is released, and installs it beside what else is measured.
+pub(crate) fn install(tools: &Path, python: &Path) -> Result<()> {
     let folder = target().join("wheels-release");
     let _ = std::fs::remove_dir_all(&folder);
     let place = folder.to_string_lossy();

@@ -181,7 +181,7 @@ fn what_cannot_be_done_is_said_before_anything_is_made() {
         bad.stderr
     );
     assert!(!run.path("more").exists());
-    let skipped = run.ok(&with(&["--on-bad-annotation", "skip"]));
+    let skipped = run.ok(&with(&["--on-bad-annotation", "skip", "--keep-share", "0"]));
     assert!(skipped.stdout.contains("left out for bad annotations: 1"), "{}", skipped.stdout);
     assert_eq!(files(&run.path("more")).keys().filter(|name| name.ends_with(".png")).count(), 2);
 }
@@ -207,7 +207,7 @@ fn what_is_left_out_is_named_and_a_dataset_without_its_annotations_is_no_folder(
 fn an_image_that_fails_is_named_and_listed() {
     let run = fish(4);
     fs::write(run.path("fish/images/val/0.png"), "no image").unwrap();
-    let failed = run.fails(1, &AUGMENT);
+    let failed = run.fails(1, &with(&["--keep-share", "0"]));
     assert!(failed.stderr.contains("fish/images/val/0.png"), "{}", failed.stderr);
     assert!(failed.stderr.contains("1 of 4 images failed"), "{}", failed.stderr);
     let manifest = String::from_utf8(run.bytes("more/manifest.jsonl")).unwrap();

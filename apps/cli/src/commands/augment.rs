@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use anyhow::anyhow;
-use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Sea, Shard};
+use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Shard};
 use aquafuse_data::dataset::{Dataset, DatasetOptions, Layout, Splits};
 use aquafuse_data::files::{display, make_folder};
 use aquafuse_data::pipeline::PixelEncoding;

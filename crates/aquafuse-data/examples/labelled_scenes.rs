@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mask = scene.kinds.iter().flat_map(|kind| [label(*kind); 3]).collect();
         let mask = Image::from_raw(size.width, size.height, mask).map_err(|error| error.to_string())?;
         let write = |image: Image<u8>, path: PathBuf, quality: u8| {
-            let options = WriteOptions { overwrite: true, quality, ..WriteOptions::default() };
+            let options = WriteOptions { overwrite: true, quality };
             ImageFile::new(image).write(&path, &options).map_err(|error| error.to_string())
         };
         // The scene takes far longer than its images: it is made once for all waters.

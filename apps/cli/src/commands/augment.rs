@@ -88,7 +88,7 @@ pub(crate) struct Augment {
     /// Layout of the dataset [default: detected].
     #[arg(long, value_name = "LAYOUT", value_parser = layout())]
     format: Option<Layout>,
-    /// Number of variants of each image: at most the number of waters, unless theta or alpha has a range.
+    /// Number of variants of each image: at most the number of waters, unless theta or alpha has a range or waters are drawn.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     per_image: u32,
     /// The splits to multiply: all, or some of train,val,test. Images of other splits are copied unchanged, with their

@@ -1,6 +1,7 @@
 //! The Python package beside its library and other augmentations, in one run.
 
 use std::fmt::Write;
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};

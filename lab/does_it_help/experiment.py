@@ -1,181 +1,136 @@
 """Does it help? A small segmenter is trained on truth scenes in two waters, and tested in a water it has not seen.
 
-    python experiment.py SCENES AQUAFUSE WORK [--seeds N] [--steps N]
+    python experiment.py SCENES WORK [--waters N] [--steps N] [--until HH:MM] [--table]
 
-SCENES is the built example `labelled_scenes`, AQUAFUSE the command, WORK a folder to fill. It prints a table in Markdown:
-the mean intersection over union in the water not seen, for every way to multiply the images of training; every way
-trains for as many steps.
+SCENES is the built example `labelled_scenes`, WORK a folder to fill. Each finished run is a line of WORK/runs.jsonl, so that
+a stopped experiment goes on; whole waters come first. It prints a table in Markdown of the waters for which a way has runs;
+`--table` alone trains nothing.
 """
 
 import argparse
+import datetime
+import json
 import pathlib
 import shutil
 import subprocess
 import sys
+import time
 
-import albumentations
 import cv2
-import numpy as np
 import network
+import numpy as np
+import table
+import ways
 
-WATERS = ["blue", "green", "turbid", "clear", "deep"]
-# Images are made and multiplied large, and learned small.
-LARGE, SMALL = (144, 120), (48, 40)
-TRAINED, TESTED, BATCH, PER_IMAGE = 200, 80, 8, 3
-PRESETS = [f"preset:jerlov-{kind}" for kind in ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")]
-# By what the images are multiplied: the model, whether by the presets or by images of the new water, and colours.
-WAYS = {
-    "none": (None, False, False),
-    "ColorJitter": (None, False, True),
-    "`aquafuse`, 3 unlabelled images": ("aquafuse", False, False),
-    "`physical`, 3 unlabelled images": ("physical", False, False),
-    "`physical`, presets": ("physical", True, False),
-    "`physical`, presets, and ColorJitter": ("physical", True, True),
-}
-RESAMPLINGS = 10_000
+KINDS = ("lit", "as-is")
+LARGE = (144, 120)
+TRAINED, TESTED, REFERENCES, BATCH = range(200), range(1000, 1080), range(5000, 5003), 8
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scenes")
-    parser.add_argument("aquafuse")
     parser.add_argument("work", type=pathlib.Path)
-    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--waters", type=int, default=25)
     parser.add_argument("--steps", type=int, default=500)
+    parser.add_argument("--until", help="begin no run after this time of day, as 06:30")
+    parser.add_argument("--table", action="store_true", help="print the table of what is there")
     return parser.parse_args()
 
 
-def loaded(folder):
-    """Images and labels of a dataset, small."""
-    pictures, labels = [], []
-    for path in sorted((folder / "images").iterdir()):
-        picture = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
-        mask = cv2.imread(str(folder / "masks" / path.name), cv2.IMREAD_GRAYSCALE)
-        pictures.append(cv2.resize(picture, SMALL, interpolation=cv2.INTER_AREA))
-        labels.append(cv2.resize(mask, SMALL, interpolation=cv2.INTER_NEAREST))
-    return np.stack(pictures), np.stack(labels).astype(np.int32)
+class Scenes:
+    """Scenes in waters by number."""
+
+    def __init__(self, given):
+        self.given, self.known = given, {}
+
+    def folder(self, kind, water):
+        all_of_them = self.given.work / f"scenes-{self.given.waters}"
+        if not all_of_them.exists():
+            part = all_of_them.with_suffix(".part")
+            shutil.rmtree(part, ignore_errors=True)
+            ranges = [f"{some.start}-{some.stop - 1}" for some in (TRAINED, TESTED, REFERENCES)]
+            command = [self.given.scenes, part, str(self.given.waters), *map(str, LARGE), *ranges]
+            turbid = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+            (part / "turbid.txt").write_text(turbid)
+            part.rename(all_of_them)
+        return all_of_them / f"{kind}-{water:02}"
+
+    def is_turbid(self, water):
+        return str(water) in (self.folder("lit", water).parent / "turbid.txt").read_text().split()
+
+    def of(self, kind, water):
+        """Large images and small labels by seed; those of two waters more than needed now are forgotten."""
+        if (kind, water) not in self.known:
+            while len(self.known) >= 3:
+                self.known.pop(next(iter(self.known)))
+            found = {}
+            for path in sorted((self.folder(kind, water) / "images").iterdir()):
+                mask = cv2.imread(str(path.parent.parent / "masks" / f"{path.stem}.png"), cv2.IMREAD_GRAYSCALE)
+                image = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
+                label = cv2.resize(mask, ways.SMALL, interpolation=cv2.INTER_NEAREST)
+                found[int(path.stem)] = image, label.astype(np.int32)
+            self.known[kind, water] = found
+        return self.known[kind, water]
+
+    def references(self, kind, water):
+        images = (self.folder(kind, water) / "images").iterdir()
+        return sorted(str(path) for path in images if int(path.stem) in REFERENCES)
 
 
-class Data:
-    """What is trained on and tested with when one of the waters is held out."""
-
-    def __init__(self, given, held_out):
-        at = WATERS.index(held_out)
-        seen = [WATERS[(at + step) % len(WATERS)] for step in (1, 2)]
-        work = given.work / held_out
-        train, home = (self.of_both(given.work / kind, seen, work / kind) for kind in ("train", "test"))
-        self.test, self.home = loaded(given.work / "test" / held_out), loaded(home)
-        # Images of the new water without labels, of places that are not tested.
-        unlabelled = given.work / "unlabelled" / held_out / "images"
-        self.train = {}
-        for model, presets, _ in WAYS.values():
-            if model is None:
-                self.train[model, presets] = loaded(train)
-            elif (model, presets) not in self.train:
-                waters, output = (PRESETS, f"{model}-presets") if presets else ([unlabelled], model)
-                self.train[model, presets] = self.multiplied(given.aquafuse, train, model, waters, work / output)
-
-    @staticmethod
-    def of_both(scenes, waters, folder):
-        """A dataset of all scenes, one in the first water, the next in the other."""
-        for kind in ("images", "masks"):
-            (folder / kind).mkdir(parents=True, exist_ok=True)
-            for number, path in enumerate(sorted((scenes / waters[0] / kind).iterdir())):
-                shutil.copy(scenes / waters[number % 2] / kind / path.name, folder / kind)
-        return folder
-
-    @staticmethod
-    def multiplied(aquafuse, data, model, waters, output):
-        command = [aquafuse, "augment", data, *waters, "-o", output, "--model", model, "--keep-originals", "--quiet"]
-        subprocess.run([*command, "--per-image", str(PER_IMAGE)], check=True)
-        return loaded(output)
+def tested(scenes, seeds):
+    """Images and labels as they are, small."""
+    images, labels = zip(*(scenes[seed] for seed in seeds))
+    return np.stack([ways.small(image) for image in images]), np.stack(labels)
 
 
-def batches(data, seed, jitter):
-    """Batches without end: any image, turned round or not."""
+def batches(images, change, seed):
+    """Batches without end: any image, changed, mirrored or not."""
     random = np.random.default_rng(seed)
-    pictures, labels = data
-    colours = albumentations.ColorJitter(brightness=0.4, contrast=0.4, saturation=0.4, hue=0.1, p=1.0)
-    change = albumentations.Compose([colours], seed=seed) if jitter else None
     while True:
-        chosen = random.integers(len(pictures), size=BATCH)
-        some, named = pictures[chosen], labels[chosen]
-        if change:
-            some = np.stack([change(image=picture)["image"] for picture in some])
-        flip = random.random(BATCH) < 0.5
-        some = np.where(flip[:, None, None, None], some[:, :, ::-1], some)
-        yield some, np.where(flip[:, None, None], named[:, :, ::-1], named)
+        pictures, labels = [], []
+        for at in random.integers(len(images), size=BATCH):
+            image, label = images[at]
+            image, side = ways.small(change(image, random)), 1 if random.random() < 0.5 else -1
+            pictures.append(image[:, ::side])
+            labels.append(label[:, ::side])
+        yield np.stack(pictures), np.stack(labels)
 
 
-def interval(values):
-    """The middle 95 % of means of resampled values."""
-    random = np.random.default_rng(0)
-    means = random.choice(values, (RESAMPLINGS, len(values))).mean(1)
-    return np.quantile(means, [0.025, 0.975])
+def run(given, scenes, kind, water, way):
+    """Trains in two other waters, and tests in the water and at home."""
+    home = [water] * 2 if way == ways.CEILING else [(water + step) % given.waters for step in (1, 2)]
+    images = [scenes.of(kind, home[seed % 2])[seed] for seed in TRAINED]
+    change = ways.of(way, water, scenes.references(kind, water))
+    found = network.trained(batches(images, change, water), given.steps, water)
+    of_home = [scenes.of(kind, home[seed % 2])[seed] for seed in TESTED]
+    own = np.stack([ways.small(image) for image, _ in of_home]), np.stack([label for _, label in of_home])
+    return network.mean_iou(found, *tested(scenes.of(kind, water), TESTED)), network.mean_iou(found, *own)
 
 
 def main():
     given = arguments()
-    for name, first, count in (("train", 0, TRAINED), ("test", 1000, TESTED), ("unlabelled", 5000, 3)):
-        if not (given.work / name).exists():
-            part = given.work / f"{name}.part"
-            subprocess.run([given.scenes, part, str(first), str(count), *map(str, LARGE)], check=True)
-            part.rename(given.work / name)
-    scores = Scores(given.work / "scores.tsv")
-    for water in WATERS:
-        data = None
-        for seed in range(given.seeds):
-            for way, (model, presets, jitter) in WAYS.items():
-                if scores.has(water, seed, way, given.steps):
-                    continue
-                data = data or Data(given, water)
-                start = batches(data.train[model, presets], seed, jitter)
-                layers = network.trained(start, given.steps, seed)
-                away, home = network.mean_iou(layers, *data.test), network.mean_iou(layers, *data.home)
-                scores.add(water, seed, way, given.steps, away, home)
-    print(table(given, scores))
-
-
-class Scores:
-    """What was measured so far, kept in a file: a run that was stopped goes on."""
-
-    def __init__(self, path):
-        self.path, self.found = path, {}
-        if path.exists():
-            for line in path.read_text().splitlines():
-                water, seed, way, steps, away, home = line.split("\t")
-                self.found[water, int(seed), way, int(steps)] = float(away), float(home)
-
-    def has(self, *key):
-        return key in self.found
-
-    def add(self, water, seed, way, steps, away, home):
-        self.found[water, seed, way, steps] = away, home
-        with self.path.open("a") as file:
-            file.write(f"{water}\t{seed}\t{way}\t{steps}\t{away:.4f}\t{home:.4f}\n")
-        print(f"{water}, seed {seed}, {way}: {away:.3f}, at home {home:.3f}", file=sys.stderr, flush=True)
-
-    def of(self, given, way, water):
-        """Away and at home, seed by seed."""
-        return np.array([self.found[water, seed, way, given.steps] for seed in range(given.seeds)])
-
-
-def table(given, scores):
-    lines = [
-        f"Mean intersection over union of {network.CLASSES} classes in the water not seen; {TRAINED} pictures in two other waters, "
-        f"{given.steps} steps of {BATCH} pictures; means of {given.seeds} seeds; the last two columns are over all waters and seeds.",
-        "",
-        "| multiplied by | " + " | ".join(WATERS) + " | beside none, 95 % of resampled means | in the waters of training |",
-        "|---" * (len(WATERS) + 3) + "|",
-    ]
-    everywhere = {way: np.concatenate([scores.of(given, way, water) for water in WATERS]) for way in WAYS}
-    for way in WAYS:
-        means = [f"{scores.of(given, way, water)[:, 0].mean():.3f}" for water in WATERS]
-        gain = everywhere[way][:, 0] - everywhere["none"][:, 0]
-        low, high = interval(gain)
-        said = "" if way == "none" else f"{gain.mean():+.3f} ({low:+.3f} to {high:+.3f})"
-        lines.append(f"| {way} | " + " | ".join(means) + f" | {said} | {everywhere[way][:, 1].mean():.3f} |")
-    return "\n".join(lines)
+    given.work.mkdir(parents=True, exist_ok=True)
+    path, scenes = given.work / "runs.jsonl", Scenes(given)
+    lines = path.read_text().splitlines(keepends=True) if path.exists() else []
+    # A line without its end was being written when the process was stopped.
+    runs = [json.loads(line) for line in lines if line.endswith("\n")]
+    path.write_text("".join(line for line in lines if line.endswith("\n")))
+    runs = [one for one in runs if one["steps"] == given.steps]
+    done = {(one["kind"], one["water"], one["way"]) for one in runs}
+    left = [(kind, water, way) for water in range(given.waters) for kind in KINDS for way in ways.WAYS]
+    for kind, water, way in [] if given.table else [one for one in left if one not in done]:
+        if given.until and datetime.datetime.now().strftime("%H:%M") >= given.until:
+            break
+        began = time.process_time()
+        away, home = run(given, scenes, kind, water, way)
+        one = {"kind": kind, "water": water, "turbid": scenes.is_turbid(water), "way": way, "steps": given.steps}
+        one |= {"away": round(away, 4), "home": round(home, 4), "seconds": round(time.process_time() - began, 1)}
+        runs.append(one)
+        with path.open("a") as file:
+            file.write(json.dumps(one) + "\n")
+        print(f"{kind}, water {water}, {way}: {away:.3f}, at home {home:.3f}", file=sys.stderr, flush=True)
+    print(table.of(runs, given.steps, given.waters, BATCH, len(TRAINED)))
 
 
 if __name__ == "__main__":

@@ -1,115 +1,78 @@
-"""A small segmenter and its training, on the CPU."""
+"""A small segmenter and its training, on one core."""
 
-from functools import partial
+import math
 
-import jax
-import jax.numpy as jnp
 import numpy as np
+import torch
+from torch import nn
 
 CLASSES = 6
 WIDTHS = (8, 16, 32)
 GROUPS = 4
+RATE = 3e-3
 
 
-def new(seed):
-    """The weights of a U-Net of three levels."""
-    key = jax.random.PRNGKey(seed)
-    layers = {}
+class Block(nn.Sequential):
+    """Two convolutions, each with group normalisation and ReLU."""
 
-    def conv(name, size, into, out):
-        nonlocal key
-        key, own = jax.random.split(key)
-        scale = (2 / (size * size * into)) ** 0.5
-        layers[name] = {
-            "kernel": scale * jax.random.normal(own, (size, size, into, out)),
-            "bias": jnp.zeros(out),
-            "gain": jnp.ones(out),
-        }
+    def __init__(self, into, out):
+        def layers(into):
+            return nn.Conv2d(into, out, 3, padding=1), nn.GroupNorm(GROUPS, out), nn.ReLU(inplace=True)
 
-    into = 3
-    for level, width in enumerate(WIDTHS):
-        conv(f"down{level}a", 3, into, width)
-        conv(f"down{level}b", 3, width, width)
-        into = width
-    for level, width in reversed(list(enumerate(WIDTHS[:-1]))):
-        conv(f"up{level}a", 3, into + width, width)
-        conv(f"up{level}b", 3, width, width)
-        into = width
-    conv("last", 1, into, CLASSES)
-    return layers
+        super().__init__(*layers(into), *layers(out))
 
 
-def convolved(layer, x):
-    kernel = layer["kernel"]
-    return jax.lax.conv_general_dilated(x, kernel, (1, 1), "SAME", dimension_numbers=("NHWC", "HWIO", "NHWC"))
+class Network(nn.Module):
+    """A U-Net of three levels."""
 
+    def __init__(self):
+        super().__init__()
+        self.down = nn.ModuleList(Block(into, out) for into, out in zip((3, *WIDTHS), WIDTHS))
+        pairs = list(zip(WIDTHS[1:], WIDTHS[:-1]))
+        self.up = nn.ModuleList(Block(below + own, own) for below, own in reversed(pairs))
+        self.last = nn.Conv2d(WIDTHS[0], CLASSES, 1)
 
-def block(layer, x):
-    """Convolution, group normalisation, ReLU."""
-    x = convolved(layer, x)
-    count, height, width, channels = x.shape
-    grouped = x.reshape(count, height, width, GROUPS, channels // GROUPS)
-    mean = grouped.mean((1, 2, 4), keepdims=True)
-    spread = jnp.sqrt(grouped.var((1, 2, 4), keepdims=True) + 1e-5)
-    x = ((grouped - mean) / spread).reshape(x.shape)
-    return jax.nn.relu(layer["gain"] * x + layer["bias"])
-
-
-def halved(x):
-    return jax.lax.reduce_window(x, 0.0, jax.lax.add, (1, 2, 2, 1), (1, 2, 2, 1), "VALID") / 4
-
-
-def scores(layers, pictures):
-    """How much speaks for each class, pixel by pixel; images are in 0..1."""
-    x, kept = 2 * pictures - 1, []
-    for level in range(len(WIDTHS)):
-        x = block(layers[f"down{level}b"], block(layers[f"down{level}a"], x))
-        if level + 1 < len(WIDTHS):
+    def forward(self, pictures):
+        x, kept = 2 * pictures - 1, []
+        for level, block in enumerate(self.down):
+            x = block(x if level == 0 else nn.functional.avg_pool2d(x, 2))
             kept.append(x)
-            x = halved(x)
-    for level in reversed(range(len(WIDTHS) - 1)):
-        x = jnp.concatenate([x.repeat(2, 1).repeat(2, 2), kept[level]], -1)
-        x = block(layers[f"up{level}b"], block(layers[f"up{level}a"], x))
-    return convolved(layers["last"], x) + layers["last"]["bias"]
+        for block, own in zip(self.up, reversed(kept[:-1])):
+            x = block(torch.cat([nn.functional.interpolate(x, scale_factor=2), own], 1))
+        return self.last(x)
 
 
-def loss(layers, pictures, labels):
-    likelihoods = jax.nn.log_softmax(scores(layers, pictures))
-    return -jnp.take_along_axis(likelihoods, labels[..., None], -1).mean()
-
-
-@partial(jax.jit, donate_argnums=(0, 1))
-def step(layers, moments, count, rate, pictures, labels):
-    """One step of Adam."""
-    slope = jax.grad(loss)(layers, pictures, labels)
-    first = jax.tree.map(lambda m, g: 0.9 * m + 0.1 * g, moments[0], slope)
-    second = jax.tree.map(lambda m, g: 0.99 * m + 0.01 * g * g, moments[1], slope)
-
-    def moved(layer, m, v):
-        return layer - rate * (m / (1 - 0.9**count)) / (jnp.sqrt(v / (1 - 0.99**count)) + 1e-8)
-
-    return jax.tree.map(moved, layers, first, second), (first, second)
+def tensor(pictures):
+    """Images as bytes, as the network takes them."""
+    return torch.from_numpy(np.ascontiguousarray(pictures)).permute(0, 3, 1, 2).float().div_(255).contiguous(
+        memory_format=torch.channels_last
+    )
 
 
 def trained(batches, steps, seed):
     """A network after `steps` batches of images (bytes) and labels."""
-    layers = new(seed)
-    moments = (jax.tree.map(jnp.zeros_like, layers), jax.tree.map(jnp.zeros_like, layers))
+    torch.set_num_threads(1)
+    torch.manual_seed(seed)
+    network = Network().to(memory_format=torch.channels_last)
+    optimiser = torch.optim.Adam(network.parameters(), lr=RATE, betas=(0.9, 0.99))
     for count in range(1, steps + 1):
         pictures, labels = next(batches)
-        rate = 3e-3 * 0.5 * (1 + np.cos(np.pi * count / steps))
-        layers, moments = step(layers, moments, float(count), rate, pictures / np.float32(255), labels)
-    return layers
+        for group in optimiser.param_groups:
+            group["lr"] = RATE * 0.5 * (1 + math.cos(math.pi * count / steps))
+        optimiser.zero_grad(set_to_none=True)
+        likelihoods = network(tensor(pictures))
+        nn.functional.cross_entropy(likelihoods, torch.from_numpy(np.ascontiguousarray(labels)).long()).backward()
+        optimiser.step()
+    return network
 
 
-predicted = jax.jit(lambda layers, pictures: scores(layers, pictures).argmax(-1))
-
-
-def mean_iou(layers, pictures, labels):
+@torch.no_grad()
+def mean_iou(network, pictures, labels):
     """Intersection over union of each class that is there, and their mean."""
-    told = np.concatenate([predicted(layers, part / np.float32(255)) for part in np.array_split(pictures, 8)])
-    pairs = np.bincount((CLASSES * labels + told).ravel(), minlength=CLASSES**2).reshape(CLASSES, CLASSES)
+    found = [network(tensor(part)).argmax(1).numpy() for part in np.array_split(pictures, 8)]
+    pairs = np.bincount((CLASSES * labels + np.concatenate(found)).ravel(), minlength=CLASSES**2)
+    pairs = pairs.reshape(CLASSES, CLASSES)
     both = np.diag(pairs)
     either = pairs.sum(0) + pairs.sum(1) - both
     there = pairs.sum(1) > 0
-    return (both[there] / either[there]).mean()
+    return float((both[there] / either[there]).mean())

@@ -1,24 +1,25 @@
-//! `lab helps`: whether a network learns more from a dataset that was multiplied, tried in a water it has not seen.
+//! `lab helps`: whether a network learns more from images in other waters, tried in a water it has not seen.
 
-use std::fs;
-
-use anyhow::{Context, Result};
-use xtask::setup::python_environment;
+use anyhow::Result;
+use xtask::setup::{python_environment, set_up};
 use xtask::shell::{command, output, say, target};
 
+use crate::bench::python::install;
 use crate::pages::{RESULTS, show_section};
 use crate::programs;
 
-pub(crate) fn run() -> Result<()> {
-    let programs = [programs::example("aquafuse-data", "labelled_scenes")?, programs::aquafuse()?];
+/// Trains what is not trained yet, and writes the table of all finished runs. `options` are those of `experiment.py`.
+pub(crate) fn run(options: &[&str]) -> Result<()> {
+    let scenes = programs::example("aquafuse-data", "labelled_scenes")?;
     let python =
         python_environment("python-trainer", "lab/does_it_help/requirements.txt")?.join("bin/python");
-    let work = target().join("helps");
-    if work.exists() {
-        fs::remove_dir_all(&work).context("cannot clear the last run")?;
-    }
-    say("Training small networks (about an hour on one core)");
+    install(&set_up()?.python, &python)?;
+    say(
+        "Training small networks (some hours on one core; the same command continues a run that was stopped)",
+    );
     let mut training = command(python, &["lab/does_it_help/experiment.py"]);
-    training.args(programs).arg(work);
+    training.arg(scenes).arg(target().join("helps")).args(options);
+    // One core, as the page says.
+    training.env("OMP_NUM_THREADS", "1").env("RAYON_NUM_THREADS", "1");
     show_section(RESULTS, "helps", &output(training)?)
 }

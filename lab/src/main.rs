@@ -51,7 +51,8 @@ docs/results.md
   nodes               a dataset multiplied on two nodes of Ray, of which one is killed; needs root
   roundtrip           annotations of ten layouts before and after augment, by the readers that people use
   variations          small datasets and scenes of every kind, varied in the ways of users: what is lost without a word
-  helps               whether a small network learns more from a dataset that was multiplied
+  helps [OPTION...]   whether a small network learns more from images in other waters; goes on where it was stopped, and
+                      `helps --table` writes the table of the runs that are finished
   scene [FOLDER]      splats trained on a synthetic scene and on fused scenes; FOLDER is for images to look at
   soak [MINUTES] [PARSER...]
                       every parser fuzzed, every law tried on 100,000 cases, a folder's job killed 1,000 times;
@@ -116,7 +117,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["nodes"] => nodes::run(),
         ["roundtrip"] => roundtrip::run(),
         ["variations"] => variations::run(),
-        ["helps"] => helps::run(),
+        ["helps", ref options @ ..] => helps::run(options),
         ["scene"] => scene::run(None),
         ["scene", folder] => scene::run(Some(Path::new(folder))),
         ["soak"] => soak::run(soak::DEFAULT_MINUTES, &[]),

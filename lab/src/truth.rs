@@ -14,5 +14,6 @@ pub(crate) fn run() -> Result<()> {
     show_section(RESULTS, "estimates", &estimates::table()?)?;
     evaluate::write(&aquafuse, "truth", &["truth"])?;
     evaluate::write(&aquafuse, "truth-linear", &["truth", "--linear"])?;
-    evaluate::write(&aquafuse, "truth-lit", &["truth", "--lit"])
+    evaluate::write(&aquafuse, "truth-lit", &["truth", "--lit"])?;
+    evaluate::write(&aquafuse, "truth-lit-sea", &["truth", "--lit=sea"])
 }

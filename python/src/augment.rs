@@ -9,7 +9,9 @@ use std::time::Duration;
 use aquafuse::depth::DepthKind;
 use aquafuse::fusion::Options;
 use aquafuse::waterbody::Verdict;
-use aquafuse_data::augment::{Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Shard, Water as Drawable};
+use aquafuse_data::augment::{
+    Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Sea, Shard, Water as Drawable,
+};
 use aquafuse_data::dataset::{Dataset, DatasetOptions, Layout, Splits};
 use aquafuse_data::files::{display, make_folder, sha256};
 use aquafuse_data::image_file::ReadOptions;
@@ -21,7 +23,7 @@ use pyo3::prelude::*;
 use crate::error::Fault;
 use crate::settings::{Reading, gain, incidence, kind, scale};
 use crate::threads;
-use crate::water::Water;
+use crate::water::{Water, checked};
 
 /// A water by its name, and its file if it has one.
 type Named<'py> = (String, Bound<'py, Water>, Option<PathBuf>);
@@ -36,6 +38,8 @@ pub(crate) struct Settings<'py> {
     preview: u16,
     per_image: u32,
     keep_originals: bool,
+    keep_share: f64,
+    sea: bool,
     seed: u64,
     with_replacement: bool,
     theta_range: Option<(f32, f32)>,
@@ -236,6 +240,7 @@ impl Settings<'_> {
         };
         Ok(Recipe {
             waters: without_doubtful(waters, &on_doubtful),
+            sea: if self.sea { Some(self.sea(of_map)?) } else { None },
             encoding: reading.encoding(),
             per_image: self.per_image,
             draws,
@@ -245,9 +250,15 @@ impl Settings<'_> {
             on_doubtful,
             on_bad_annotation,
             keep_originals: self.keep_originals,
+            keep_share: self.keep_share,
             splits: Splits::All,
             quality: self.quality,
         })
+    }
+
+    /// The sea, per unit of the images' depth.
+    fn sea(&self, depth_kind: DepthKind) -> Result<Sea, Fault> {
+        Ok(Sea { depth_kind, scale: scale(self.metres_at_one)?, visibility: checked(self.visibility)? })
     }
 
     /// A water per unit of the images' depth.

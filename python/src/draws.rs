@@ -35,12 +35,12 @@ impl Draws {
         Ok(Self(augment::Draws { seed, with_replacement, theta: theta_range, alpha: alpha_range }))
     }
 
-    /// The index of the water, theta and alpha of draw `number` for `key`, of so many waters.
-    fn draw(&self, key: &str, number: u32, waters: usize) -> Result<(usize, f32, f32), Fault> {
+    /// The index of the water, theta, alpha and the number of a water of the sea of draw `number` for `key`, of so many waters.
+    fn draw(&self, key: &str, number: u32, waters: usize) -> Result<(usize, f32, f32, u32), Fault> {
         if waters == 0 {
             return Err(Fault::argument("there is no water to draw from; give at least one"));
         }
         let drawn = self.0.draw(key, number, waters);
-        Ok((drawn.water, drawn.theta, drawn.alpha))
+        Ok((drawn.water, drawn.theta, drawn.alpha, drawn.sea))
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aquafuse::depth::{DepthKind, RelativeScale};
 use aquafuse::image::Linear;
-use aquafuse::waterbody::presets::{Conditions, Preset, White, sea};
+use aquafuse::waterbody::presets::{Conditions, Preset, White};
 use aquafuse::waterbody::{Quality, Reason};
 use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use aquafuse_data::pipeline::{PixelEncoding, WaterEstimate};
@@ -23,6 +23,16 @@ pub(crate) struct Water {
     file: WaterFile,
     /// A preset knows the light on its scene, which a file does not hold.
     preset: Option<(Preset, f64, String)>,
+}
+
+/// A visibility in metres, if it can be one.
+pub(crate) fn checked(visibility: Option<f32>) -> Result<Option<f32>, Fault> {
+    match visibility {
+        Some(metres) if !(0.1..=1000.0).contains(&metres) => {
+            Err(Fault::argument(format!("visibility is {metres}; give 0.1 to 1000 metres")))
+        }
+        _ => Ok(visibility),
+    }
 }
 
 /// A triple for red, green and blue of some numbers each.
@@ -55,12 +65,7 @@ impl Water {
         scale: RelativeScale,
         visibility: Option<f32>,
     ) -> Result<WaterEstimate, Fault> {
-        let Some(metres) = visibility else { return Ok(self.file.per(kind, scale)?) };
-        if !(0.1..=1000.0).contains(&metres) {
-            return Err(Fault::argument(format!("visibility is {metres}; give 0.1 to 1000 metres")));
-        }
-        let metric = self.file.per(DepthKind::Metres, scale)?.with_visibility(metres)?;
-        Ok(metric.per(DepthKind::Metres, kind, scale)?)
+        Ok(self.file.seen(kind, scale, checked(visibility)?)?)
     }
 
     pub(crate) fn file(&self) -> &WaterFile {
@@ -141,9 +146,7 @@ impl Water {
     /// A drawn water by its number.
     #[staticmethod]
     fn of_sea(number: u32, linear: bool) -> Self {
-        let (preset, conditions) = sea(number);
-        let estimate = WaterEstimate::preset(preset, &conditions, encoding(linear));
-        Self::of_estimate(&format!("sea:{number}"), DepthKind::Metres, estimate)
+        Self { file: WaterFile::sea(number, encoding(linear)), preset: None }
     }
 
     /// The water of a published table.

@@ -111,13 +111,26 @@ fn drawn_waters_need_no_reference_and_are_made_again() {
     let run = fish(2);
     let sea = ["augment", "fish", "--waters", "sea", "--model", "relight", "--per-image", "3", "-o", "sea"];
     let said = run.ok(&[&sea[..], &["--splits", "all", "--preview", "0"]].concat());
-    assert!(said.stdout.contains("layout yolo, 32 waters"), "{}", said.stdout);
+    assert!(said.stdout.contains("layout yolo, waters of the sea\n"), "{}", said.stdout);
+    // With three variants and the original a quarter of the images are as they were.
+    assert!(said.stdout.contains("6 variants of 2 images") && said.stdout.contains("copied originals: 2"));
     let made = files(&run.path("sea"));
-    let variants: Vec<&String> = made.keys().filter(|name| name.contains("__sea-")).collect();
+    for number in [0, 1] {
+        let split = if number == 0 { "val" } else { "train" };
+        let label = run.bytes(&format!("fish/labels/{split}/{number}.txt"));
+        let same = made.iter().filter(|(name, bytes)| name.starts_with("labels") && **bytes == label);
+        assert_eq!(same.count(), 4);
+    }
+    let variants: Vec<&String> = made.keys().filter(|name| name.contains("__sea__")).collect();
     // Images and labels.
     assert_eq!(variants.len(), 2 * 3 * 2, "{variants:?}");
     let manifest = std::str::from_utf8(&made["manifest.jsonl"]).unwrap();
-    assert!(manifest.contains("\"name\":\"sea:31\"") && manifest.contains("near_colour"));
+    let numbers: std::collections::BTreeSet<&str> = manifest
+        .match_indices("\"sea\":")
+        .filter_map(|(at, found)| manifest[at + found.len()..].split(',').next())
+        .filter(|number| number.parse::<u32>().is_ok())
+        .collect();
+    assert_eq!(numbers.len(), 6, "{numbers:?}");
     let checked = run.ok(&["verify", "sea", "--dataset", "fish"]);
     assert!(checked.stdout.ends_with("files are unchanged\n"), "{}", checked.stdout);
     let images = variants.iter().filter(|name| name.starts_with("images/"));
@@ -125,6 +138,21 @@ fn drawn_waters_need_no_reference_and_are_made_again() {
         run.ok(&["replay", "sea", "--only", name, "-o", "again"]);
         assert_eq!(run.bytes(&format!("again/{name}")), made[*name]);
     }
+    run.ok(&with(&["--waters", "sea", "--keep-share", "0", "--theta-range", "0,90"]));
+    let both = files(&run.path("more"));
+    assert_eq!(both.keys().filter(|name| name.ends_with(".png")).count(), 4);
+    let again = run.ok(&with(&["--waters", "sea", "--keep-share", "0", "--theta-range", "0,90"]));
+    assert!(again.stdout.contains("nothing is left to do"), "{}", again.stdout);
+    let all = run.ok(&["replay", "more", "-o", "more-again"]).stdout;
+    assert_eq!(all, "4 variants made again, equal to the manifest\n");
+    let other = run.fails(2, &with(&["--waters", "sea", "--theta-range", "0,90"])).stderr;
+    assert!(other.contains("keep_share"), "{other}");
+    for share in ["-0.1", "1.1", "NaN", "a"] {
+        let refused = run.fails(2, &with(&[&format!("--keep-share={share}")])).stderr;
+        assert!(refused.contains("--keep-share"), "{refused}");
+    }
+    let refused = run.fails(2, &with(&["--keep-share", "0.5", "--keep-originals"])).stderr;
+    assert!(refused.contains("cannot be used with"), "{refused}");
     let refused = run.fails(2, &["fuse", "fish/images/train/1.png", "sea:many", "-o", "o.png"]);
     assert!(refused.stderr.contains("sea:NUMBER"), "{}", refused.stderr);
 }
@@ -153,7 +181,7 @@ fn what_cannot_be_done_is_said_before_anything_is_made() {
         bad.stderr
     );
     assert!(!run.path("more").exists());
-    let skipped = run.ok(&with(&["--on-bad-annotation", "skip"]));
+    let skipped = run.ok(&with(&["--on-bad-annotation", "skip", "--keep-share", "0"]));
     assert!(skipped.stdout.contains("left out for bad annotations: 1"), "{}", skipped.stdout);
     assert_eq!(files(&run.path("more")).keys().filter(|name| name.ends_with(".png")).count(), 2);
 }
@@ -179,7 +207,7 @@ fn what_is_left_out_is_named_and_a_dataset_without_its_annotations_is_no_folder(
 fn an_image_that_fails_is_named_and_listed() {
     let run = fish(4);
     fs::write(run.path("fish/images/val/0.png"), "no image").unwrap();
-    let failed = run.fails(1, &AUGMENT);
+    let failed = run.fails(1, &with(&["--keep-share", "0"]));
     assert!(failed.stderr.contains("fish/images/val/0.png"), "{}", failed.stderr);
     assert!(failed.stderr.contains("1 of 4 images failed"), "{}", failed.stderr);
     let manifest = String::from_utf8(run.bytes("more/manifest.jsonl")).unwrap();

@@ -30,7 +30,8 @@ fn with_water() -> Run {
     run
 }
 
-const AUGMENT: [&str; 5] = ["augment", "set", "green.png", "-o", "out"];
+const BARE: [&str; 5] = ["augment", "set", "green.png", "-o", "out"];
+const AUGMENT: [&str; 7] = ["augment", "set", "green.png", "-o", "out", "--keep-share", "0"];
 
 /// The files below a folder.
 fn files(root: &Path) -> BTreeSet<String> {
@@ -200,7 +201,7 @@ fn lists_and_annotations_name_what_is_copied_and_variants_of_the_rest() {
     assert_eq!(text(&run, "out/ImageSets/Main/val.txt"), "c\n");
     assert_eq!(text(&run, "out/ImageSets/Main/trainval.txt"), "a__green__0\nb__green__0\nc\n");
     let run = with_splits("yolo, lists");
-    run.ok(&[&AUGMENT[..], &["--keep-originals"]].concat());
+    run.ok(&[&BARE[..], &["--keep-originals"]].concat());
     assert_eq!(text(&run, "out/two.txt"), "./images/c.png\n");
     assert!(text(&run, "out/one.txt").starts_with("./images/a.png\n./images/a__green__0.png\n"));
     let run = with_splits("coco");
@@ -331,7 +332,7 @@ fn the_summary_counts_what_has_no_variants() {
 #[test]
 fn what_augment_has_made_is_a_dataset_again() {
     let run = with_splits("yolo, folders");
-    run.ok(&[&AUGMENT[..], &["--keep-originals"]].concat());
+    run.ok(&[&BARE[..], &["--keep-originals"]].concat());
     assert!(run.path("out/preview.jpg").exists());
     let said = run.ok(&["augment", "out", "green.png", "-o", "twice", "--dry-run"]).stdout;
     assert!(!said.contains("left out") && said.contains("splits: train 4, val 1"), "{said}");
@@ -356,7 +357,7 @@ fn a_sidecar_goes_with_each_variant_and_names_it() {
         image(&run, image_at);
         write(&run, place, labelme);
         run.fails(2, &AUGMENT);
-        run.ok(&[&AUGMENT[..], &["--sidecar", "json", "--keep-originals"]].concat());
+        run.ok(&[&BARE[..], &["--sidecar", "json", "--keep-originals"]].concat());
         let variant = match place.strip_suffix(".png.json") {
             Some(begin) => format!("{begin}__green__0.png.json"),
             None => place.replace("a.json", "a__green__0.json"),
@@ -400,7 +401,7 @@ fn the_preview_shows_boxes_outlines_and_masks_on_images_and_variants() {
     assert!(!run.path("out/preview.jpg").exists());
     // An image of the dataset keeps its name.
     scene(&run.path("set/preview.jpg"), 3, "blue");
-    run.ok(&[&AUGMENT[..], &["--keep-originals", "--overwrite"]].concat());
+    run.ok(&[&BARE[..], &["--keep-originals", "--overwrite"]].concat());
     assert_eq!(run.bytes("out/preview.jpg"), run.bytes("set/preview.jpg"));
     run.ok(&["verify", "out"]);
 }

@@ -1,42 +1,58 @@
-//! Truth scenes in each of the synthetic waters, in the layout image + mask: each pixel of a mask says what is there.
+//! Truth scenes in waters by number, in the layout image + mask: each pixel of a mask says what is there.
 //!
-//! cargo run --release -p aquafuse-data --example labelled_scenes -- FOLDER FIRST COUNT WIDTH HEIGHT
+//! cargo run --release -p aquafuse-data --example labelled_scenes -- FOLDER WATERS WIDTH HEIGHT FIRST-LAST...
 //!
-//! Writes `FOLDER/WATER/images/SEED.png` and `FOLDER/WATER/masks/SEED.png`.
+//! WATERS is how many drawn waters there are, FIRST-LAST the seeds of scenes. Each scene is seen in each water `as-is` (white
+//! light, PNG) and `lit` (lit by its own water, by a camera, JPEG): `FOLDER/KIND-WATER/images/SEED.png` (or `.jpg`) and
+//! `FOLDER/KIND-WATER/masks/SEED.png`. Prints the numbers of the turbid waters.
 
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use aquafuse::image::Image;
-use aquafuse::truth::{Kind, Scene, Size, waters};
+use aquafuse::truth::{DrawnWater, Kind, Scene, Size};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, first, count, width, height] = &arguments[..] else {
-        return Err("usage: labelled_scenes FOLDER FIRST COUNT WIDTH HEIGHT".into());
+    let [folder, waters, width, height, ranges @ ..] = &arguments[..] else {
+        return Err("usage: labelled_scenes FOLDER WATERS WIDTH HEIGHT FIRST-LAST...".into());
     };
     let folder = Path::new(folder);
     let size = Size { width: width.parse()?, height: height.parse()? };
-    for (water, kind) in waters().iter().flat_map(|water| [(water, "images"), (water, "masks")]) {
-        std::fs::create_dir_all(folder.join(water.name).join(kind))?;
+    let waters: Vec<DrawnWater> = (0..waters.parse()?).map(DrawnWater::new).collect();
+    let mut seeds: Vec<u64> = Vec::new();
+    for range in ranges {
+        let (first, last) = range.split_once('-').ok_or("give FIRST-LAST")?;
+        seeds.extend(first.parse::<u64>()?..=last.parse::<u64>()?);
     }
-    let (first, count): (u64, u64) = (first.parse()?, count.parse()?);
-    (first..first + count).into_par_iter().try_for_each(|seed| -> Result<(), String> {
+    let place = |kind: &str, number: usize| folder.join(format!("{kind}-{number:02}"));
+    for (kind, number) in (0..waters.len()).flat_map(|number| [("as-is", number), ("lit", number)]) {
+        std::fs::create_dir_all(place(kind, number).join("images"))?;
+        std::fs::create_dir_all(place(kind, number).join("masks"))?;
+    }
+    seeds.into_par_iter().try_for_each(|seed| -> Result<(), String> {
         let scene = Scene::new(seed, size);
         let mask = scene.kinds.iter().flat_map(|kind| [label(*kind); 3]).collect();
         let mask = Image::from_raw(size.width, size.height, mask).map_err(|error| error.to_string())?;
-        let write = |image: Image<u8>, path: &Path| {
-            let options = WriteOptions { overwrite: true, ..WriteOptions::default() };
-            ImageFile::new(image).write(path, &options).map_err(|error| error.to_string())
+        let write = |image: Image<u8>, path: PathBuf, quality: u8| {
+            let options = WriteOptions { overwrite: true, quality };
+            ImageFile::new(image).write(&path, &options).map_err(|error| error.to_string())
         };
-        waters().iter().try_for_each(|named| {
-            let name = |kind: &str| folder.join(named.name).join(kind).join(format!("{seed:05}.png"));
-            write(scene.seen_through(&named.water).convert(), &name("images"))?;
-            write(mask.clone(), &name("masks"))
+        // The scene takes far longer than its images: it is made once for all waters.
+        waters.iter().enumerate().try_for_each(|(number, water)| {
+            let [as_is, lit] = ["as-is", "lit"].map(|kind| place(kind, number));
+            write(mask.clone(), as_is.join(format!("masks/{seed:05}.png")), 95)?;
+            write(mask.clone(), lit.join(format!("masks/{seed:05}.png")), 95)?;
+            write(water.as_is(&scene, seed), as_is.join(format!("images/{seed:05}.png")), 95)?;
+            let quality = water.jpeg_quality(seed);
+            write(water.lit(&scene, seed), lit.join(format!("images/{seed:05}.jpg")), quality)
         })
     })?;
+    for (number, _) in waters.iter().enumerate().filter(|(_, water)| water.is_turbid()) {
+        println!("{number}");
+    }
     Ok(())
 }
 

@@ -32,7 +32,7 @@ pub use draw::{Draw, Draws};
 use journal::Journal;
 pub use replay::{Again, Replayed, replay};
 pub use verify::{Check, verify};
-pub use water::{OnDoubtful, Water};
+pub use water::{OnDoubtful, Sea, Water};
 
 use crate::dataset::{Dataset, Splits};
 use crate::files::{FileError, display, make_folder_within, remove_stale_parts};
@@ -70,6 +70,8 @@ pub struct Augmentation {
 pub struct Recipe {
     /// The waters to draw from.
     pub waters: Vec<Water>,
+    /// Also draw waters from the sea, every second one if there are others.
+    pub sea: Option<Sea>,
     /// Which values to work on; the waters are of this encoding.
     pub encoding: PixelEncoding,
     /// Variants of each image.
@@ -88,6 +90,9 @@ pub struct Recipe {
     pub on_bad_annotation: &'static str,
     /// Also copy the original images.
     pub keep_originals: bool,
+    /// The share of the images written that are copies of originals, 0 to 1, as far as one copy of each makes it
+    /// ([`Draws::keeps`]).
+    pub keep_share: f64,
     /// Which splits are multiplied; images of the others are copied unchanged.
     pub splits: Splits,
     /// JPEG quality.
@@ -138,8 +143,14 @@ pub struct Multiplied {
     pub variants: usize,
     /// Whether it was carried over unchanged, because its split is not multiplied.
     pub is_carried: bool,
+    /// Originals that were copied beside their variants.
+    pub originals: usize,
+    /// Variants that were drawn again, because the scene was hidden or hardly changed.
+    pub redrawn: usize,
     /// Variants in which the water hides the scene.
     pub vanished: usize,
+    /// Variants that hardly differ from their image.
+    pub unchanged: usize,
     /// The verdict on its estimate.
     pub verdict: Option<Verdict>,
     /// Its lines of the manifest.

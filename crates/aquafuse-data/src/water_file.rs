@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::{FileError, display, one_line, write_atomically};
 use crate::image_file::open_file;
 use crate::pipeline::{PixelEncoding, Space, WaterEstimate, with_estimate};
+use aquafuse::waterbody::presets::sea;
 
 /// The end of the name of every such file.
 pub const SUFFIX: &str = ".water.json";
@@ -296,6 +297,32 @@ impl WaterFile {
     /// [`AttenuationError`] when a coefficient does not fit into a number.
     pub fn per(&self, kind: DepthKind, scale: RelativeScale) -> Result<WaterEstimate, AttenuationError> {
         self.estimate.per(self.depth_kind, kind, scale)
+    }
+
+    /// [`per`](Self::per), with another visibility in metres if one is given: at that distance 2 % of a contrast are left.
+    ///
+    /// # Errors
+    ///
+    /// [`AttenuationError`] when it has no visibility, or a coefficient does not fit into a number.
+    pub fn seen(
+        &self,
+        kind: DepthKind,
+        scale: RelativeScale,
+        visibility: Option<f32>,
+    ) -> Result<WaterEstimate, AttenuationError> {
+        let Some(metres) = visibility else { return self.per(kind, scale) };
+        let metric = self.per(DepthKind::Metres, scale)?.with_visibility(metres)?;
+        metric.per(DepthKind::Metres, kind, scale)
+    }
+
+    /// The water that the sea shows by this number, per metre ([`sea`]).
+    pub fn sea(number: u32, encoding: PixelEncoding) -> Self {
+        let (preset, conditions) = sea(number);
+        Self {
+            from: vec![format!("sea:{number}")],
+            depth_kind: DepthKind::Metres,
+            estimate: WaterEstimate::preset(preset, &conditions, encoding),
+        }
     }
 
     /// Writes the water, whole or not at all.

@@ -4,6 +4,7 @@
 //! through air. That gives the clear image I and the depth z exactly; [`Scene::seen_through`] puts any
 //! water in between by the formation model. Nothing here is a photograph, so all of it may be shipped.
 
+mod drawn;
 mod floor;
 mod geometry;
 mod layout;
@@ -13,7 +14,8 @@ mod thing;
 mod trials;
 mod waters;
 
-pub use trials::{Case, Exchange, LitCase, LitExchange, Trials};
+pub use drawn::DrawnWater;
+pub use trials::{Case, Exchange, LitCase, LitExchange, LitWaters, Trials};
 pub use waters::{NamedWater, waters};
 
 use crate::depth::{DepthKind, DepthMap};

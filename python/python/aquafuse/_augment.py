@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from aquafuse import _native
-from aquafuse._draws import library
+from aquafuse._draws import has_sea, library
+from aquafuse._errors import ArgumentError
 from aquafuse._options import Border, DepthKind, Model, Smoothing, reading
 from aquafuse._water import SEA, as_water
 
@@ -79,6 +80,7 @@ def augment(
     output: str | os.PathLike[str],
     *,
     per_image: int = 1,
+    keep_share: float | None = None,
     keep_originals: bool = False,
     seed: int = 0,
     with_replacement: bool = False,
@@ -116,11 +118,13 @@ def augment(
 
     Args:
         dataset: Its folder: images, COCO, YOLO, VOC, masks or WebDataset shards; see ``aquafuse augment --help``.
-        waters: ``presets``, ``preset:NAME``, ``sea`` (32 drawn waters), ``sea:NUMBER``, images,
+        waters: ``presets``, ``preset:NAME``, ``sea`` (a water drawn for each variant), ``sea:NUMBER``, images,
             ``*.water.json`` files, and folders of both.
         output: A folder that is new, empty, or of a run to continue.
         per_image: Number of variants of each image, 1 to 10,000.
-        keep_originals: Also copy the original images.
+        keep_share: The share of the images written that are copies of originals, 0 to 1, each copied at most once; 0.25 by
+            default.
+        keep_originals: Copy all original images; not with ``keep_share``.
         seed: Draws depend only on it, the image's path and the number of the variant.
         with_replacement: One image may get one water twice.
         theta_range: Least and greatest angle in degrees, instead of ``theta``.
@@ -157,8 +161,12 @@ def augment(
     ...
     aquafuse._errors.RunError: ...
     """
+    if keep_originals and keep_share is not None:
+        raise ArgumentError("keep_originals copies all originals; leave keep_share out, or keep_originals")
+    if keep_share is not None and not 0.0 <= keep_share <= 1.0:
+        raise ArgumentError(f"keep_share is {keep_share}; give a number from 0 to 1")
     how = reading(depth_model, border, linear)
-    named = [_named(name, depth_model, border, linear) for name in _library(waters)]
+    named = [_named(name, depth_model, border, linear) for name in library(_texts(waters))]
     instead = _named(on_doubtful, depth_model, border, linear) if on_doubtful.startswith("preset:") else None
     _native.Draws(seed, theta_range or (0.0, 0.0), alpha_range or (0.0, 0.0), with_replacement)
     listener = _Listener(on_event, progress)
@@ -175,6 +183,8 @@ def augment(
                 "preview": preview,
                 "per_image": per_image,
                 "keep_originals": keep_originals,
+                "keep_share": 0.0 if keep_originals else 0.25 if keep_share is None else keep_share,
+                "sea": has_sea(_texts(waters)),
                 "seed": seed,
                 "with_replacement": with_replacement,
                 "theta_range": theta_range,
@@ -204,8 +214,8 @@ def augment(
     return Summary(*counts, listener.failures)
 
 
-def _library(waters: Sequence[str | os.PathLike[str]] | str) -> list[str]:
-    return library(waters if isinstance(waters, str) else [os.fspath(name) for name in waters])
+def _texts(waters: Sequence[str | os.PathLike[str]] | str) -> list[str]:
+    return [waters] if isinstance(waters, str) else [os.fspath(name) for name in waters]
 
 
 def _named(name: str, depth_model: str, border: Border, linear: bool) -> tuple[str, _native.Water, str | None]:

@@ -16,6 +16,8 @@ from aquafuse._water import SEA, Water
 
 PRESETS = "presets"
 """The name of the library of all presets."""
+DRAWN = "sea"
+"""What asks for waters drawn from the sea."""
 _ENDS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".water.json")
 
 
@@ -40,6 +42,8 @@ class Drawn(NamedTuple):
     water: int | None
     theta: float
     alpha: float
+    sea: int = 0
+    """The number of the water, where ``water`` is behind all named ones: one of the sea."""
 
 
 class _Random(Protocol):
@@ -47,18 +51,17 @@ class _Random(Protocol):
 
 
 def library(waters: Sequence[str] | str) -> list[str]:
-    """Each single water: ``presets``, ``sea`` (``sea:0`` to ``sea:31``) and folders are replaced by what they hold, in order.
+    """Each named water: ``presets`` and folders are replaced by what they hold, in order; ``sea`` names none.
 
     >>> library("presets")[:2]
     ['preset:jerlov-I', 'preset:jerlov-IA']
     """
-    named = [waters] if isinstance(waters, (str, os.PathLike)) else list(waters)
     found: list[str] = []
-    for name in map(str, named):
+    for name in _listed(waters):
         if name == PRESETS:
             found += [f"preset:{preset}" for preset in Water.presets()]
-        elif name == "sea":
-            found += [f"{SEA}{number}" for number in range(32)]
+        elif name == DRAWN:
+            continue
         elif not name.startswith(("preset:", SEA)) and Path(name).is_dir():
             inside = sorted(str(path) for path in Path(name).iterdir() if path.name.lower().endswith(_ENDS))
             if not inside:
@@ -66,9 +69,22 @@ def library(waters: Sequence[str] | str) -> list[str]:
             found += inside
         else:
             found.append(name)
-    if not found:
+    if not found and not has_sea(waters):
         raise ArgumentError('there is no water to draw from; give at least one, for example "presets"')
     return found
+
+
+def has_sea(waters: Sequence[str] | str) -> bool:
+    """Whether waters are drawn from the sea, a new one each time.
+
+    >>> has_sea("sea"), has_sea(["sea", "presets"]), has_sea("sea:3")
+    (True, True, False)
+    """
+    return DRAWN in _listed(waters)
+
+
+def _listed(waters: Sequence[str] | str) -> list[str]:
+    return [str(name) for name in ([waters] if isinstance(waters, (str, os.PathLike)) else waters)]
 
 
 class WaterSampler:
@@ -96,10 +112,26 @@ class WaterSampler:
         self.share = share
         self._seed = seed
         self._draws = self._make_draws()
-        self.fusers = [
-            Fuser(water, model=model, smooth=smooth, depth_model=depth_model, border=border, linear=linear)
-            for water in library(waters)
-        ]
+        self._model, self._smooth, self._depth_model, self._border, self._linear = model, smooth, depth_model, border, linear
+        self.fusers = [self._make_fuser(water) for water in library(waters)]
+        # As `aquafuse augment`: every second water is one of the sea if there are others.
+        self._choices = len(self.fusers) + (max(1, len(self.fusers)) if has_sea(waters) else 0)
+
+    def _make_fuser(self, water: str) -> Fuser:
+        return Fuser(
+            water,
+            model=self._model,
+            smooth=self._smooth,
+            depth_model=self._depth_model,
+            border=self._border,
+            linear=self._linear,
+        )
+
+    def fuser(self, drawn: Drawn) -> Fuser:
+        """What puts an image into the water that was drawn."""
+        if drawn.water is None:
+            raise ArgumentError("no water was drawn: the sample stays as it is")
+        return self.fusers[drawn.water] if drawn.water < len(self.fusers) else self._make_fuser(f"{SEA}{drawn.sea}")
 
     def _make_draws(self) -> tuple[_native.Draws, _native.Draws]:
         seed = self._seed % 2**64
@@ -113,10 +145,10 @@ class WaterSampler:
         key = key if isinstance(key, Key) else Key(str(key))
         name = key.name if key.draw == 0 else f"{key.name}\n{key.draw}"
         ours, shares = self._draws
-        _, at, _ = shares.draw(f"{name}\nshare", key.epoch, 1)
+        _, at, *_ = shares.draw(f"{name}\nshare", key.epoch, 1)
         if at >= self.share:
             return Drawn(None, 0.0, 0.0)
-        return Drawn(*ours.draw(name, key.epoch, len(self.fusers)))
+        return Drawn(*ours.draw(name, key.epoch, self._choices))
 
     def random(self, random: _Random) -> Drawn:
         """A draw by a random generator of somebody else."""
@@ -127,8 +159,9 @@ class WaterSampler:
         def between(range: tuple[float, float], share: float) -> float:
             return range[0] + (range[1] - range[0]) * share
 
-        water = min(int(which * len(self.fusers)), len(self.fusers) - 1)
-        return Drawn(water, between(self.theta_range, theta), between(self.alpha_range, alpha))
+        water = min(int(which * self._choices), self._choices - 1)
+        sea = int(random.random() * 2**32) if water >= len(self.fusers) else 0
+        return Drawn(water, between(self.theta_range, theta), between(self.alpha_range, alpha), sea)
 
     def __getstate__(self) -> dict[str, object]:
         return {name: value for name, value in self.__dict__.items() if name != "_draws"}

@@ -17,7 +17,7 @@ import albumentations as A
 import numpy as np
 from albumentations.core.transforms_interface import BaseTransformInitSchema
 
-from aquafuse._draws import PRESETS, Key, WaterSampler
+from aquafuse._draws import PRESETS, Drawn, Key, WaterSampler
 from aquafuse._options import Border, Model, Smoothing
 
 __all__ = ["Key", "WaterFusion"]
@@ -27,8 +27,8 @@ class WaterFusion(A.ImageOnlyTransform):
     """Puts an image into another water. Boxes, masks and key points stay as they are.
 
     Args:
-        waters: Waters to draw from: ``presets`` (all of them), ``preset:NAME``, images, ``*.water.json`` files, and folders of
-            both. They are read once, when the transform is made.
+        waters: Waters to draw from: ``presets`` (all of them), ``preset:NAME``, ``sea`` (a new water each time), ``sea:NUMBER``,
+            images, ``*.water.json`` files, and folders of both. They are read once, when the transform is made.
         model: As in :class:`aquafuse.Fuser`.
         theta_range: Least and greatest angle in degrees; 0 is the whole change, 90 none.
         alpha_range: Least and greatest gain on the colour of the water.
@@ -36,7 +36,8 @@ class WaterFusion(A.ImageOnlyTransform):
         key: The name of an entry of the data which is a name of the sample, or a :class:`Key` with an epoch. Draws then depend on
             it and on ``draw_seed`` alone: neither workers nor order change them. Leave ``p`` at 1 and use ``share``.
         draw_seed: The seed of keyed draws.
-        share: The share of the samples that are put into another water, 0 to 1.
+        share: The share of the samples that are put into another water, 0 to 1; the others stay as they are. ``aquafuse augment``
+            keeps a quarter by default (``--keep-share``), which is ``share=0.75``.
         smooth: As in :class:`aquafuse.Fuser`.
         depth_model: As in :class:`aquafuse.Fuser`.
         border: As in :class:`aquafuse.Fuser`.
@@ -134,11 +135,13 @@ class WaterFusion(A.ImageOnlyTransform):
             """What is drawn for an image."""
             return self._draw(data, self.py_random)
 
-    def apply(self, img: np.ndarray, water: int | None, theta: float, alpha: float, **params: Any) -> np.ndarray:
+    def apply(
+        self, img: np.ndarray, water: int | None, theta: float, alpha: float, sea: int, **params: Any
+    ) -> np.ndarray:
         """The image in the water that was drawn."""
         if water is None:
             return img
-        fuser = self._sampler.fusers[water]
+        fuser = self._sampler.fuser(Drawn(water, theta, alpha, sea))
         if self.channels == "rgb":
             return fuser.fuse(img, theta=theta, alpha=alpha)
         fused = fuser.fuse(img[..., ::-1], theta=theta, alpha=alpha)

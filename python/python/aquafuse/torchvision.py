@@ -46,7 +46,7 @@ class WaterFusion(v2.Transform):
         model: As in :class:`aquafuse.Fuser`.
         theta_range: Least and greatest angle in degrees; 0 is the whole change, 90 none.
         alpha_range: Least and greatest gain on the colour of the water.
-        share: The share of the samples that are put into another water, 0 to 1.
+        share: The share of the samples that are put into another water, 0 to 1; the others stay as they are.
         seed: The seed of keyed draws.
         smooth: As in :class:`aquafuse.Fuser`.
         depth_model: As in :class:`aquafuse.Fuser`.
@@ -95,7 +95,7 @@ class WaterFusion(v2.Transform):
         drawn: Drawn = params["drawn"]
         if isinstance(image, Key) or drawn.water is None:
             return image
-        fuser = self.sampler.fusers[drawn.water]
+        fuser = self.sampler.fuser(drawn)
         if isinstance(image, PIL.Image.Image):
             if image.mode != "RGB":
                 raise ArrayError(f'the image has the mode {image.mode}; convert it by image.convert("RGB")')

@@ -79,7 +79,7 @@ class _Load:
         if drawn.water is None:
             return (image, *sizes)
         # Images are BGR there.
-        fuser = self.sampler.fusers[drawn.water]
+        fuser = self.sampler.fuser(drawn)
         fused = fuser.fuse(image[..., ::-1], theta=drawn.theta, alpha=drawn.alpha)
         return (np.ascontiguousarray(fused[..., ::-1]), *sizes)
 

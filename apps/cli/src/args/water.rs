@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
 use aquafuse::fusion::Model;
-use aquafuse::waterbody::presets::{Conditions, Preset, White, sea};
+use aquafuse::waterbody::presets::{Conditions, Preset, White};
+use aquafuse_data::augment::Sea;
 use aquafuse_data::files::display;
 use aquafuse_data::pipeline::{DepthSource, PixelEncoding, WaterEstimate, analyse_in};
 use aquafuse_data::water_file::{WaterFile, has_suffix};
@@ -154,14 +155,7 @@ impl WaterArguments {
                 depth_kind: DepthKind::Metres,
                 estimate: WaterEstimate::preset(*preset, &self.conditions()?, encoding),
             }),
-            WaterSource::Sea(number) => {
-                let (preset, conditions) = sea(*number);
-                Ok(WaterFile {
-                    from: vec![source.name()],
-                    depth_kind: DepthKind::Metres,
-                    estimate: WaterEstimate::preset(preset, &conditions, encoding),
-                })
-            }
+            WaterSource::Sea(number) => Ok(WaterFile::sea(*number, encoding)),
             WaterSource::Image(path) => {
                 let found = analyse_in(encoding, &reading.of_reference().read(path)?, depth)?;
                 Ok(WaterFile {
@@ -180,10 +174,12 @@ impl WaterArguments {
 
     /// The water per unit of depth of `kind`.
     pub(crate) fn per(&self, kind: DepthKind, file: &WaterFile) -> Result<WaterEstimate, Failure> {
-        let scale = self.scale()?;
-        let Some(visibility) = self.visibility else { return file.per(kind, scale).map_err(Failure::work) };
-        let metric = file.per(DepthKind::Metres, scale).and_then(|water| water.with_visibility(visibility));
-        metric.and_then(|water| water.per(DepthKind::Metres, kind, scale)).map_err(Failure::work)
+        file.seen(kind, self.scale()?, self.visibility).map_err(Failure::work)
+    }
+
+    /// The sea, per unit of depth of `kind`.
+    pub(crate) fn sea(&self, kind: DepthKind) -> Result<Sea, Failure> {
+        Ok(Sea { depth_kind: kind, scale: self.scale()?, visibility: self.visibility })
     }
 
     /// Refuses what `model` does not read of WATER.

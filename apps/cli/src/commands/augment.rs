@@ -52,12 +52,19 @@ records how each variant was made: `verify` checks it, `replay` repeats it; prev
 images with their variants and what their annotations say. To continue a run that
 was stopped, repeat the command.
 
+So that a model that trains on the output also sees the water of the originals, a quarter of the
+images written are copies of originals, each at most once and with its annotations. For variants
+alone set --keep-share 0, for all originals --keep-originals.
+
+Where theta, alpha or the water is drawn, a variant in which the water hides the scene, or which
+hardly differs from its image, is drawn again, up to 7 times.
+
 Examples:
   aquafuse augment fish/ green.jpg blue.jpg -o more/ --per-image 2 --keep-originals
   aquafuse augment fish/ waters/ preset:jerlov-3C -o more/ --per-image 5 --theta-range 0,60
                                                      a folder of reference images, and a preset
   aquafuse augment fish/ --waters sea --model relight --per-image 5 -o more/
-                                                     drawn waters: no reference is needed
+                                                     a new water for each variant, without references
   aquafuse augment coco/ waters/ -o more/ --shard 1/4
                                                      on 1 of 4 machines; to join, put the outputs
                                                      into one folder, repeat without --shard";
@@ -71,8 +78,8 @@ pub(crate) struct Augment {
     /// The waters to sample from: images, folders of images, NAME.water.json, preset:NAME, sea:NUMBER.
     #[arg(required_unless_present = "drawn")]
     waters: Vec<PathBuf>,
-    /// `sea`: also sample from 32 drawn waters, sea:0 to sea:31. Type of water, depth below the surface, camera, balance and
-    /// exposure of each are drawn together. They need no reference.
+    /// `sea`: draw a water for each variant: type of water, depth below the surface, camera, balance and exposure together.
+    /// Needs no reference. With WATERS too, every second variant gets one of them.
     #[arg(long = "waters", id = "drawn", value_name = "FROM", value_enum)]
     drawn: Option<Drawn>,
     /// Output folder: new, empty, or of a run to continue.
@@ -81,7 +88,7 @@ pub(crate) struct Augment {
     /// Layout of the dataset [default: detected].
     #[arg(long, value_name = "LAYOUT", value_parser = layout())]
     format: Option<Layout>,
-    /// Number of variants of each image: at most the number of waters, unless theta or alpha has a range.
+    /// Number of variants of each image: at most the number of waters, unless theta or alpha has a range or waters are drawn.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     per_image: u32,
     /// The splits to multiply: all, or some of train,val,test. Images of other splits are copied unchanged, with their
@@ -92,8 +99,12 @@ pub(crate) struct Augment {
     /// copied for each variant, and the image's file name in it becomes the variant's.
     #[arg(long, value_name = "EXT", value_delimiter = ',')]
     sidecar: Vec<String>,
-    /// Also copy the original images, byte for byte.
-    #[arg(long)]
+    /// Share of the images written that are copies of originals, 0 to 1: with one variant of each image, 0.25 copies one image
+    /// in three; with three variants or more it copies every image once.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.25, value_parser = share)]
+    keep_share: f64,
+    /// Copy all original images, byte for byte.
+    #[arg(long, conflicts_with = "keep_share")]
     keep_originals: bool,
     /// Random seed. Draws depend only on it, the image path and the variant number.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -159,17 +170,6 @@ enum Drawn {
     Sea,
 }
 
-/// How many waters are drawn: far more than the eye tells apart.
-const DRAWN: u32 = 32;
-
-impl Drawn {
-    fn waters(self) -> impl Iterator<Item = WaterSource> {
-        match self {
-            Self::Sea => (0..DRAWN).map(WaterSource::Sea),
-        }
-    }
-}
-
 /// How the manifest is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Manifest {
@@ -229,6 +229,11 @@ impl std::str::FromStr for Doubtful {
 fn layout() -> impl TypedValueParser<Value = Layout> {
     PossibleValuesParser::new(Layout::ALL.map(Layout::name))
         .try_map(|name| Layout::from_name(&name).ok_or_else(|| anyhow!("unknown layout")))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| "not a number")?;
+    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("give 0 to 1".into()) }
 }
 
 fn shard(text: &str) -> anyhow::Result<Shard> {
@@ -349,8 +354,7 @@ impl Augment {
             Doubtful::Skip => OnDoubtful::Skip,
             Doubtful::Instead(source) => OnDoubtful::Instead(Box::new(read(source)?)),
         };
-        let mut sources = waters::sources(&self.waters)?;
-        sources.extend(self.drawn.into_iter().flat_map(Drawn::waters));
+        let sources = waters::sources(&self.waters)?;
         let waters = sources.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let waters = waters::without_doubtful(waters, &on_doubtful);
         let theta = options.incidence.degrees();
@@ -365,6 +369,7 @@ impl Augment {
         };
         Ok(Recipe {
             waters,
+            sea: self.drawn.map(|Drawn::Sea| self.presets.sea(kind)).transpose()?,
             encoding,
             per_image: self.per_image,
             draws,
@@ -374,6 +379,7 @@ impl Augment {
             on_doubtful,
             on_bad_annotation: self.on_bad_annotation.name(),
             keep_originals: self.keep_originals,
+            keep_share: if self.keep_originals { 0.0 } else { self.keep_share },
             splits: Splits::All,
             quality: self.quality,
         })

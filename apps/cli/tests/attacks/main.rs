@@ -46,5 +46,5 @@ fn write(run: &Run, name: &str, content: impl AsRef<[u8]>) {
     std::fs::write(path, content).unwrap();
 }
 
-const AUGMENT: [&str; 5] = ["augment", "fish", "green.png", "-o", "out"];
+const AUGMENT: [&str; 7] = ["augment", "fish", "green.png", "-o", "out", "--keep-share", "0"];
 const FUSE: [&str; 5] = ["fuse", "photos", "green.png", "-o", "out"];

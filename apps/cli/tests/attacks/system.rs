@@ -103,7 +103,7 @@ fn memory_that_the_system_does_not_give_is_an_error_of_the_file() {
         (150_000, &["fuse", "photos", "green.png", "-o", "out"][..]),
         (110_000, &["fuse", "green.png", "photos/large.png", "-o", "out.png"]),
         (110_000, &["inspect", "photos/large.png"]),
-        (150_000, &["augment", "photos", "green.png", "-o", "more"]),
+        (150_000, &["augment", "photos", "green.png", "-o", "more", "--keep-share", "0"]),
     ] {
         let one = [arguments, &["--threads", "1"]].concat();
         let (code, said) = within(60, &mut limited(&run, &format!("ulimit -v {limit}"), &one));

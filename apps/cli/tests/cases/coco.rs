@@ -110,7 +110,7 @@ fn coco_ruod() {
         boxes(&run, &format!("RUOD/RUOD_ANN/instances_{split}.json"), 2);
     }
     // The same from the folder below.
-    run.ok(&["augment", "set/RUOD", "green.png", "-o", "below", "--splits", "all"]);
+    run.ok(&["augment", "set/RUOD", "green.png", "-o", "below", "--splits", "all", "--keep-share", "0"]);
     assert!(run.path("below/RUOD_ANN/instances_train.json").exists());
     assert!(run.path("below/RUOD_pic/train/a__green__0.png").exists());
 }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use std::rc::Rc;
 
-use crate::dataset::{Index, Sample, Splits, join, named, split, stem};
+use crate::dataset::{Index, Sample, join, named, split, stem};
 use crate::files::text_of;
 
 #[cfg(feature = "fuzz-targets")]
@@ -22,10 +22,10 @@ pub(super) struct Made<'a> {
     pub(super) variants: &'a dyn Fn(usize) -> Option<Vec<(u32, String)>>,
     /// Variants that an image may have at most.
     pub(super) per_image: u32,
-    /// Whether the images themselves are there too.
+    /// Whether all images themselves are there too.
     pub(super) originals: bool,
-    /// The splits that were multiplied: images of others are there themselves.
-    pub(super) splits: &'a Splits,
+    /// Whether an image itself is there.
+    pub(super) keeps: &'a dyn Fn(&Sample) -> bool,
 }
 
 /// What was made of the images that a line of a list names.
@@ -50,7 +50,7 @@ impl Made<'_> {
 
     /// Whether an image itself is there.
     fn keeps(&self, sample: &Sample) -> bool {
-        self.originals || !self.splits.hold(sample)
+        self.originals || (self.keeps)(sample)
     }
 
     /// What was made of the images whose path without its extension is this.
@@ -72,7 +72,7 @@ impl Made<'_> {
     fn listed<'s>(&self, made: impl Iterator<Item = (&'s Sample, Vec<(u32, String)>)>) -> Listed {
         let (mut is_carried, mut paths) = (false, Vec::new());
         for (sample, variants) in made {
-            is_carried |= !self.splits.hold(sample);
+            is_carried |= self.keeps(sample);
             paths.extend(variants.into_iter().map(|(_, path)| path));
         }
         Listed { is_carried, paths: paths.into() }
@@ -176,7 +176,7 @@ mod tests {
             variants: &variants,
             per_image: 1,
             originals,
-            splits: &Splits::All,
+            keeps: &|_| false,
         };
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("l.txt"), "a  1\nab -1\nc 0\n").unwrap();

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::Multiplied;
 use super::journal::{Journal, Slot};
 use super::line::{Container, Line, Source, Written};
-use super::make::{Made, Maker, vanished};
+use super::make::{Counts, Made, Maker};
 use super::plan::Planned;
 use crate::dataset::Layout;
 use crate::files::FileError;
@@ -52,17 +52,19 @@ impl Maker<'_> {
             output: sample.key.to_owned(),
             bytes: 0,
             sha256: String::new(),
+            originals: Vec::new(),
             variants: Vec::new(),
             skipped: Vec::new(),
             failed: Vec::new(),
         };
         let failures = self.write_container(&input, &mut container)?;
-        let (variants, vanished) = (container.variants.len(), vanished(container.variants.iter()));
+        let originals = container.originals.len();
+        let counts = Counts::of(container.variants.iter());
         let line = Line::Container(Box::new(container));
         journal.add(sample.index, std::slice::from_ref(&line))?;
         let lines = line.text();
         Ok(Made {
-            multiplied: Some(Multiplied { variants, is_carried: false, vanished, verdict: None, lines }),
+            multiplied: Some(Multiplied { originals, ..counts.multiplied(false, None, lines) }),
             failures,
         })
     }
@@ -94,14 +96,13 @@ impl Maker<'_> {
         }
         let (mut all, mut variants) = (Vec::new(), Vec::new());
         for number in 0..recipe.per_image {
-            let draw = recipe.draws.draw(&held.draws, number, recipe.waters.len());
-            let water = recipe.waters.get(draw.water).expect("a draw is one of the waters");
+            let (draw, image, outcome) = recipe.drawn(&read, &held.draws, number);
             // A name in a shard ends at its first dot.
-            let suffix = format!("__{}__{number}", water.slug().replace('.', "-"));
+            let suffix = format!("__{}__{number}", recipe.slug(draw).replace('.', "-"));
             let path = output(&suffix);
-            let (bytes, outcome) = recipe.variant(&read, water, draw, path.as_ref())?;
+            let bytes = recipe.encoded(image, path.as_ref())?;
             let about = Written { output: path, bytes: bytes.len() as u64, sha256: sha256(&bytes) };
-            variants.push(read.described(&held.key, number, draw, outcome, about, Vec::new()));
+            variants.push(read.described(recipe, &held.key, number, draw, outcome, about, Vec::new()));
             all.push(Varied { suffix, bytes });
         }
         container.variants.extend(variants);

@@ -7,10 +7,14 @@ use sha2::{Digest, Sha256};
 pub struct Draw {
     /// Which of the waters.
     pub water: usize,
+    /// The number of the water, if that one is [the sea](super::Sea).
+    pub sea: u32,
     /// θ, in degrees.
     pub theta: f32,
     /// α.
     pub alpha: f32,
+    /// How often the variant was drawn before.
+    pub redrawn: u32,
 }
 
 /// How draws are made. Each depends on the seed, the image's key and the variant's number alone: not on threads, on
@@ -34,6 +38,8 @@ enum Purpose {
     Theta,
     Alpha,
     Shard,
+    Sea,
+    Keep,
 }
 
 impl Draws {
@@ -51,16 +57,49 @@ impl Draws {
     /// assert_eq!(draws.draw("reef.jpg", 1, 3), draws.draw("reef.jpg", 1, 3));
     /// ```
     pub fn draw(&self, key: &str, number: u32, waters: usize) -> Draw {
+        self.redraw(key, number, waters, 0)
+    }
+
+    /// What the variant is made with if `redrawn` draws before were no good. The water stays whose turn it is; the number of a
+    /// water from [the sea](super::Sea), θ and α are others.
+    pub fn redraw(&self, key: &str, number: u32, waters: usize, redrawn: u32) -> Draw {
         let between = |(low, high): (f32, f32), purpose| {
             // 24 bits, as many as the float has.
-            let share = (self.number(purpose, key, number, 0) >> 40) as f32 / (1_u32 << 24) as f32;
+            let share = (self.number(purpose, key, number, redrawn) >> 40) as f32 / (1_u32 << 24) as f32;
             low + (high - low) * share
         };
         let water = match self.with_replacement {
             true => below(self.number(Purpose::Water, key, number, 0), waters),
             false => self.shuffled(key, number, waters),
         };
-        Draw { water, theta: between(self.theta, Purpose::Theta), alpha: between(self.alpha, Purpose::Alpha) }
+        let sea = (self.number(Purpose::Sea, key, number, redrawn) >> 32) as u32;
+        let (theta, alpha) = (between(self.theta, Purpose::Theta), between(self.alpha, Purpose::Alpha));
+        Draw { water, sea, theta, alpha, redrawn }
+    }
+
+    /// Whether θ and α are the same in every draw.
+    pub(super) fn are_fixed(&self) -> bool {
+        self.theta.0 == self.theta.1 && self.alpha.0 == self.alpha.1
+    }
+
+    /// Whether the image of a key is copied beside its variants, of which there are `per_image`, so that `share` of all images
+    /// written are copies. There is at most one copy of an image: above `per_image` / (`per_image` + 1) every image is copied.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use aquafuse_data::augment::Draws;
+    ///
+    /// let draws = Draws { seed: 7, with_replacement: false, theta: (0.0, 0.0), alpha: (1.0, 1.0) };
+    /// // Three variants and the image: a quarter of the four are copies.
+    /// assert!(draws.keeps("reef.jpg", 3, 0.25));
+    /// assert!(!draws.keeps("reef.jpg", 3, 0.0));
+    /// ```
+    pub fn keeps(&self, key: &str, per_image: u32, share: f64) -> bool {
+        // 53 bits, as many as the float has.
+        let at = (self.number(Purpose::Keep, key, 0, 0) >> 11) as f64 / (1_u64 << 53) as f64;
+        // Of n variants and p copies of an image p / (n + p) are copies.
+        at * (1.0 - share) < f64::from(per_image) * share
     }
 
     /// The water of a variant where all come once, in an order of the image's own, before they come again in another.
@@ -161,6 +200,37 @@ mod tests {
     }
 
     #[test]
+    fn a_redraw_keeps_the_water_and_draws_the_rest_again() {
+        for number in 0..20 {
+            let drawn: Vec<Draw> = (0..4).map(|times| DRAWS.redraw("a.jpg", number, 5, times)).collect();
+            assert_eq!(drawn[0], DRAWS.draw("a.jpg", number, 5));
+            assert!(drawn.iter().all(|draw| draw.water == drawn[0].water));
+            for pair in drawn.windows(2) {
+                assert!(pair[0].sea != pair[1].sea && pair[0].theta != pair[1].theta, "{pair:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_share_of_what_is_written_are_copies() {
+        for (per_image, share, wanted) in [
+            (1, 0.25, 1.0_f64 / 3.0),
+            (2, 0.25, 2.0 / 3.0),
+            (3, 0.25, 1.0),
+            (9, 0.25, 1.0),
+            (1, 0.0, 0.0),
+            (1, 0.2, 0.25),
+            (4, 1.0, 1.0),
+        ] {
+            let keeps = |image: &u32| DRAWS.keeps(&format!("{image}.jpg"), per_image, share);
+            let count = (0..3000).filter(keeps).count() as f64;
+            // Five standard deviations of a binomial.
+            let spread = 5.0 * (3000.0 * wanted * (1.0 - wanted)).sqrt();
+            assert!((count - 3000.0 * wanted).abs() <= spread, "{per_image} at {share}: {count}");
+        }
+    }
+
+    #[test]
     fn these_draws_stay_what_they_are() {
         // A change here breaks every manifest that was written: it needs another name in the digest.
         let drawn: Vec<(usize, f32, f32)> = (0..3)
@@ -168,7 +238,11 @@ mod tests {
             .map(|draw| (draw.water, draw.theta, draw.alpha))
             .collect();
         assert_eq!(drawn, FIXED);
+        let other = DRAWS.redraw("images/reef.jpg", 0, 3, 1);
+        assert_eq!((other.sea, other.theta), FIXED_REDRAW);
     }
+
+    const FIXED_REDRAW: (u32, f32) = (2_490_252_296, 19.6664);
 
     const FIXED: [(usize, f32, f32); 3] =
         [(1, 42.105637, 0.6857983), (2, 46.238686, 1.3221126), (0, 47.172226, 1.2026781)];

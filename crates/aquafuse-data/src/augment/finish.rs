@@ -34,6 +34,7 @@ impl Augmentation {
             },
             on_bad_annotation: recipe.on_bad_annotation.to_owned(),
             keep_originals: recipe.keep_originals,
+            keep_share: recipe.keep_share,
             splits: recipe.splits.to_string(),
             quality: recipe.quality,
             lenient: self.run_options.reading.lenient,
@@ -45,7 +46,15 @@ impl Augmentation {
         };
         let waters = recipe.waters.iter().map(Water::stored).collect();
         let root = dataset.root.to_string_lossy().into_owned();
-        Header::new(root, dataset.layout.name(), recipe.encoding.name(), settings, waters, instead)
+        Header::new(
+            root,
+            dataset.layout.name(),
+            recipe.encoding.name(),
+            settings,
+            waters,
+            recipe.sea,
+            instead,
+        )
     }
 
     /// Writes the files about all images, for what was made of them.
@@ -66,7 +75,7 @@ impl Augmentation {
             variants: &variants,
             per_image: self.recipe.per_image,
             originals: self.recipe.keep_originals,
-            splits: &self.recipe.splits,
+            keeps: &|sample| !self.recipe.splits.hold(sample) || self.recipe.keeps(&sample.key, true),
         };
         let write = |index: &crate::dataset::Index| {
             let bytes = index.read(&self.dataset.root, &self.run_options.reading)?;

@@ -5,7 +5,7 @@ use aquafuse::scene_area::Border;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::water::StoredWater;
+use super::water::{Sea, StoredWater};
 use crate::dataset::Splits;
 
 /// It changes when a field changes its meaning or goes.
@@ -22,6 +22,9 @@ pub(super) struct Header {
     pub(super) encoding: String,
     pub(super) settings: Settings,
     pub(super) waters: Vec<StoredWater>,
+    /// How waters of the sea are drawn, where some are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) sea: Option<Sea>,
     /// What is taken instead of doubtful waters.
     pub(super) instead: Option<StoredWater>,
 }
@@ -44,6 +47,9 @@ pub(super) struct Settings {
     pub(super) on_doubtful: String,
     pub(super) on_bad_annotation: String,
     pub(super) keep_originals: bool,
+    /// Manifests of earlier versions have none: all originals were copied or none.
+    #[serde(default, deserialize_with = "share")]
+    pub(super) keep_share: f64,
     /// Manifests of earlier versions have none: every image was multiplied.
     #[serde(default = "all_splits")]
     pub(super) splits: String,
@@ -68,6 +74,12 @@ fn max_gain<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     let gain = f32::deserialize(from)?;
     let is_gain = gain.is_finite() && gain >= 1.0;
     is_gain.then_some(gain).ok_or_else(|| D::Error::custom("a gain is at least 1"))
+}
+
+/// A share of all, 0 to 1.
+fn share<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let share = f64::deserialize(from)?;
+    (0.0..=1.0).contains(&share).then_some(share).ok_or_else(|| D::Error::custom("a share is from 0 to 1"))
 }
 
 /// A quality of JPEG.
@@ -120,11 +132,12 @@ impl Header {
         encoding: &str,
         settings: Settings,
         waters: Vec<StoredWater>,
+        sea: Option<Sea>,
         instead: Option<StoredWater>,
     ) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let (layout, encoding) = (layout.to_owned(), encoding.to_owned());
-        Self { schema: SCHEMA, version, dataset, layout, encoding, settings, waters, instead }
+        Self { schema: SCHEMA, version, dataset, layout, encoding, settings, waters, sea, instead }
     }
 
     /// A copy with shortened waters, for messages about differences.

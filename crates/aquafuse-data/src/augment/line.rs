@@ -5,6 +5,7 @@ use aquafuse::waterbody::Reason;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::Draw;
 use super::header::Header;
 
 /// A file that was written.
@@ -49,25 +50,38 @@ fn gain<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     Gain::new(number).map(Gain::get).map_err(D::Error::custom)
 }
 
+fn is_zero(times: &u32) -> bool {
+    *times == 0
+}
+
 /// A variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Variant {
     pub(super) key: String,
     pub(super) number: u32,
-    /// Which of the header's waters.
-    pub(super) water: usize,
+    /// Which of the header's waters; none where it is one of the sea.
+    pub(super) water: Option<usize>,
+    /// The number of a water of the sea.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) sea: Option<u32>,
     #[serde(deserialize_with = "angle")]
     pub(super) theta: f32,
     #[serde(deserialize_with = "gain")]
     pub(super) alpha: f32,
+    /// How often it was drawn again, because the scene was hidden or hardly changed.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(super) redrawn: u32,
     pub(super) source: Source,
     /// What the image's own estimate is worth.
     pub(super) verdict: String,
     pub(super) reasons: Vec<Reason>,
     /// Share of the values that did not fit into the range.
     pub(super) clipped: f64,
-    /// Share of the image's contrast that is left, of the model `exchange`.
+    /// Share of the image's contrast that is left.
     pub(super) contrast_left: Option<f64>,
+    /// How much it differs from its image, as ΔE; manifests of earlier versions have none.
+    #[serde(default)]
+    pub(super) change: Option<f64>,
     /// Whether the image's own water was exchanged for the one of the header.
     pub(super) instead: bool,
     /// Its path within the output.
@@ -75,6 +89,17 @@ pub(super) struct Variant {
     pub(super) bytes: u64,
     pub(super) sha256: String,
     pub(super) companions: Vec<Written>,
+}
+
+impl Variant {
+    /// What was drawn for it, where its header names so many waters; `None` where it names no water.
+    pub(super) fn draw(&self, named: usize) -> Option<Draw> {
+        let Self { theta, alpha, redrawn, .. } = *self;
+        match (self.water, self.sea) {
+            (Some(water), _) => (water < named).then_some(Draw { water, sea: 0, theta, alpha, redrawn }),
+            (None, number) => number.map(|sea| Draw { water: named, sea, theta, alpha, redrawn }),
+        }
+    }
 }
 
 /// What an image was made from.
@@ -106,6 +131,9 @@ pub(super) struct Container {
     pub(super) output: String,
     pub(super) bytes: u64,
     pub(super) sha256: String,
+    /// Its images that are copied beside their variants.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) originals: Vec<String>,
     /// Its variants; `output` is a path in it.
     pub(super) variants: Vec<Variant>,
     /// Its images that have no variants, and why.

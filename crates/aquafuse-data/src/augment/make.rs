@@ -1,5 +1,6 @@
 //! One image of a dataset, multiplied.
 
+use std::borrow::Cow;
 use std::fs::Metadata;
 use std::io::{self, Read as _, Write};
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use super::depth::Maps;
 use super::journal::{Journal, Slot};
 use super::line::{Line, Listed, Original, Source, Variant, Written};
 use super::plan::{Planned, PlannedVariant};
-use super::{Augmentation, Draw, Multiplied, OnDoubtful, Recipe, Water};
+use super::{Augmentation, Draw, Multiplied, OnDoubtful, Recipe, Sea, Water};
 use crate::dataset::Companion;
 use crate::files::{FileError, Hashed, Patient, one_line, sha256, sha256_of, write_atomically, write_bytes};
 use crate::image_file::{Format, ImageFile, Opened, open_file, read_beside};
@@ -28,9 +29,43 @@ pub(super) struct Made {
     pub(super) failures: Vec<FileError>,
 }
 
-/// The variants in which the scene has all but vanished.
-pub(super) fn vanished<'a>(variants: impl Iterator<Item = &'a Variant>) -> usize {
-    variants.filter(|made| made.contrast_left.is_some_and(|left| left < Outcome::VANISHED)).count()
+/// What is counted of variants.
+#[derive(Default)]
+pub(super) struct Counts {
+    variants: usize,
+    redrawn: usize,
+    vanished: usize,
+    unchanged: usize,
+}
+
+impl Counts {
+    pub(super) fn of<'a>(variants: impl Iterator<Item = &'a Variant>) -> Self {
+        let mut counts = Self::default();
+        let add = |count: &mut usize, is_one: bool| *count = count.saturating_add(usize::from(is_one));
+        for made in variants {
+            add(&mut counts.variants, true);
+            add(&mut counts.redrawn, made.redrawn > 0);
+            add(&mut counts.vanished, made.contrast_left.is_some_and(|left| left < Outcome::VANISHED));
+            add(&mut counts.unchanged, made.change.is_some_and(|change| change < Outcome::UNCHANGED));
+        }
+        counts
+    }
+
+    /// The outcome of an image, without its original.
+    pub(super) fn multiplied(self, is_carried: bool, verdict: Option<Verdict>, lines: String) -> Multiplied {
+        let Self { variants, redrawn, vanished, unchanged } = self;
+        Multiplied { variants, is_carried, originals: 0, redrawn, vanished, unchanged, verdict, lines }
+    }
+}
+
+/// How often a variant is drawn at most.
+const MOST_DRAWS: u32 = 8;
+/// A variant is drawn again where less of its image's contrast is left. Looked at: at .21 fish are lost, at .31 they are seen.
+const LEAST_CONTRAST: f64 = 0.25;
+
+/// How far a variant is from being hidden or unchanged: from 1 it is as it should be.
+fn worth(outcome: &Outcome) -> f64 {
+    (outcome.contrast_left / LEAST_CONTRAST).min(outcome.change / Outcome::UNCHANGED)
 }
 
 /// What multiplies images.
@@ -94,14 +129,51 @@ impl Recipe {
         skip.then(|| format!("{}: {}", quality.verdict.name(), reasons()))
     }
 
-    /// One variant as a file holds it, and what was done.
-    pub(super) fn variant(
-        &self,
-        read: &Read<'_>,
-        water: &Water,
-        draw: Draw,
-        output: &Path,
-    ) -> Result<(Vec<u8>, Outcome), FileError> {
+    /// Whether an image is copied beside its variants; one without an image has none.
+    pub(super) fn keeps(&self, key: &str, has_variants: bool) -> bool {
+        let is_drawn = || self.draws.keeps(key, self.per_image, self.keep_share);
+        self.keep_originals || (has_variants && is_drawn())
+    }
+
+    /// The water of a draw, if there is one.
+    pub(super) fn water(&self, draw: Draw) -> Option<Cow<'_, Water>> {
+        let own = self.waters.get(draw.water).map(Cow::Borrowed);
+        own.or_else(|| Some(Cow::Owned(self.sea?.water(draw.sea, self.encoding).ok()?)))
+    }
+
+    /// What names of variants call the water of a draw.
+    pub(super) fn slug(&self, draw: Draw) -> String {
+        self.waters.get(draw.water).map_or_else(|| Sea::SLUG.to_owned(), Water::slug)
+    }
+
+    /// The variant of a number. If the scene is hidden or hardly changed, it is drawn again as far as draws differ; where no
+    /// draw does, the best one is taken.
+    pub(super) fn drawn(&self, read: &Read<'_>, key: &str, number: u32) -> (Draw, ImageFile, Outcome) {
+        let draws = |redrawn| self.draws.redraw(key, number, self.choices(), redrawn);
+        let made = |draw| {
+            let water = self.water(draw).expect("the plan has seen that there is one");
+            let (image, outcome) = self.fused(read, &water, draw);
+            (draw, image, outcome)
+        };
+        let first = draws(0);
+        let is_free = !self.draws.are_fixed() || first.water >= self.waters.len();
+        let (mut best, mut most) = (first, f64::NEG_INFINITY);
+        for redrawn in 0..if is_free { MOST_DRAWS } else { 0 } {
+            let made = made(draws(redrawn));
+            let value = worth(&made.2);
+            if value >= 1.0 {
+                return made;
+            }
+            if value > most {
+                (best, most) = (made.0, value);
+            }
+        }
+        // Made once more: memory is for one variant at a time.
+        made(best)
+    }
+
+    /// A variant, and what was done.
+    pub(super) fn fused(&self, read: &Read<'_>, water: &Water, draw: Draw) -> (ImageFile, Outcome) {
         let options = self
             .options
             .with_incidence(Incidence::from_degrees(draw.theta).unwrap_or(self.options.incidence))
@@ -110,15 +182,22 @@ impl Recipe {
         let operation = Operation::Fuse { reference: water.file.estimate, options };
         let outcome =
             operation.apply(&mut image.pixels, Some(&read.found)).expect("the depth map is this image's");
+        (image, outcome)
+    }
+
+    /// A variant as a file holds it.
+    pub(super) fn encoded(&self, mut image: ImageFile, output: &Path) -> Result<Vec<u8>, FileError> {
         image.pixels = image.pixels.smoothed(self.smoothing);
-        Ok((image.joined().encode(output, self.quality)?, outcome))
+        image.joined().encode(output, self.quality)
     }
 }
 
 impl Read<'_> {
     /// A variant of the image as the manifest has it.
+    #[allow(clippy::too_many_arguments, reason = "each is another field of the line")]
     pub(super) fn described(
         &self,
+        recipe: &Recipe,
         key: &str,
         number: u32,
         draw: Draw,
@@ -127,17 +206,21 @@ impl Read<'_> {
         companions: Vec<Written>,
     ) -> Variant {
         let quality = self.found.estimate.quality();
+        let is_named = draw.water < recipe.waters.len();
         Variant {
             key: key.to_owned(),
             number,
-            water: draw.water,
+            water: is_named.then_some(draw.water),
+            sea: (!is_named).then_some(draw.sea),
             theta: draw.theta,
             alpha: draw.alpha,
+            redrawn: draw.redrawn,
             source: self.source.clone(),
             verdict: quality.verdict.name().to_owned(),
             reasons: quality.reasons.iter().collect(),
             clipped: outcome.clipping.share(),
             contrast_left: Some(outcome.contrast_left),
+            change: Some(outcome.change),
             instead: self.instead,
             output: written.output,
             bytes: written.bytes,
@@ -207,13 +290,15 @@ impl<'a> Maker<'a> {
             }
             Some(quality.verdict)
         };
-        if recipe.keep_originals || sample.is_carried {
+        let mut originals = 0;
+        if sample.is_carried || recipe.keeps(sample.key, true) {
             let old = known.original.as_ref();
             if !old.is_some_and(|old| self.is_original(old, sample, &input_about)) {
                 journal.forget(sample.index, Slot::Original);
                 let line = Line::Original(self.write_original(sample)?);
                 journal.add(sample.index, std::slice::from_ref(&line))?;
                 lines.push(line);
+                originals = usize::from(!sample.is_carried);
             }
         }
         if let Some(line) = skipped {
@@ -224,14 +309,9 @@ impl<'a> Maker<'a> {
             Line::Variant(variant) => Some(variant),
             _ => None,
         });
-        let multiplied = Multiplied {
-            variants: missing.len(),
-            is_carried: sample.is_carried,
-            vanished: vanished(made),
-            verdict,
-            lines: lines.iter().map(Line::text).collect(),
-        };
-        Ok((!lines.is_empty()).then_some(multiplied))
+        let text = lines.iter().map(Line::text).collect();
+        let multiplied = Counts::of(made).multiplied(sample.is_carried, verdict, text);
+        Ok((!lines.is_empty()).then_some(Multiplied { originals, ..multiplied }))
     }
 
     fn write_variant(
@@ -242,8 +322,8 @@ impl<'a> Maker<'a> {
     ) -> Result<Variant, FileError> {
         let recipe = &self.job.recipe;
         let path = self.job.output.join(&planned.output);
-        let water = recipe.waters.get(planned.draw.water).expect("a draw is one of the waters");
-        let (bytes, outcome) = recipe.variant(read, water, planned.draw, &path)?;
+        let (draw, image, outcome) = recipe.drawn(read, sample.key, planned.number);
+        let bytes = recipe.encoded(image, &path)?;
         let name = crate::dataset::split(&planned.output).1;
         let carry = |(companion, output): (&Companion, &String)| {
             self.write(
@@ -260,7 +340,7 @@ impl<'a> Maker<'a> {
         let companions =
             sample.companions.iter().zip(&planned.companions).map(carry).collect::<Result<_, _>>()?;
         let written = self.write(&planned.output, &bytes)?;
-        Ok(read.described(sample.key, planned.number, planned.draw, outcome, written, companions))
+        Ok(read.described(recipe, sample.key, planned.number, draw, outcome, written, companions))
     }
 
     /// Carries the image and what is about it over as they are.
@@ -317,10 +397,16 @@ impl<'a> Maker<'a> {
         sample: &Planned<'_>,
         input: &Metadata,
     ) -> bool {
-        let Draw { water, theta, alpha } = planned.draw;
+        let recipe = &self.job.recipe;
+        let draw = recipe.draws.redraw(sample.key, planned.number, recipe.choices(), old.redrawn);
+        let is_so = |old: Draw| {
+            let is_of_sea = draw.water >= recipe.waters.len();
+            let water = if is_of_sea { old.sea == draw.sea } else { old.water == draw.water };
+            water && (old.theta, old.alpha) == (draw.theta, draw.alpha)
+        };
         let companions = sample.companions.iter().zip(&planned.companions).zip(&old.companions);
         let about = |companion: &Companion| self.job.dataset.root.join(&companion.path).metadata();
-        (old.water, old.theta, old.alpha) == (water, theta, alpha)
+        old.draw(recipe.waters.len()).is_some_and(is_so)
             && old.output == planned.output
             && old.source.bytes == input.len()
             && self.stands(old.listed(), input)

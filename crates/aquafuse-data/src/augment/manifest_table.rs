@@ -10,6 +10,7 @@ use arrow_array::{
 use parquet::arrow::ArrowWriter;
 use parquet::errors::ParquetError;
 
+use super::Sea;
 use super::header::Header;
 use super::line::{Variant, Written};
 use super::manifest::Entry;
@@ -17,7 +18,7 @@ use crate::files::sha256_of;
 use crate::files::{FileError, write_atomically};
 
 /// The columns that need not have a value in every row.
-const LACKING: [&str; 4] = ["container", "depth_sha256", "water", "contrast_left"];
+const LACKING: [&str; 5] = ["container", "depth_sha256", "water", "contrast_left", "change"];
 /// Images whose rows are written at once.
 const AT_ONCE: usize = 1000;
 
@@ -48,7 +49,10 @@ fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch
     fn strings<'a>(all: &[(&'a Variant, Option<&'a str>)], of: impl Fn(&'a Variant) -> &'a str) -> ArrayRef {
         Arc::new(StringArray::from_iter_values(all.iter().map(|(variant, _)| of(variant))))
     }
-    let water = |variant: &Variant| header.waters.get(variant.water).map(|water| water.name.as_str());
+    let water = |variant: &Variant| match (variant.water, variant.sea) {
+        (Some(at), _) => header.waters.get(at).map(|water| water.name.clone()),
+        (None, number) => number.map(Sea::name),
+    };
     let reasons = all.iter().map(|(variant, _)| {
         let words: Vec<&str> = variant.reasons.iter().map(|reason| reason.describe()).collect();
         Some(words.join("; "))
@@ -77,6 +81,7 @@ fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch
         ("model", Arc::new(StringArray::from_iter_values(all.iter().map(|_| &header.settings.model)))),
         ("theta", Arc::new(all.iter().map(|(variant, _)| Some(variant.theta)).collect::<Float32Array>())),
         ("alpha", Arc::new(all.iter().map(|(variant, _)| Some(variant.alpha)).collect::<Float32Array>())),
+        ("redrawn", Arc::new(all.iter().map(|(variant, _)| Some(variant.redrawn)).collect::<UInt32Array>())),
         ("verdict", strings(all, |variant| &variant.verdict)),
         ("reasons", Arc::new(reasons.collect::<StringArray>())),
         ("clipped", Arc::new(all.iter().map(|(variant, _)| Some(variant.clipped)).collect::<Float64Array>())),
@@ -84,6 +89,7 @@ fn rows(header: &Header, all: &[(&Variant, Option<&str>)]) -> Result<RecordBatch
             "contrast_left",
             Arc::new(all.iter().map(|(variant, _)| variant.contrast_left).collect::<Float64Array>()),
         ),
+        ("change", Arc::new(all.iter().map(|(variant, _)| variant.change).collect::<Float64Array>())),
         ("instead", Arc::new(all.iter().map(|(variant, _)| Some(variant.instead)).collect::<BooleanArray>())),
         ("seed", Arc::new(all.iter().map(|_| Some(header.settings.seed)).collect::<UInt64Array>())),
         ("version", Arc::new(StringArray::from_iter_values(all.iter().map(|_| &header.version)))),

@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
-use super::{Augmentation, DepthPlan, Draw, Draws};
+use aquafuse::waterbody::AttenuationError;
+
+use super::{Augmentation, DepthPlan, Draws, Recipe, Sea};
 use crate::dataset::{Companion, Dataset, Sample, Splits, join, split, stem};
 use crate::files::display;
 use crate::image_file::Format;
@@ -20,15 +22,17 @@ pub struct Plan<'d> {
     rule: Rule,
 }
 
-/// How variants are drawn and called.
+/// How variants are drawn and named.
 #[derive(Clone, Debug)]
 struct Rule {
     draws: Draws,
-    /// How waters are called in names.
+    /// How waters are called in names, as far as they are not of the sea; a draw chooses one of `choices`.
     slugs: Vec<String>,
+    choices: usize,
     /// Variants of each image; none of files of many, of which is not known what they hold before they are read.
     per_image: u32,
     keep_originals: bool,
+    keep_share: f64,
     splits: Splits,
 }
 
@@ -42,6 +46,12 @@ impl<'d> Plan<'d> {
     pub fn variants(&self) -> usize {
         let multiplied = self.files().saturating_sub(self.carried());
         multiplied.saturating_mul(usize::try_from(self.rule.per_image).unwrap_or(usize::MAX))
+    }
+
+    /// The files that are copied beside their variants; 0 where files hold many.
+    pub fn originals(&self) -> usize {
+        let is_copied = |sample: &&Sample| self.rule.splits.hold(sample) && self.rule.keeps(sample);
+        if self.rule.per_image == 0 { 0 } else { self.samples().filter(is_copied).count() }
     }
 
     /// The files that are carried over unchanged, because their split is not multiplied.
@@ -92,7 +102,6 @@ pub(super) struct Planned<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct PlannedVariant {
     pub(super) number: u32,
-    pub(super) draw: Draw,
     /// Its path within the output.
     pub(super) output: String,
     /// Where its companions go, in their order.
@@ -121,8 +130,8 @@ impl Rule {
     }
 
     fn variant(&self, sample: &Sample, number: u32) -> PlannedVariant {
-        let draw = self.draws.draw(&sample.key, number, self.slugs.len());
-        let slug = self.slugs.get(draw.water).map_or("", String::as_str);
+        let draw = self.draws.draw(&sample.key, number, self.choices);
+        let slug = self.slugs.get(draw.water).map_or(Sea::SLUG, String::as_str);
         let (folder, name) = split(&sample.key);
         let new_stem = format!("{}__{slug}__{number}", stem(name));
         let output = join(folder, &format!("{new_stem}.{}", extension(name)));
@@ -139,12 +148,17 @@ impl Rule {
             join(folder, &format!("{new_stem}{rest}"))
         };
         let companions = sample.companions.iter().map(companion).collect();
-        PlannedVariant { number, draw, output, companions }
+        PlannedVariant { number, output, companions }
+    }
+
+    /// Whether an image is copied beside its variants.
+    fn keeps(&self, sample: &Sample) -> bool {
+        self.keep_originals || self.draws.keeps(&sample.key, self.per_image, self.keep_share)
     }
 
     /// The images that are made of one.
     fn outputs(&self, sample: &Sample) -> impl Iterator<Item = String> {
-        let is_kept = self.keep_originals || !self.splits.hold(sample);
+        let is_kept = !self.splits.hold(sample) || self.keeps(sample);
         let own = is_kept.then(|| sample.key.clone());
         let variants: Vec<String> =
             (0..self.count(sample)).map(|number| self.variant(sample, number).output).collect();
@@ -203,6 +217,15 @@ pub enum PlanError {
         /// Waters.
         waters: usize,
     },
+    /// A share is none.
+    #[error("{share} of the images cannot be copies of originals; give a share from 0 to 1")]
+    Share {
+        /// What was given.
+        share: f64,
+    },
+    /// A water of the sea is impossible per unit of this depth.
+    #[error("waters of the sea cannot be drawn: {0}; give another --metres-at-one or --visibility")]
+    Sea(#[from] AttenuationError),
     /// Depth maps for images in files that hold many.
     #[error("images in shards or tables cannot be matched to depth maps; unpack them, or leave --depth out")]
     MapsOfMany,
@@ -236,6 +259,14 @@ pub enum PlanError {
     },
 }
 
+impl Recipe {
+    /// How many waters a draw chooses from: the sea is as many as all others, so that every second variant is in a water of its.
+    pub(super) fn choices(&self) -> usize {
+        let named = self.waters.len();
+        named.saturating_add(self.sea.map_or(0, |_| named.max(1)))
+    }
+}
+
 impl Augmentation {
     /// The variants of each image of the shard. Nothing is written.
     ///
@@ -248,14 +279,20 @@ impl Augmentation {
         }
         let recipe = &self.recipe;
         let draws = &recipe.draws;
-        if recipe.waters.is_empty() {
+        if recipe.choices() == 0 {
             return Err(PlanError::NoWater);
         }
-        let fixed = draws.theta.0 == draws.theta.1 && draws.alpha.0 == draws.alpha.1;
         let many = usize::try_from(recipe.per_image).unwrap_or(usize::MAX);
-        if fixed && !draws.with_replacement && many > recipe.waters.len() {
-            let (per_image, waters) = (recipe.per_image, recipe.waters.len());
+        let is_only_sea = recipe.waters.is_empty();
+        if draws.are_fixed() && !draws.with_replacement && many > recipe.choices() && !is_only_sea {
+            let (per_image, waters) = (recipe.per_image, recipe.choices());
             return Err(PlanError::Equal { per_image, waters });
+        }
+        if !(0.0..=1.0).contains(&recipe.keep_share) {
+            return Err(PlanError::Share { share: recipe.keep_share });
+        }
+        if let Some(sea) = &recipe.sea {
+            sea.water(0, recipe.encoding)?;
         }
         if self.dataset.layout.holds_many() && matches!(recipe.depth, DepthPlan::Maps { .. }) {
             return Err(PlanError::MapsOfMany);
@@ -264,8 +301,10 @@ impl Augmentation {
         let rule = Rule {
             draws: *draws,
             slugs: recipe.waters.iter().map(super::Water::slug).collect(),
+            choices: recipe.choices(),
             per_image: if self.dataset.layout.holds_many() { 0 } else { recipe.per_image },
             keep_originals: recipe.keep_originals,
+            keep_share: recipe.keep_share,
             splits: recipe.splits.clone(),
         };
         let holds = |sample: &Sample| self.shard.holds(&sample.key);

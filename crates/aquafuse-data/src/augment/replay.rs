@@ -8,7 +8,7 @@ use aquafuse::fusion::Options;
 use super::header::{Header, StoredDepth};
 use super::line::Variant;
 use super::manifest::Manifest;
-use super::{AugmentError, DepthPlan, Draw, Draws, OnDoubtful, Recipe, Water, depth};
+use super::{AugmentError, DepthPlan, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::{Layout, inside, split};
 use crate::files::{FileError, make_folder_within, refuse_inputs, sha256, stays_within, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
@@ -84,10 +84,9 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
             let key = named_inside(&variant.key)?;
             let within = named_inside(&variant.output)?;
             let path = output.join(&within);
-            let water = recipe
-                .waters
-                .get(variant.water)
-                .ok_or_else(|| named("it refers to a water that it does not contain"))?;
+            let none = || named("it refers to a water that it does not contain");
+            let draw = variant.draw(recipe.waters.len()).ok_or_else(none)?;
+            let water = recipe.water(draw).ok_or_else(none)?;
             let source = root.join(container.map_or_else(|| Ok(key.clone()), named_inside)?);
             if source.exists() && !stays_within(&root, &source) {
                 return Err(FileError::LeadsOut { path: source });
@@ -98,8 +97,8 @@ pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentErr
                 Some(_) => super::containers::image_of(layout, &source, &key, &reading)?,
             };
             let read = recipe.read(opened, &maps.source(&key)?, &budget)?;
-            let Variant { water: number, theta, alpha, .. } = *variant;
-            let (bytes, _) = recipe.variant(&read, water, Draw { water: number, theta, alpha }, &path)?;
+            let (image, _) = recipe.fused(&read, &water, draw);
+            let bytes = recipe.encoded(image, &path)?;
             make_folder_within(output, split(&within).0)?;
             write_bytes(&path, &bytes, overwrite)?;
             Ok((path, sha256(&bytes) == variant.sha256))
@@ -130,6 +129,7 @@ impl Header {
         let instead = self.instead.as_ref().map(|water| water.restored(manifest, encoding)).transpose()?;
         Ok(Recipe {
             waters,
+            sea: self.sea,
             encoding,
             per_image: settings.per_image,
             draws: Draws {
@@ -144,6 +144,7 @@ impl Header {
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
             keep_originals: settings.keep_originals,
+            keep_share: settings.keep_share,
             splits: settings.splits.parse().map_err(|_| unknown())?,
             quality: settings.quality,
         })

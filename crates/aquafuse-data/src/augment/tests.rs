@@ -1,3 +1,4 @@
+mod drawn;
 mod safety;
 #[cfg(feature = "parquet")]
 mod tables;
@@ -49,6 +50,7 @@ fn job(root: &Path, output: &Path) -> Augmentation {
         output: output.to_owned(),
         recipe: Recipe {
             waters: vec![water("w/green.jpg", 1), water("preset:jerlov-3C", 2)],
+            sea: None,
             encoding: PixelEncoding::Encoded,
             per_image: 3,
             draws: Draws { seed: 1, with_replacement: false, theta: (0.0, 60.0), alpha: (0.5, 1.5) },
@@ -58,6 +60,7 @@ fn job(root: &Path, output: &Path) -> Augmentation {
             on_doubtful: OnDoubtful::Flag,
             on_bad_annotation: "refuse",
             keep_originals: true,
+            keep_share: 0.0,
             splits: Splits::All,
             quality: 95,
         },

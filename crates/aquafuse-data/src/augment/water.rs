@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use aquafuse::depth::{DepthKind, RelativeScale};
+use aquafuse::waterbody::AttenuationError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::{RawValue, to_raw_value};
@@ -18,6 +20,40 @@ pub struct Water {
     pub sha256: Option<String>,
     /// The water, per unit of the images' depth.
     pub file: WaterFile,
+}
+
+/// The sea: waters drawn by number, each for one variant ([`sea`](aquafuse::waterbody::presets::sea)).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sea {
+    /// The kind of the images' depth.
+    pub depth_kind: DepthKind,
+    /// What relative depth is in metres.
+    pub scale: RelativeScale,
+    /// How far one sees in each, in metres; `None`: as its type says.
+    pub visibility: Option<f32>,
+}
+
+impl Sea {
+    /// What names of files call its waters.
+    pub(super) const SLUG: &'static str = "sea";
+
+    /// The water of a number, per unit of the images' depth.
+    ///
+    /// # Errors
+    ///
+    /// [`AttenuationError`] when a coefficient does not fit into a number.
+    pub fn water(&self, number: u32, encoding: PixelEncoding) -> Result<Water, AttenuationError> {
+        let file = WaterFile::sea(number, encoding);
+        let estimate = file.seen(self.depth_kind, self.scale, self.visibility)?;
+        let file = WaterFile { depth_kind: self.depth_kind, estimate, ..file };
+        Ok(Water { name: Self::name(number), sha256: None, file })
+    }
+
+    /// What the water of a number is called.
+    pub(super) fn name(number: u32) -> String {
+        format!("sea:{number}")
+    }
 }
 
 /// What is done if the estimate of an image's own water, or of a water to sample, is doubtful or failed.

@@ -7,15 +7,19 @@
 
 mod ways;
 
+use std::path::Path;
+
 use aquafuse::fusion::Model;
 use aquafuse::image::{Encoding, Image};
-use aquafuse::truth::Trials;
+use aquafuse::scene_area::Border;
+use aquafuse::truth::{LitCase, LitWaters, Trials};
 use serde_json::json;
 
 use super::chance::Chance;
 use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::{quantile, summarise};
 use super::{EvaluateError, Listener, Palette, Report, Rival};
+use crate::image_file::{ImageFile, Opened, ReadOptions};
 use crate::run::{Event, RunOptions};
 use ways::{Found, Pair, Way, ways};
 
@@ -25,8 +29,8 @@ use ways::{Found, Pair, Way, ways};
 pub struct Truth {
     /// Number of exchanges, each a content and a reference in another water.
     pub exchanges: usize,
-    /// Scenes that are lit by their own water, as a camera exposes and balances them: truth C. Without it, truths A and B.
-    pub lit: bool,
+    /// Scenes that are lit by their own water, as a camera exposes and balances them: truth C. `None`: truths A and B.
+    pub lit: Option<LitWaters>,
     /// Form scenes, estimate and fuse in linear light.
     pub linear: bool,
     /// Random seed of the bootstrap.
@@ -75,6 +79,29 @@ const ABOUT_LIT: &str = "Synthetic harbours in Jerlov's waters, 1 to 20 m below 
     shows it for the truth. Brackets: 95 % bootstrap interval of the mean over exchanges. The rivals get the whole reference \
     image.";
 
+const ABOUT_SEA: &str = "Here waters are drawn as `sea:NUMBER` is, by numbers that nothing else uses, and the camera stores its \
+    images as JPEG of a quality from 60 to 95. Truth C is not compressed.";
+
+/// The waters of lit scenes by name.
+fn name(waters: LitWaters) -> &'static str {
+    match waters {
+        LitWaters::Sea => "sea",
+        _ => "jerlov",
+    }
+}
+
+/// Stores the image of a case as its camera does.
+fn stored(case: &mut LitCase) {
+    if let Some(quality) = case.jpeg_quality {
+        let name = Path::new("camera.jpg");
+        let bytes =
+            ImageFile::new(case.image.clone()).encode(name, quality).expect("bytes are stored as JPEG");
+        let options = ReadOptions { border: Border::None, ..ReadOptions::default() };
+        let decoded = ImageFile::open_bytes(name, bytes, &options).and_then(Opened::decode);
+        case.image = decoded.expect("what was encoded is decoded").bytes().into_owned();
+    }
+}
+
 /// A row of the table: what is given or estimated, and the method.
 struct Line {
     way: &'static str,
@@ -99,8 +126,10 @@ impl Truth {
         let trials = Trials::default();
         let numbers: Vec<usize> = (0..self.exchanges).collect();
         let found = self.run_options.map(&numbers, |&number| {
-            let found = if self.lit {
-                let exchange = trials.lit_exchange(number);
+            let found = if let Some(waters) = self.lit {
+                let mut exchange = trials.lit_exchange_in(waters, number);
+                stored(&mut exchange.content);
+                stored(&mut exchange.reference);
                 let truth = in_encoding::<E>(&exchange.truth);
                 (exchange.open(), all(&Pair::lit(&exchange, &truth), &self.ways()))
             } else {
@@ -113,11 +142,15 @@ impl Truth {
         Ok(Report {
             command: "evaluate truth",
             title: "Share of the true change".into(),
-            about: vec![if self.lit { ABOUT_LIT } else { ABOUT }.into()],
+            about: match self.lit {
+                Some(LitWaters::Sea) => vec![ABOUT_LIT.into(), ABOUT_SEA.into()],
+                Some(_) => vec![ABOUT_LIT.into()],
+                None => vec![ABOUT.into()],
+            },
             settings: json!({
                 "encoding": if self.linear { "linear" } else { "encoded" },
                 "exchanges": self.exchanges,
-                "lit": self.lit,
+                "lit": self.lit.map(name),
                 "seed": self.seed,
             }),
             tables: vec![self.table(&found)],
@@ -141,7 +174,7 @@ impl Truth {
             let worse = first.iter().filter(|share| **share < 0.0).count() as f64 / first.len().max(1) as f64;
             let middle = Cell::Number(quantile(&first, 0.5));
             let mut cells = vec![mean(first), middle, Cell::Number(100.0 * worse), mean(open)];
-            if !self.lit {
+            if self.lit.is_none() {
                 let second = all(|found| found.share[1]);
                 let middle = Cell::Number(quantile(&second, 0.5));
                 cells.extend([mean(second), middle, mean(all(|found| found.rmse[0]))]);
@@ -160,19 +193,19 @@ impl Truth {
     }
 
     fn scores(&self) -> &'static [Score] {
-        if self.lit { &LIT_SCORES } else { &SCORES }
+        if self.lit.is_some() { &LIT_SCORES } else { &SCORES }
     }
 
     /// How depth and water are obtained; of a lit scene's water no numbers are known that the models could take.
     fn ways(&self) -> Vec<Way> {
-        ways().into_iter().filter(|way| !self.lit || way.estimates()).collect()
+        ways().into_iter().filter(|way| self.lit.is_none() || way.estimates()).collect()
     }
 
     fn lines(&self) -> Vec<Line> {
         let model = |model: Model| format!("`{}`", model.name());
         let of_way = |way: Way| Model::ALL.iter().map(move |of| Line { way: way.name, method: model(*of) });
         let rivals = Rival::ALL.map(|rival| Line { way: "colours alone", method: rival.name().to_owned() });
-        let truths: &[&str] = if self.lit { &["C"] } else { &["A", "B"] };
+        let truths: &[&str] = if self.lit.is_some() { &["C"] } else { &["A", "B"] };
         let truths = truths.iter().map(|truth| Line { way: "the truth itself", method: (*truth).to_owned() });
         self.ways().into_iter().flat_map(of_way).chain(rivals).chain(truths).collect()
     }
@@ -189,7 +222,7 @@ impl Truth {
         let of_exchange = |(number, (open, all)): (usize, &(bool, Vec<Found>))| {
             lines.iter().zip(all).map(|(line, found)| row(number, *open, line, found)).collect::<Vec<_>>()
         };
-        let scores = if self.lit { LIT_ITEM_SCORES.to_vec() } else { ITEM_SCORES.to_vec() };
+        let scores = if self.lit.is_some() { LIT_ITEM_SCORES.to_vec() } else { ITEM_SCORES.to_vec() };
         Items {
             labels: vec!["exchange", "open_water_in_both", "way", "method"],
             scores,

@@ -94,6 +94,8 @@ struct Done {
 impl Outcome {
     /// A scene with less contrast left than this is hidden.
     pub const VANISHED: f64 = 0.1;
+    /// An image that changed by less (ΔE) has hardly changed: the eye finds the difference side by side at best.
+    pub const UNCHANGED: f64 = 5.0;
 
     /// Whether the water hides the scene.
     pub fn has_vanished(&self) -> bool {

@@ -16,7 +16,8 @@ use crate::waterbody::Waterbody;
 use crate::waterbody::presets::{Conditions, Preset};
 
 pub use exchange::Exchange;
-pub use lit::{LitCase, LitExchange};
+pub(super) use lit::LitSite;
+pub use lit::{LitCase, LitExchange, LitWaters};
 
 const SIZE: Size = Size { width: 240, height: 160 };
 /// Different places; each is seen in several waters.
@@ -128,10 +129,15 @@ impl<E: Encoding> Case<E> {
 /// waters one stands closer, or sees nothing.
 fn scaled<E: Encoding>(depth: &DepthMap, water: &Waterbody<E>, chance: &mut Random) -> DepthMap {
     let wanted = chance.between(0.4_f32.ln(), 4.0_f32.ln()).exp();
-    let scale = wanted / (water.backscatter_coefficient[1] * depth_of_things(depth));
+    stretched(depth, SIZE, wanted / water.backscatter_coefficient[1])
+}
+
+/// Distances stretched so that the far end of things is this far away.
+pub(super) fn stretched(depth: &DepthMap, size: Size, far: f32) -> DepthMap {
+    let scale = far / depth_of_things(depth);
     let stretch = |z: f32| if z >= OPEN_WATER { OPEN_WATER.max(40.0 * scale) } else { z * scale };
     let distances = depth.distances().into_iter().map(stretch).collect();
-    DepthMap::from_distances(SIZE.width, SIZE.height, DepthKind::Metres, distances).expect("finite distances")
+    DepthMap::from_distances(size.width, size.height, DepthKind::Metres, distances).expect("finite distances")
 }
 
 /// z that 95 % of what is no open water does not exceed.

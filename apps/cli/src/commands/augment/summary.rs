@@ -15,6 +15,10 @@ use crate::report::water::{estimate_counts, reasons};
 #[derive(Default)]
 pub(super) struct Tally {
     variants: usize,
+    /// Originals that were copied beside their variants.
+    originals: usize,
+    redrawn: usize,
+    unchanged: usize,
     /// Images that were copied unchanged, because their split is not multiplied.
     carried: usize,
     vanished: usize,
@@ -33,6 +37,9 @@ impl Tally {
         let is_skipped = made.variants == 0 && made.verdict.is_some_and(|verdict| verdict != Verdict::Good);
         self.skipped += usize::from(is_skipped);
         self.vanished += made.vanished;
+        self.originals += made.originals;
+        self.redrawn += made.redrawn;
+        self.unchanged += made.unchanged;
         match made.verdict {
             Some(Verdict::Good) => self.good += 1,
             Some(verdict) => self.others.push((key.to_owned(), verdict)),
@@ -73,7 +80,11 @@ impl Tally {
 pub(super) fn planned(job: &Augmentation, plan: &Plan<'_>, bad: usize, verbose: bool) -> String {
     let mut text = heading(job, verbose);
     let (images, variants) = (plan.files(), plan.variants());
-    let originals = if job.recipe.keep_originals { ", and copy the originals" } else { "" };
+    let originals = match (&job.recipe, plan.originals()) {
+        (recipe, _) if recipe.keep_originals => ", and copy the originals".to_owned(),
+        (_, 0) => String::new(),
+        (_, copied) => format!(", and copy {copied} originals"),
+    };
     let _ = match job.dataset.layout {
         layout if layout.holds_many() => writeln!(
             text,
@@ -112,6 +123,16 @@ pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize,
         tally.verdicts()
     );
     unchanged(&mut text, "copied unchanged", tally.carried, job);
+    if tally.originals > 0 {
+        let _ = writeln!(text, "  and copied originals: {}", tally.originals);
+    }
+    if tally.redrawn > 0 {
+        let _ = writeln!(
+            text,
+            "  drawn again, because the water hid the scene or hardly changed it: {}",
+            tally.redrawn
+        );
+    }
     if tally.skipped > 0 {
         let _ = writeln!(text, "  without variants, because their estimate is not good: {}", tally.skipped);
     }
@@ -125,6 +146,14 @@ pub(super) fn of(job: &Augmentation, tally: &Tally, ended: &Summary, bad: usize,
             "  WARNING: the water hides the scene in {} variants (`contrast_left` in the manifest); say how far \
              one sees with --visibility METRES, or take --model physical",
             tally.vanished
+        );
+    }
+    if tally.unchanged > 0 {
+        let _ = writeln!(
+            text,
+            "  WARNING: {} variants hardly differ from their images (`change` in the manifest); give other waters, \
+             a smaller theta, or --model relight",
+            tally.unchanged
         );
     }
     if verbose {
@@ -149,7 +178,12 @@ fn heading(job: &Augmentation, verbose: bool) -> String {
     let bad: Vec<_> = waters.iter().filter(|water| quality(water).verdict != Verdict::Good).collect();
     let counted = if bad.is_empty() { String::new() } else { format!(" ({} not good)", bad.len()) };
     let (root, layout) = (display(&job.dataset.root), job.dataset.layout.name());
-    let mut text = format!("{root}: layout {layout}, {} waters{counted}\n", waters.len());
+    let waters = match (waters.len(), job.recipe.sea) {
+        (0, Some(_)) => "waters of the sea".to_owned(),
+        (named, Some(_)) => format!("{named} waters{counted} and waters of the sea"),
+        (named, None) => format!("{named} waters{counted}"),
+    };
+    let mut text = format!("{root}: layout {layout}, {waters}\n");
     let counts = job.dataset.split_counts();
     if counts.keys().any(Option::is_some) {
         let count = |(split, count): (&Option<Split>, &usize)| {

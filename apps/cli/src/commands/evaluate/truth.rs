@@ -1,7 +1,8 @@
 //! `aquafuse evaluate truth`: the share of the true change that each method achieves.
 
+use aquafuse::truth::LitWaters;
 use aquafuse_data::evaluate::{Listener, Truth};
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::args::common::Common;
 use crate::args::evaluation::ReportArguments;
@@ -16,7 +17,8 @@ Examples:
   aquafuse evaluate truth -o truth.html
   aquafuse evaluate truth --exchanges 12             a first look, in seconds
   aquafuse evaluate truth --linear -o linear.md
-  aquafuse evaluate truth --lit -o lit.md";
+  aquafuse evaluate truth --lit -o lit.md
+  aquafuse evaluate truth --lit=sea -o lit_sea.md    waters by number, and JPEG";
 
 /// Score how much of the true change each method achieves, on synthetic scenes.
 ///
@@ -28,9 +30,10 @@ pub(crate) struct TruthArguments {
     /// Number of exchanges, each a content and a reference in another water.
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     exchanges: u32,
-    /// Take scenes that are lit by their own water, as a camera exposes and balances them (truth C)
-    #[arg(long)]
-    lit: bool,
+    /// Take scenes that are lit by their own water, as a camera exposes and balances them (truth C). WATERS: the types of Jerlov,
+    /// or waters drawn as `sea:NUMBER` is, stored as JPEG.
+    #[arg(long, value_name = "WATERS", value_enum, num_args = 0..=1, default_missing_value = "jerlov", require_equals = true)]
+    lit: Option<Lit>,
     /// Form scenes, estimate and fuse in linear light.
     #[arg(long)]
     linear: bool,
@@ -41,12 +44,30 @@ pub(crate) struct TruthArguments {
     report: ReportArguments,
 }
 
+/// Which waters scenes are lit by.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Lit {
+    /// The ten types of Jerlov.
+    Jerlov,
+    /// Waters drawn as `sea:NUMBER` is, stored as JPEG.
+    Sea,
+}
+
+impl Lit {
+    fn waters(self) -> LitWaters {
+        match self {
+            Self::Jerlov => LitWaters::Jerlov,
+            Self::Sea => LitWaters::Sea,
+        }
+    }
+}
+
 impl TruthArguments {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         self.report.check()?;
         let truth = Truth {
             exchanges: self.exchanges as usize,
-            lit: self.lit,
+            lit: self.lit.map(Lit::waters),
             linear: self.linear,
             seed: self.seed,
             run_options: common.run_options(),

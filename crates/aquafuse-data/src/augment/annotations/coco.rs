@@ -6,8 +6,6 @@ use std::iter::Peekable;
 use std::slice::Iter;
 
 use super::Made;
-#[cfg(any(test, feature = "fuzz-targets"))]
-use crate::dataset::Splits;
 use crate::dataset::coco::{Annotation, File, Id, each, entries, image_at, lists, object};
 use crate::dataset::split;
 
@@ -177,7 +175,7 @@ pub(crate) fn try_parse(text: &str) {
     let Some((file, samples)) = crate::dataset::coco::try_examine(text) else { return };
     let variants = |_| Some(vec![(0, "v.jpg".to_owned())]);
     let made =
-        Made { samples: &samples, variants: &variants, per_image: 1, originals: true, splits: &Splits::All };
+        Made { samples: &samples, variants: &variants, per_image: 1, originals: true, keeps: &|_| true };
     let mut written = Vec::new();
     write(&file, text, &made, &mut written).expect("what was read is written");
     let written = String::from_utf8(written).expect("text stays text");
@@ -221,7 +219,7 @@ mod tests {
             variants: &variants,
             per_image: 2,
             originals: true,
-            splits: &Splits::All,
+            keeps: &|_| false,
         };
         let written = |made: &Made<'_>| {
             let bytes = dataset.indices[0].read(&dataset.root, &ReadOptions::default()).unwrap();

@@ -42,14 +42,17 @@ impl Maker<'_> {
                         path: path.clone(),
                         cause: error.to_string(),
                     };
-                    if self.job.recipe.keep_originals {
+                    let draws = join(&container.key, &group.key);
+                    let has_one = group.image().is_ok_and(|image| image.is_some());
+                    has_image |= has_one;
+                    if self.job.recipe.keeps(&draws, has_one) {
+                        container.originals.extend(has_one.then_some(draws));
                         group
                             .members
                             .iter()
                             .try_for_each(|member| member.append(&mut builder))
                             .map_err(failed)?;
                     }
-                    has_image |= group.image().is_ok_and(|image| image.is_some());
                     match self.group(&group, input, container) {
                         Ok(members) => {
                             members.iter().try_for_each(|member| member.append(&mut builder)).map_err(failed)

@@ -112,12 +112,13 @@ impl Maker<'_> {
     ) -> Result<Vec<Row>, FileError> {
         let mut all = Vec::new();
         for of in 0..rows.num_rows() as u64 {
-            if self.job.recipe.keep_originals {
-                all.push(Row { of, instead: None });
-            }
             let number = first.saturating_add(of);
             let found = table.images(rows).and_then(|images| cell(images, row(of)));
             let key = join(&container.key, &number.to_string());
+            if self.job.recipe.keeps(&key, found.is_some()) {
+                all.push(Row { of, instead: None });
+                container.originals.extend(found.is_some().then(|| key.clone()));
+            }
             let Some(found) = found else { continue };
             match self.variants(found, &key, number, input, container) {
                 Ok(variants) => all.extend(variants.map(|instead| Row { of, instead: Some(instead) })),

@@ -2,10 +2,10 @@ use super::*;
 use std::num::NonZeroUsize;
 
 fn run(exchanges: usize, linear: bool, threads: usize) -> Report {
-    of_scenes(false, exchanges, linear, threads)
+    of_scenes(None, exchanges, linear, threads)
 }
 
-fn of_scenes(lit: bool, exchanges: usize, linear: bool, threads: usize) -> Report {
+fn of_scenes(lit: Option<LitWaters>, exchanges: usize, linear: bool, threads: usize) -> Report {
     let run_options = RunOptions { threads: NonZeroUsize::new(threads), ..RunOptions::default() };
     Truth { exchanges, lit, linear, seed: 0, run_options }.run(&|_| {}).unwrap()
 }
@@ -49,8 +49,12 @@ fn with_everything_given_the_models_are_near_their_truths() {
 
 #[test]
 fn of_scenes_lit_by_their_water_the_light_is_exchanged_too() {
-    let report = of_scenes(true, 12, false, 2);
+    let report = of_scenes(Some(LitWaters::Jerlov), 12, false, 2);
     assert_eq!(mean(&report, "the truth itself", "C", "share_c"), 1.0);
+    // A compressed content is no nearer to the truth than the truth.
+    let sea = of_scenes(Some(LitWaters::Sea), 3, false, 2);
+    assert_eq!(mean(&sea, "the truth itself", "C", "share_c"), 1.0);
+    assert_ne!(mean(&sea, "z given, water ours", "`relight`", "share_c"), 0.0);
     let share = |model: &str| mean(&report, "z given, water ours", model, "share_c");
     assert!(
         share("`relight`") > share("`physical`") + 0.03,

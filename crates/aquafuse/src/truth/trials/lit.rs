@@ -1,16 +1,18 @@
 //! Places lit by their own water: light fades and changes colour on its way down, before any of it is seen through the water.
 
-use super::{SIZE, Trials, place_of, scaled};
+use super::{Trials, place_of, scaled};
 use crate::depth::DepthMap;
 use crate::formation::form;
 use crate::image::{Encoded, Encoding, Image, Linear};
 use crate::truth::noise::Random;
 use crate::waterbody::Waterbody;
-use crate::waterbody::presets::{Conditions, Preset, White};
+use crate::waterbody::presets::{Conditions, Preset, White, sea};
 
 /// Numbers of scenes that nothing else uses.
 const CONTENTS: usize = 5000;
 const REFERENCES: usize = 7000;
+/// The first number of the waters of [`LitWaters::Sea`].
+const SEA: u32 = 1_000_000;
 /// Veils that differ by less in every channel of the image are one water to the eye.
 const ANOTHER_WATER: f32 = 0.2;
 /// How far below the surface, metres.
@@ -18,6 +20,17 @@ const DEPTHS: [f32; 2] = [1.0, 20.0];
 /// The encoded luma that the brightest fiftieth of an image exceeds.
 const LEVELS: [f32; 2] = [0.6, 0.95];
 const BRIGHTEST: f32 = 0.02;
+
+/// Which waters places are lit by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LitWaters {
+    /// The ten types of Jerlov, 1 to 20 m below the surface.
+    #[default]
+    Jerlov,
+    /// Waters as [`sea`] draws them, none of which is drawn by a number below 1,000,000; the camera stores JPEG.
+    Sea,
+}
 
 /// A place lit by its own water, as a camera shows it.
 #[derive(Clone, Debug)]
@@ -29,6 +42,8 @@ pub struct LitCase {
     pub image: Image<u8>,
     /// Whether open water is in view.
     pub open: bool,
+    /// The quality at which the camera stores JPEG, 60 to 95; `None`: it stores every value.
+    pub jpeg_quality: Option<u8>,
 }
 
 /// A content, and a reference in another water with another light.
@@ -51,7 +66,8 @@ impl LitExchange {
 }
 
 /// A water with its light, and the camera there.
-struct Site {
+#[derive(Clone, Debug)]
+pub(in crate::truth) struct LitSite {
     water: Waterbody<Linear>,
     /// What a white diffuser shows.
     white: [f32; 3],
@@ -59,6 +75,7 @@ struct Site {
 }
 
 /// A camera that exposes and balances itself.
+#[derive(Clone, Debug)]
 struct Camera {
     /// The encoded luma that the brightest pixels reach.
     level: f32,
@@ -69,7 +86,7 @@ struct Camera {
 }
 
 impl Trials {
-    /// The lit exchange of this number.
+    /// The lit exchange of this number, in Jerlov's waters.
     ///
     /// # Examples
     ///
@@ -80,11 +97,17 @@ impl Trials {
     /// assert_eq!(exchange.truth.size(), exchange.content.image.size());
     /// ```
     pub fn lit_exchange(&self, number: usize) -> LitExchange {
-        let (content, _, of_content) = self.lit(CONTENTS + number);
+        self.lit_exchange_in(LitWaters::Jerlov, number)
+    }
+
+    /// The lit exchange of this number in other waters. Its images are not compressed yet: `jpeg_quality` says how the camera
+    /// stores them.
+    pub fn lit_exchange_in(&self, waters: LitWaters, number: usize) -> LitExchange {
+        let (content, _, of_content) = self.lit(waters, CONTENTS + number);
         let mut other = REFERENCES + number;
         loop {
             let elsewhere = place_of(other) != place_of(CONTENTS + number);
-            let (reference, there, of_reference) = self.lit(other);
+            let (reference, there, of_reference) = self.lit(waters, other);
             let differ = |c: usize| (of_content[c] - of_reference[c]).abs();
             if elsewhere && (0..3).any(|c| differ(c) >= ANOTHER_WATER) {
                 let seen = self.through(CONTENTS + number, &content.depth, &there);
@@ -96,33 +119,78 @@ impl Trials {
     }
 
     /// A case, its site, and the veil as its camera shows it.
-    fn lit(&self, number: usize) -> (LitCase, Site, [f32; 3]) {
+    fn lit(&self, waters: LitWaters, number: usize) -> (LitCase, LitSite, [f32; 3]) {
         let mut chance = Random::of_state(1 + number as u64);
-        let site = Site::draw(&mut chance);
+        let (site, jpeg_quality) = match waters {
+            LitWaters::Jerlov => (LitSite::draw(&mut chance), None),
+            LitWaters::Sea => {
+                let quality = 60 + chance.below(36) as u8;
+                (LitSite::of_sea(SEA + number as u32, &mut chance), Some(quality))
+            }
+        };
         let depth = scaled(&self.place(number).depth, &site.water, &mut chance);
         let seen = self.through(number, &depth, &site);
         let (shown, gains) = site.camera.shows(&seen);
         let veil = site.water.veiling_light.rgb();
         let veil = std::array::from_fn(|c| Linear::to_encoded((gains[c] * veil[c]).min(1.0)));
-        let noisy = shown.as_raw().iter().map(|&value| value + site.camera.noise * chance.normal());
-        let image: Image<f32> =
-            Image::from_raw(SIZE.width, SIZE.height, noisy.collect()).expect("one colour a pixel");
+        let image = site.camera.noisy(&shown, &mut chance);
         let open = place_of(number).is_multiple_of(2);
-        (LitCase { depth, image: image.convert(), open }, site, veil)
+        (LitCase { depth, image, open, jpeg_quality }, site, veil)
     }
 
     /// The place of this number in the light and the water of a site.
-    fn through(&self, number: usize, depth: &DepthMap, site: &Site) -> Image<f32, Linear> {
-        let lit = self.place(number).clear.pixels().iter().flat_map(|pixel| {
-            let clear = pixel.map(Linear::from_encoded);
-            std::array::from_fn::<f32, 3, _>(|c| site.white[c] * clear[c])
-        });
-        let lit = Image::from_raw(SIZE.width, SIZE.height, lit.collect()).expect("one colour a pixel");
-        form(&lit, depth, &site.water).expect("one size")
+    fn through(&self, number: usize, depth: &DepthMap, site: &LitSite) -> Image<f32, Linear> {
+        site.seen(&self.place(number).clear, depth)
     }
 }
 
-impl Site {
+impl LitSite {
+    /// What is seen of a clear place in this light and through this water.
+    fn seen(&self, clear: &Image<f32>, depth: &DepthMap) -> Image<f32, Linear> {
+        let lit = clear.pixels().iter().flat_map(|pixel| {
+            let clear = pixel.map(Linear::from_encoded);
+            std::array::from_fn::<f32, 3, _>(|c| self.white[c] * clear[c])
+        });
+        let lit = Image::from_raw(clear.width(), clear.height(), lit.collect()).expect("one colour a pixel");
+        form(&lit, depth, &self.water).expect("one size")
+    }
+
+    /// The same as its camera stores it, with its noise.
+    pub(in crate::truth) fn photographed(
+        &self,
+        clear: &Image<f32>,
+        depth: &DepthMap,
+        chance: &mut Random,
+    ) -> Image<u8> {
+        let (shown, _) = self.camera.shows(&self.seen(clear, depth));
+        self.camera.noisy(&shown, chance)
+    }
+
+    /// β_B of green, per metre.
+    pub(in crate::truth) fn backscatter(&self) -> f32 {
+        self.water.backscatter_coefficient[1]
+    }
+
+    /// Another exposure by the same camera.
+    pub(in crate::truth) fn expose_again(&mut self, chance: &mut Random) {
+        self.camera.level = chance.between(LEVELS[0], LEVELS[1]);
+    }
+
+    /// The water of this number among those that [`sea`] draws; exposure and noise are drawn here.
+    pub(in crate::truth) fn of_sea(number: u32, chance: &mut Random) -> Self {
+        let (preset, conditions) = sea(number);
+        let balance = conditions.balance() as f32;
+        // The camera below exposes: what is formed is light.
+        let conditions = conditions.with_white(White::AtSurface);
+        let derived = preset.derive::<Linear>(&conditions);
+        let camera = Camera {
+            level: chance.between(LEVELS[0], LEVELS[1]),
+            balance,
+            noise: chance.between(0.0, 3.0) / 255.0,
+        };
+        Self { water: derived.water, white: derived.white, camera }
+    }
+
     fn draw(chance: &mut Random) -> Self {
         let preset = Preset::ALL[chance.below(Preset::ALL.len())];
         let [shallow, deep] = DEPTHS.map(f32::ln);
@@ -143,6 +211,14 @@ impl Site {
 }
 
 impl Camera {
+    /// Bytes, with its noise.
+    fn noisy(&self, shown: &Image<f32>, chance: &mut Random) -> Image<u8> {
+        let noisy = shown.as_raw().iter().map(|&value| value + self.noise * chance.normal());
+        let image: Image<f32> =
+            Image::from_raw(shown.width(), shown.height(), noisy.collect()).expect("one colour a pixel");
+        image.convert()
+    }
+
     /// What it shows of a scene, without its noise, and the gains it takes.
     fn shows(&self, seen: &Image<f32, Linear>) -> (Image<f32>, [f32; 3]) {
         let pixels = seen.pixels();

@@ -354,11 +354,11 @@ impl Work<'_> {
 
     /// Memory that an item takes beside its image.
     fn beside(&self, item: &Item, opened: &Opened) -> u64 {
-        let supplied = item.depth.bytes_a_pixel();
+        let depth = item.depth.memory(opened.pixels());
         let scores = if self.plan.scores() { SCORED } else { 0 };
         let maps = if self.plan.maps().is_some() { maps::BYTES_A_PIXEL } else { 0 };
-        let a_pixel = [supplied, scores, maps, self.recipe.operation.bytes_a_pixel()];
-        opened.pixels().saturating_mul(a_pixel.into_iter().fold(0, u64::saturating_add))
+        let a_pixel = [scores, maps, self.recipe.operation.bytes_a_pixel()];
+        opened.pixels().saturating_mul(a_pixel.into_iter().fold(0, u64::saturating_add)).saturating_add(depth)
     }
 }
 

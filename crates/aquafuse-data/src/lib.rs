@@ -52,6 +52,7 @@ pub mod augment;
 pub mod batch;
 pub mod dataset;
 pub mod depth_file;
+pub mod depth_network;
 #[allow(
     clippy::arithmetic_side_effects,
     clippy::cast_possible_truncation,

@@ -3,6 +3,7 @@
 
 mod encoding;
 mod estimate;
+mod estimator;
 pub(crate) mod maps;
 mod operation;
 #[allow(clippy::disallowed_methods, reason = "sums of floats do not overflow")]
@@ -17,6 +18,7 @@ pub use estimate::{
     Analysis, DepthSource, MapSize, analyse, analyse_in, analyse_supplied, analyse_with_evidence,
 };
 pub(crate) use estimate::{analyse_in_with_evidence, depth_of};
+pub use estimator::DepthEstimator;
 pub use operation::{Limited, Operation, OperationError, Outcome};
 pub use scores::Scores;
 pub use simulate::{SIMULATED, simulate};

@@ -5,6 +5,7 @@
 //! [`Eq3`], with our coefficients. Depth from elsewhere comes in as
 //! [`Supplied`], of a declared kind, and [`DepthMap`] holds it in metres or relative.
 
+mod coarse;
 mod eq3;
 pub mod fit;
 mod layout;

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse::depth::DepthModel;
 use aquafuse::stream::Steady;
 use aquafuse_data::batch::{Plan, Recipe, Request};
 use aquafuse_data::files::FileError;
-use aquafuse_data::pipeline::{Operation, PixelEncoding};
+use aquafuse_data::pipeline::{DepthEstimator, Operation, PixelEncoding};
 use clap::Args;
 
 use crate::args::border::BorderArgument;
@@ -97,7 +96,7 @@ impl BatchArguments {
         &self,
         contents: &[PathBuf],
         inputs: &[&Path],
-        model: DepthModel,
+        model: &DepthEstimator,
         scores: bool,
     ) -> Result<Plan, Failure> {
         let depth = self.depth.supply(is_many(contents), model).map_err(Failure::usage)?;

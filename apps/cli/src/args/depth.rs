@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
-use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind, SuppliedReport};
+use aquafuse::depth::{DepthKind, SuppliedKind, SuppliedReport};
 use aquafuse_data::depth_file::DepthFolder;
+use aquafuse_data::depth_network::NetworkKind;
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::{DepthSource, DepthSupply, MapSize};
+use aquafuse_data::pipeline::{DepthEstimator, DepthSource, DepthSupply, MapSize};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -50,17 +51,18 @@ pub(crate) fn kind() -> impl TypedValueParser<Value = SuppliedKind> {
 
 impl DepthArguments {
     /// The unit of the depth that is used.
-    pub(crate) fn kind_of_map(&self) -> DepthKind {
-        match self.depth_kind {
-            Some(SuppliedKind::Metres | SuppliedKind::Millimetres) => DepthKind::Metres,
+    pub(crate) fn kind_of_map(&self, model: &DepthEstimator) -> DepthKind {
+        match (self.depth_kind, model) {
+            (Some(SuppliedKind::Metres | SuppliedKind::Millimetres), _) => DepthKind::Metres,
+            (None, DepthEstimator::Network(network)) if network.kind() == NetworkKind::Metric => DepthKind::Metres,
             _ => DepthKind::Relative,
         }
     }
 
     /// Where depth comes from; `in_folder` for a folder of images. Errors are wrong usage.
-    pub(crate) fn supply(&self, in_folder: bool, model: DepthModel) -> Result<DepthSupply> {
+    pub(crate) fn supply(&self, in_folder: bool, model: &DepthEstimator) -> Result<DepthSupply> {
         let Some((depth, kind)) = declared("--depth", self.depth.as_deref(), self.depth_kind)? else {
-            return Ok(DepthSupply::Estimated(model));
+            return Ok(DepthSupply::Estimated(model.clone()));
         };
         let size = if self.depth_resize { MapSize::Scaled } else { MapSize::Exact };
         match (in_folder, depth.is_dir()) {
@@ -77,11 +79,11 @@ impl DepthArguments {
 
 impl WaterDepthArguments {
     /// Where the depth of the reference comes from. Errors are wrong usage.
-    pub(crate) fn source(&self, water: &WaterSource, model: DepthModel) -> Result<DepthSource> {
+    pub(crate) fn source(&self, water: &WaterSource, model: &DepthEstimator) -> Result<DepthSource> {
         let Some((path, kind)) =
             declared("--water-depth", self.water_depth.as_deref(), self.water_depth_kind)?
         else {
-            return Ok(DepthSource::Estimated(model));
+            return Ok(DepthSource::Estimated(model.clone()));
         };
         let remedy = match water {
             WaterSource::Image(_) => {
@@ -118,6 +120,15 @@ fn declared<'a>(
 /// The warning about a map that looks inverted.
 pub(crate) fn inverted(report: &SuppliedReport) -> String {
     inverted_by("--depth-kind", report.kind)
+}
+
+/// The same about the map of a network.
+pub(crate) fn inverted_by_network(kind: SuppliedKind) -> String {
+    let other = if kind == SuppliedKind::Inverse { "relative" } else { "inverse" };
+    format!(
+        "the network's depth looks inverted: pixels that are near by colour and height in the image are far in its map. If it \
+         is, use --depth-model-kind {other}"
+    )
 }
 
 /// The same about a map whose kind is declared by `option`.

@@ -1,38 +1,92 @@
 //! `--depth-model`, wherever depth is estimated.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use aquafuse::depth::DepthModel;
+use aquafuse_data::depth_network::{DepthNetwork, NetworkKind, NetworkOptions, SIDES};
 use aquafuse_data::model_file::{self, ModelFile};
+use aquafuse_data::pipeline::DepthEstimator;
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-/// How depth is estimated from colour.
+use crate::failure::Failure;
+
+/// How depth is estimated.
 #[derive(Args)]
 pub(crate) struct DepthModelArg {
-    /// Model that estimates depth from colour: eq3, eq3-median, ratio, ulap, udepth, layout, or FILE.toml from `fit`.
+    /// Model that estimates depth from colour: eq3, eq3-median, ratio, ulap, udepth, layout, or FILE.toml from `fit`; or a
+    /// network of depth, FILE.onnx.
     ///
     /// `eq3` is the model of the paper. The image refines it, as it does all others; `eq3-median` takes the paper's
     /// 7x7 median instead. `ratio` is the logarithm of max(G, B) / R. `ulap` and `udepth` are published
     /// linear models. `layout` assumes that higher pixels are farther and corrects this by colour: use it only
-    /// if the camera is level and looks ahead. FILE.toml is `eq3` with fitted coefficients.
+    /// if the camera is level and looks ahead. FILE.toml is `eq3` with fitted coefficients. FILE.onnx is a network of your own, such
+    /// as Depth Anything V2; its map is used as one of --depth is, once the image has refined it. Nothing is ever downloaded.
     #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model)]
-    depth_model: DepthModel,
+    depth_model: Named,
+    /// What the numbers of FILE.onnx are: inverse (larger is nearer), metric (metres) or relative (larger is farther, 0 at the
+    /// camera) [default: by the names of its inputs and outputs].
+    #[arg(long, value_name = "KIND", value_parser = kind())]
+    depth_model_kind: Option<NetworkKind>,
+    /// Scale images to about the area of a square of N pixels a side for FILE.onnx, if it takes any size [default: 518].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*SIDES.start())..=i64::from(*SIDES.end())))]
+    depth_model_size: Option<u32>,
+}
+
+/// A model as it was named.
+#[derive(Clone, Debug)]
+enum Named {
+    Colour(DepthModel),
+    Network(PathBuf),
 }
 
 impl DepthModelArg {
-    pub(crate) fn get(&self) -> DepthModel {
-        self.depth_model
+    /// The model; a network is read from its file.
+    pub(crate) fn get(&self) -> Result<DepthEstimator, Failure> {
+        let (kind, side) = (self.depth_model_kind, self.depth_model_size);
+        match &self.depth_model {
+            Named::Colour(_) if kind.is_some() || side.is_some() => Err(Failure::usage(anyhow!(
+                "--depth-model-kind and --depth-model-size are about a network; add --depth-model FILE.onnx"
+            ))),
+            Named::Colour(model) => Ok((*model).into()),
+            Named::Network(path) => {
+                let network = DepthNetwork::read(path, &NetworkOptions { kind, side }).map_err(Failure::usage)?;
+                Ok(DepthEstimator::Network(network))
+            }
+        }
     }
 }
 
-fn model(name: &str) -> anyhow::Result<DepthModel> {
+/// The model of colours, where `what` takes no other.
+pub(crate) fn of_colour(estimator: DepthEstimator, what: &str) -> Result<DepthModel, Failure> {
+    match estimator {
+        DepthEstimator::Colour(model) => Ok(model),
+        DepthEstimator::Network(network) => Err(Failure::usage(anyhow!(
+            "{what} takes depth from colour only, not from the network {}; leave --depth-model out",
+            network.name()
+        ))),
+    }
+}
+
+fn kind() -> impl TypedValueParser<Value = NetworkKind> {
+    PossibleValuesParser::new(NetworkKind::ALL.iter().map(|kind| kind.name()))
+        .try_map(|name| name.parse::<NetworkKind>())
+}
+
+fn model(name: &str) -> anyhow::Result<Named> {
     if let Ok(model) = name.parse() {
-        return Ok(model);
+        return Ok(Named::Colour(model));
     }
-    if model_file::check_name(Path::new(name)).is_err() {
+    let path = Path::new(name);
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx")) {
+        return Ok(Named::Network(path.to_owned()));
+    }
+    if model_file::check_name(path).is_err() {
         let names = DepthModel::ALL.iter().map(DepthModel::name).collect::<Vec<_>>().join(", ");
-        return Err(anyhow!("unknown depth model; give one of {names}, or a FILE.toml from `aquafuse fit`"));
+        return Err(anyhow!(
+            "unknown depth model; give one of {names}, a FILE.toml from `aquafuse fit`, or a network FILE.onnx"
+        ));
     }
-    Ok(DepthModel::Eq3(ModelFile::read(Path::new(name))?.eq3))
+    Ok(Named::Colour(DepthModel::Eq3(ModelFile::read(path)?.eq3)))
 }

@@ -1,7 +1,7 @@
 //! Options of enhancement by fusion with clear water.
 
-use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Gain, Incidence, Model, Options};
+use aquafuse_data::pipeline::DepthEstimator;
 use clap::Args;
 
 use crate::args::depth_model::DepthModelArg;
@@ -28,7 +28,7 @@ pub(crate) struct EnhanceSettings {
 }
 
 impl EnhanceSettings {
-    pub(crate) fn depth_model(&self) -> DepthModel {
+    pub(crate) fn depth_model(&self) -> Result<DepthEstimator, Failure> {
         self.depth_model.get()
     }
 

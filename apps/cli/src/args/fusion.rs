@@ -12,6 +12,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crate::args::border::BorderArgument;
 use crate::args::common::Common;
 use crate::args::depth_model::DepthModelArg;
+use crate::failure::Failure;
 
 pub(crate) const HELP: &str = "\
 Models. D is alpha times the veiling light of WATER minus the veiling light of CONTENT.
@@ -77,24 +78,24 @@ impl SettingsArgs {
         self.as_published
     }
 
-    pub(crate) fn get(&self) -> Settings {
+    pub(crate) fn get(&self) -> Result<Settings, Failure> {
         if self.as_published {
-            return Settings {
-                depth_model: DepthModel::Eq3Median,
+            return Ok(Settings {
+                depth_model: DepthModel::Eq3Median.into(),
                 options: Options::as_published(),
                 smoothing: Smoothing::Bilateral,
                 ..Settings::default()
-            };
+            });
         }
         let defaults = Options::for_model(self.model);
-        Settings {
-            depth_model: self.depth_model.get(),
+        Ok(Settings {
+            depth_model: self.depth_model.get()?,
             options: defaults
                 .with_incidence(self.theta.unwrap_or(defaults.incidence))
                 .with_gain(self.alpha.unwrap_or(defaults.gain)),
             smoothing: self.smooth,
             ..Settings::default()
-        }
+        })
     }
 }
 

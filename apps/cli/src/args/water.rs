@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use aquafuse::depth::{DepthKind, DepthModel, RelativeScale};
+use aquafuse::depth::{DepthKind, RelativeScale};
 use aquafuse::fusion::Model;
 use aquafuse::waterbody::presets::{Conditions, Preset, White};
 use aquafuse_data::augment::Sea;
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::{DepthSource, PixelEncoding, WaterEstimate, analyse_in};
+use aquafuse_data::pipeline::{DepthEstimator, DepthSource, PixelEncoding, WaterEstimate, analyse_in};
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 use clap::{Args, ValueEnum};
 
@@ -133,11 +133,11 @@ impl WaterArguments {
     pub(crate) fn read(
         &self,
         source: &WaterSource,
-        model: DepthModel,
+        model: &DepthEstimator,
         encoding: PixelEncoding,
         reading: &Reading,
     ) -> Result<WaterFile, Failure> {
-        self.read_by(source, &DepthSource::Estimated(model), encoding, reading)
+        self.read_by(source, &DepthSource::Estimated(model.clone()), encoding, reading)
     }
 
     /// [`read`](Self::read), with the depth of an image from `depth`.

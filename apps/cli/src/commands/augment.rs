@@ -344,11 +344,11 @@ impl Augment {
     }
 
     fn recipe(&self, encoding: PixelEncoding, common: &Common) -> Result<Recipe, Failure> {
-        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get()?;
         self.presets.refuse_unread(options.model)?;
-        let kind = self.depth.kind_of_map();
+        let kind = self.depth.kind_of_map(&depth_model);
         let read =
-            |source: &WaterSource| waters::read(source, &self.presets, depth_model, kind, encoding, common);
+            |source: &WaterSource| waters::read(source, &self.presets, &depth_model, kind, encoding, common);
         let on_doubtful = match &self.on_doubtful {
             Doubtful::Flag => OnDoubtful::Flag,
             Doubtful::Skip => OnDoubtful::Skip,
@@ -375,7 +375,7 @@ impl Augment {
             draws,
             options,
             smoothing,
-            depth: self.depth.plan(depth_model).map_err(Failure::usage)?,
+            depth: self.depth.plan(&depth_model).map_err(Failure::usage)?,
             on_doubtful,
             on_bad_annotation: self.on_bad_annotation.name(),
             keep_originals: self.keep_originals,
@@ -388,7 +388,7 @@ impl Augment {
 
 impl DepthArguments {
     /// Where the depth of a dataset's images comes from. Errors are wrong usage.
-    fn plan(&self, model: aquafuse::depth::DepthModel) -> anyhow::Result<DepthPlan> {
+    fn plan(&self, model: &aquafuse_data::pipeline::DepthEstimator) -> anyhow::Result<DepthPlan> {
         use aquafuse_data::pipeline::DepthSupply;
         Ok(match self.supply(true, model)? {
             DepthSupply::Estimated(model) => DepthPlan::Estimated(model),

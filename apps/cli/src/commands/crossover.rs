@@ -47,7 +47,7 @@ impl Crossover {
         let common = &self.settings.cutting(&self.border, common);
         let encoding = encoding(self.linear);
         let outputs = self.outputs()?;
-        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get()?;
         let source = DepthSource::Estimated(depth_model);
         let (a, b) = (common.reading.read(&self.a)?, common.reading.read(&self.b)?);
         let waters = [analyse_in(encoding, &a, &source)?, analyse_in(encoding, &b, &source)?];

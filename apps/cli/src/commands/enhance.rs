@@ -66,7 +66,7 @@ impl Enhance {
     fn set_levels(&self, common: &Common) -> Result<(), Failure> {
         let levels = self.levels.options();
         let plan =
-            self.batch.plan(std::slice::from_ref(&self.content), &[], self.settings.depth_model(), true)?;
+            self.batch.plan(std::slice::from_ref(&self.content), &[], &self.settings.depth_model()?, true)?;
         let words = Words {
             heading: String::new(),
             settings: json!({
@@ -80,12 +80,12 @@ impl Enhance {
 
     fn fuse(&self, clear: &Path, common: &Common) -> Result<(), Failure> {
         let encoding = self.batch.encoding();
-        let depth_model = self.settings.depth_model();
+        let depth_model = self.settings.depth_model()?;
         let water = WaterSource::parse(clear)?;
         let inputs: Vec<_> = water.path().into_iter().collect();
-        let plan = self.batch.plan(std::slice::from_ref(&self.content), &inputs, depth_model, true)?;
-        let file = self.settings.waters.read(&water, depth_model, encoding, &common.reading)?;
-        let reference = self.settings.waters.per(self.batch.depth.kind_of_map(), &file)?;
+        let plan = self.batch.plan(std::slice::from_ref(&self.content), &inputs, &depth_model, true)?;
+        let file = self.settings.waters.read(&water, &depth_model, encoding, &common.reading)?;
+        let reference = self.settings.waters.per(self.batch.depth.kind_of_map(&depth_model), &file)?;
         let options = self.settings.options()?;
         self.settings.waters.refuse_unread(options.model)?;
         let words = Words {

@@ -54,21 +54,21 @@ impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let common = &self.settings.cutting(&self.batch.border, common);
         let encoding = self.batch.encoding();
-        let Settings { depth_model, options, smoothing, .. } = self.settings.get();
+        let Settings { depth_model, options, smoothing, .. } = self.settings.get()?;
         self.waters.refuse_unread(options.model)?;
         let water = WaterSource::parse(&self.water)?;
-        let water_depth = self.water_depth.source(&water, depth_model).map_err(Failure::usage)?;
+        let water_depth = self.water_depth.source(&water, &depth_model).map_err(Failure::usage)?;
         let map = match &water_depth {
             DepthSource::Supplied { path, kind, .. } => Some((path.as_path(), *kind)),
             DepthSource::Estimated(_) => None,
         };
         let inputs: Vec<_> = water.path().into_iter().chain(map.map(|(path, _)| path)).collect();
-        let plan = self.batch.plan(&self.contents, &inputs, depth_model, false)?;
+        let plan = self.batch.plan(&self.contents, &inputs, &depth_model, false)?;
         let file = self.waters.read_by(&water, &water_depth, encoding, &common.reading)?;
-        let reference = self.waters.per(self.batch.depth.kind_of_map(), &file)?;
+        let reference = self.waters.per(self.batch.depth.kind_of_map(&depth_model), &file)?;
         if let Some(sweep) = &self.sweep {
             self.settings.refuse_beside(sweep.name()).map_err(Failure::usage)?;
-            let settings = self.settings.get();
+            let settings = self.settings.get()?;
             return sweep.run(plan.items(), &reference, &settings, &self.batch, common);
         }
         let words = Words {

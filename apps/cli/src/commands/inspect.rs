@@ -86,7 +86,7 @@ impl Inspect {
     fn inspect(&self, image: &Path, plot: Option<&Path>, common: &Common) -> Result<(), Failure> {
         let reading = &self.border.cutting(common).reading;
         let image_file = reading.read(image)?;
-        let supply = self.depth.supply(self.images.len() > 1, self.model.get()).map_err(Failure::usage)?;
+        let supply = self.depth.supply(self.images.len() > 1, &self.model.get()?).map_err(Failure::usage)?;
         let source = supply.of(image).map_err(Failure::usage)?;
         let (found, evidence) = match &plot {
             Some(_) => {

@@ -49,8 +49,8 @@ impl Restore {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let common = &self.batch.border.cutting(common);
         let encoding = self.batch.encoding();
-        let depth_model = self.depth_model.get();
-        let plan = self.batch.plan(&self.contents, &[], depth_model, false)?;
+        let depth_model = self.depth_model.get()?;
+        let plan = self.batch.plan(&self.contents, &[], &depth_model, false)?;
         let options = self.max_gain.options();
         let levels = self.levels.options();
         let operation = Operation::Restore { options, levels, encoding };

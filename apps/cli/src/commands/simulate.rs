@@ -74,7 +74,7 @@ impl Simulate {
         let supplied =
             DepthSource::Supplied { path: self.depth.clone(), kind: self.depth_kind, size: MapSize::Exact };
         let found = analyse_in(encoding, &image_file, &supplied)?;
-        let file = self.waters.read(&water, DepthModel::default(), encoding, &common.reading)?;
+        let file = self.waters.read(&water, &DepthModel::default().into(), encoding, &common.reading)?;
         let seen_through = self.waters.per(found.depth.kind(), &file)?;
         let light = match &water {
             WaterSource::Preset(preset) if !self.keep_light => {

@@ -207,14 +207,14 @@ impl Video {
             Some(water) => {
                 self.waters.refuse_unread(settings.options.model)?;
                 let file =
-                    self.waters.read(water, settings.depth_model, PixelEncoding::Encoded, &common.reading)?;
+                    self.waters.read(water, &depth_model.into(), PixelEncoding::Encoded, &common.reading)?;
                 let reference = self.waters.per(DepthKind::Relative, &file)?;
                 heading = format!("{}: {}\n", water.name(), veiling_light(&reference));
                 Operation::Fuse { reference, options: settings.options }
             }
         };
         let recipe = Recipe {
-            depth_model: settings.depth_model,
+            depth_model,
             smoothing: settings.smoothing,
             border: common.reading.border,
             steady_over: self.steady_over.into(),

@@ -114,7 +114,7 @@ impl Extract {
 
     /// Where the depth of each image comes from: with several, --depth is a folder.
     fn supply(&self) -> Result<DepthSupply, Failure> {
-        self.depth.supply(self.images.len() > 1, self.model.get()).map_err(Failure::usage)
+        self.depth.supply(self.images.len() > 1, &self.model.get()?).map_err(Failure::usage)
     }
 }
 

@@ -3,18 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use aquafuse::depth::{DepthModel, SuppliedKind};
+use aquafuse::depth::SuppliedKind;
 
 use crate::dataset::split;
 use crate::depth_file::DepthFolder;
 use crate::files::FileError;
-use crate::pipeline::{DepthSource, MapSize};
+use crate::pipeline::{DepthEstimator, DepthSource, MapSize};
 
 /// How the depth of a dataset's images is obtained.
 #[derive(Clone, Debug)]
 pub enum DepthPlan {
-    /// From colour.
-    Estimated(DepthModel),
+    /// From each image, by a model of its colours or by a network.
+    Estimated(DepthEstimator),
     /// From a folder of maps, laid out as the dataset or with all maps in it, each of its image's stem.
     Maps {
         /// The folder.
@@ -28,7 +28,7 @@ pub enum DepthPlan {
 
 /// The maps of a dataset, found once.
 pub(super) enum Maps {
-    None(DepthModel),
+    None(DepthEstimator),
     Folders { root: PathBuf, kind: SuppliedKind, size: MapSize, by_folder: BTreeMap<PathBuf, DepthFolder> },
 }
 
@@ -36,7 +36,7 @@ impl Maps {
     /// Lists the folders in which the maps of these images stand.
     pub(super) fn of<'a>(plan: &DepthPlan, keys: impl Iterator<Item = &'a str>) -> Result<Self, FileError> {
         let (root, kind, size) = match plan {
-            DepthPlan::Estimated(model) => return Ok(Self::None(*model)),
+            DepthPlan::Estimated(model) => return Ok(Self::None(model.clone())),
             DepthPlan::Maps { folder, kind, size } => (folder.clone(), *kind, *size),
         };
         let mut by_folder = BTreeMap::from([(root.clone(), DepthFolder::list(&root)?)]);
@@ -52,7 +52,7 @@ impl Maps {
     /// The depth of an image.
     pub(super) fn source(&self, key: &str) -> Result<DepthSource, FileError> {
         let (root, kind, size, by_folder) = match self {
-            Self::None(model) => return Ok(DepthSource::Estimated(*model)),
+            Self::None(model) => return Ok(DepthSource::Estimated(model.clone())),
             Self::Folders { root, kind, size, by_folder } => (root, *kind, *size, by_folder),
         };
         let (within, name) = split(key);

@@ -125,9 +125,22 @@ impl Augmentation {
 impl StoredDepth {
     fn of(plan: &DepthPlan) -> Self {
         use aquafuse::depth::DepthModel;
+
+        use crate::depth_network::NetworkKind;
+        use crate::pipeline::DepthEstimator;
+
         match plan {
-            DepthPlan::Estimated(DepthModel::Eq3(fitted)) => Self::Eq3(fitted.mu),
-            DepthPlan::Estimated(model) => Self::Model(model.name().to_owned()),
+            DepthPlan::Estimated(DepthEstimator::Colour(DepthModel::Eq3(fitted))) => Self::Eq3(fitted.mu),
+            DepthPlan::Estimated(DepthEstimator::Colour(model)) => Self::Model(model.name().to_owned()),
+            DepthPlan::Estimated(DepthEstimator::Network(network)) => {
+                let (file, sha256, options) = network.origin();
+                Self::Network {
+                    file: file.to_string_lossy().into_owned(),
+                    sha256: sha256.to_owned(),
+                    kind: options.kind.map_or("", NetworkKind::name).to_owned(),
+                    side: options.side,
+                }
+            }
             DepthPlan::Maps { folder, kind, size } => Self::Maps {
                 folder: folder.to_string_lossy().into_owned(),
                 kind: kind.name().to_owned(),

@@ -115,6 +115,13 @@ pub(super) enum StoredDepth {
     Model(String),
     /// From colour by Eq. 3, with these coefficients.
     Eq3([f64; 5]),
+    /// By a network from a file.
+    Network {
+        file: String,
+        sha256: String,
+        kind: String,
+        side: Option<u32>,
+    },
     /// From a folder of maps.
     Maps {
         folder: String,

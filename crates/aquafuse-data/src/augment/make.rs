@@ -96,7 +96,7 @@ impl Recipe {
     ) -> Result<Read<'a>, FileError> {
         // A variant beside its image, what surrounds its scene, and as it is encoded.
         let beside = opened.memory_of_pixels().saturating_mul(3);
-        let supplied = opened.pixels().saturating_mul(depth.bytes_a_pixel());
+        let supplied = depth.memory(opened.pixels());
         let light = opened.pixels().saturating_mul(self.encoding.bytes_a_pixel());
         let beside = beside.saturating_add(supplied).saturating_add(light);
         let room = budget.reserve_for(&opened, Format::Png, beside)?;

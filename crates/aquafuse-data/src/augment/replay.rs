@@ -10,9 +10,10 @@ use super::line::Variant;
 use super::manifest::Manifest;
 use super::{AugmentError, DepthPlan, Draws, OnDoubtful, Recipe, Water, depth};
 use crate::dataset::{Layout, inside, split};
+use crate::depth_network::{DepthNetwork, NetworkKind, NetworkOptions};
 use crate::files::{FileError, make_folder_within, refuse_inputs, sha256, stays_within, write_bytes};
 use crate::image_file::{ImageFile, ReadOptions};
-use crate::pipeline::{MapSize, PixelEncoding};
+use crate::pipeline::{DepthEstimator, MapSize, PixelEncoding};
 use crate::run::Budget;
 use crate::water_file::WaterFileError;
 
@@ -140,7 +141,7 @@ impl Header {
             },
             options: Options::for_model(model).with_max_gain(settings.most_gain),
             smoothing: settings.smooth.parse().map_err(|_| unknown())?,
-            depth: settings.depth.plan().ok_or_else(unknown)?,
+            depth: settings.depth.plan()?.ok_or_else(unknown)?,
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
             keep_originals: settings.keep_originals,
@@ -152,15 +153,29 @@ impl Header {
 }
 
 impl StoredDepth {
-    fn plan(&self) -> Option<DepthPlan> {
-        Some(match self {
-            Self::Eq3(mu) => DepthPlan::Estimated(DepthModel::Eq3(Eq3::new(*mu).ok()?)),
-            Self::Model(name) => DepthPlan::Estimated(name.parse::<DepthModel>().ok()?),
-            Self::Maps { folder, kind, is_scaled } => DepthPlan::Maps {
+    /// `None` where it is no record of ours.
+    fn plan(&self) -> Result<Option<DepthPlan>, FileError> {
+        let estimated = |model: DepthModel| DepthPlan::Estimated(model.into());
+        Ok(match self {
+            Self::Eq3(mu) => Eq3::new(*mu).ok().map(|eq3| estimated(DepthModel::Eq3(eq3))),
+            Self::Model(name) => name.parse().ok().map(estimated),
+            Self::Network { file, sha256, kind, side } => {
+                let kind = NetworkKind::ALL.iter().copied().find(|known| known.name() == kind);
+                let network = DepthNetwork::read(file.as_ref(), &NetworkOptions { kind, side: *side })?;
+                if network.origin().1 != sha256 {
+                    return Err(FileError::UnfitNetwork {
+                        path: file.into(),
+                        cause: "it is another file than the one that the images were made with".into(),
+                        remedy: format!("Get the one whose SHA-256 is {sha256}"),
+                    });
+                }
+                Some(DepthPlan::Estimated(DepthEstimator::Network(network)))
+            }
+            Self::Maps { folder, kind, is_scaled } => kind.parse::<SuppliedKind>().ok().map(|kind| DepthPlan::Maps {
                 folder: folder.into(),
-                kind: kind.parse::<SuppliedKind>().ok()?,
+                kind,
                 size: if *is_scaled { MapSize::Scaled } else { MapSize::Exact },
-            },
+            }),
         })
     }
 }

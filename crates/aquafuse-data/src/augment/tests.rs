@@ -56,7 +56,7 @@ fn job(root: &Path, output: &Path) -> Augmentation {
             draws: Draws { seed: 1, with_replacement: false, theta: (0.0, 60.0), alpha: (0.5, 1.5) },
             options: Options::default(),
             smoothing: Smoothing::default(),
-            depth: DepthPlan::Estimated(DepthModel::default()),
+            depth: DepthPlan::Estimated(DepthModel::default().into()),
             on_doubtful: OnDoubtful::Flag,
             on_bad_annotation: "refuse",
             keep_originals: true,

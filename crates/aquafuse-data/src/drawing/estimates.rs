@@ -6,7 +6,7 @@ mod panels;
 mod view;
 
 use crate::image_file::ImageFile;
-use crate::pipeline::{Analysis, DepthSource};
+use crate::pipeline::{Analysis, DepthEstimator, DepthSource};
 use aquafuse::depth::{DepthKind, DepthMap, DepthModel};
 use aquafuse::image::Image;
 use aquafuse::waterbody::Evidence;
@@ -76,10 +76,10 @@ pub fn estimates(
         charts.draw(Chart::Backscatter, &next("backscatter B(z) = B∞ (1 − e^(−β_B z))")?)?;
         charts.draw(Chart::Attenuation, &next("attenuation coefficient β_D(z)")?)?;
         match found.depth_source {
-            DepthSource::Estimated(_) => {
+            DepthSource::Estimated(DepthEstimator::Colour(_)) => {
                 charts.draw(Chart::Illumination, &next("illumination E(z) = e^(−β_D(z) z)")?)?;
             }
-            DepthSource::Supplied { .. } => {
+            DepthSource::Estimated(DepthEstimator::Network(_)) | DepthSource::Supplied { .. } => {
                 let model = DepthModel::default();
                 let from_colour = image.pixels.depth(&model, image.top_edge());
                 let z = view.depth(&from_colour);
@@ -109,7 +109,8 @@ fn unit(kind: DepthKind) -> &'static str {
 
 fn depth_title(source: &DepthSource) -> String {
     match source {
-        DepthSource::Estimated(model) => format!("depth z from colour ({})", model.name()),
+        DepthSource::Estimated(DepthEstimator::Colour(model)) => format!("depth z from colour ({})", model.name()),
+        DepthSource::Estimated(DepthEstimator::Network(_)) => "depth z, by a network".to_owned(),
         DepthSource::Supplied { kind, .. } => format!("depth z, supplied ({})", kind.name()),
     }
 }

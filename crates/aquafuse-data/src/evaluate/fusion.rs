@@ -4,7 +4,6 @@ mod gallery;
 mod tables;
 mod way;
 
-use aquafuse::depth::DepthModel;
 use aquafuse::fusion::Options;
 use aquafuse::image::Image;
 use aquafuse::smooth::Smoothing;
@@ -14,7 +13,7 @@ use super::{
     EvaluateError, Failed, Listener, Lpips, Member, Outputs, Pairing, Palette, Report, Rival, lpips, outputs,
 };
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::pipeline::{Analysis, DepthSource, DepthSupply, SUPPLIED, analyse_in_with_evidence, depth_of};
+use crate::pipeline::{Analysis, DepthEstimator, DepthSource, DepthSupply, SUPPLIED, analyse_in_with_evidence, depth_of};
 use crate::pipeline::{Operation, PixelEncoding, WaterEstimate};
 use crate::run::{Budget, Event, RunOptions};
 use tables::Likeness;
@@ -45,10 +44,10 @@ pub struct Fusion {
 }
 
 /// The settings of our method.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// The depth model.
-    pub depth_model: DepthModel,
+    pub depth_model: DepthEstimator,
     /// How to fuse.
     pub options: Options,
     /// How outputs are smoothed.
@@ -195,7 +194,7 @@ impl Fusion {
         image: &ImageFile,
         depth: &Option<DepthSupply>,
     ) -> Result<(Analysis<WaterEstimate>, Regions), EvaluateError> {
-        let source = DepthSource::Estimated(self.settings.depth_model);
+        let source = DepthSource::Estimated(self.settings.depth_model.clone());
         let (found, evidence) = analyse_in_with_evidence(self.settings.encoding, image, &source)?;
         let regions = match depth {
             None => Regions::of_estimate(evidence.read_from, &found.depth),

@@ -99,6 +99,16 @@ pub enum FileError {
         /// Whether the image is rotated by its EXIF orientation.
         turned: bool,
     },
+    /// A network gives no depth.
+    #[error("cannot use {} as a depth model: {cause}. {remedy}", display(path))]
+    UnfitNetwork {
+        /// The file of the network.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+        /// What to do.
+        remedy: String,
+    },
     /// No file, or more than one, is the depth map of an image.
     #[error(
         "{} holds {found} depth maps with the stem of {}; it needs exactly one (.png, .tif, .tiff, .exr, .npy, \

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::{
-    DepthMap, DepthModel, Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport,
+    DepthMap, Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport,
 };
 use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason, WaterShare};
 
-use super::SUPPLIED;
+use super::{DepthEstimator, SUPPLIED};
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
 use crate::depth_file;
 use crate::files::{FileError, Step, count};
@@ -17,8 +17,8 @@ use crate::image_file::ImageFile;
 /// How the depth of an image is obtained.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DepthSource {
-    /// From colour.
-    Estimated(DepthModel),
+    /// From the image, by a model of its colours or by a network.
+    Estimated(DepthEstimator),
     /// From a file.
     Supplied {
         /// The file, of the whole image's size in stored order; empty for values that came from memory
@@ -44,25 +44,25 @@ pub enum MapSize {
 impl Default for DepthSource {
     /// The default model.
     fn default() -> Self {
-        Self::Estimated(DepthModel::default())
+        Self::Estimated(DepthEstimator::default())
     }
 }
 
 impl DepthSource {
-    /// What it takes in bytes a pixel of its image.
-    pub(crate) fn bytes_a_pixel(&self) -> u64 {
+    /// What it takes in bytes beside an image of so many pixels.
+    pub(crate) fn memory(&self, pixels: u64) -> u64 {
         match self {
-            Self::Estimated(_) => 0,
-            Self::Supplied { size: MapSize::Exact, .. } => SUPPLIED,
+            Self::Estimated(estimator) => estimator.memory(pixels),
+            Self::Supplied { size: MapSize::Exact, .. } => pixels.saturating_mul(SUPPLIED),
             // A map may have four times the pixels of its image, which take 8 bytes each until it is scaled.
-            Self::Supplied { size: MapSize::Scaled, .. } => SUPPLIED.saturating_mul(3),
+            Self::Supplied { size: MapSize::Scaled, .. } => pixels.saturating_mul(SUPPLIED.saturating_mul(3)),
         }
     }
 
     /// The name used in reports: the model, or `supplied`.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> &str {
         match self {
-            Self::Estimated(model) => model.name(),
+            Self::Estimated(estimator) => estimator.name(),
             Self::Supplied { .. } => "supplied",
         }
     }
@@ -76,7 +76,7 @@ pub struct Analysis<W = Estimate<Encoded>> {
     pub depth: DepthMap,
     /// How it was obtained.
     pub depth_source: DepthSource,
-    /// The report on supplied depth; `None` for depth from colour.
+    /// The report on supplied depth, and on depth by a network; `None` for depth from colour.
     pub supplied: Option<SuppliedReport>,
     /// How much of each pixel is open water.
     pub share: WaterShare,
@@ -206,9 +206,8 @@ pub(crate) fn depth_of(
     bytes: &Image<u8>,
     source: &DepthSource,
 ) -> Result<(DepthMap, Option<SuppliedReport>), FileError> {
-    let top = image.top_edge();
     Ok(match source {
-        DepthSource::Estimated(model) => (image.pixels.depth(model, top), None),
+        DepthSource::Estimated(estimator) => estimator.depth(image, bytes)?,
         DepthSource::Supplied { path, kind, size } => {
             let read = match size {
                 MapSize::Exact => depth_file::read_for,

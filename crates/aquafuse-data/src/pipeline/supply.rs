@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use aquafuse::depth::{DepthModel, SuppliedKind};
+use aquafuse::depth::SuppliedKind;
 
-use super::{DepthSource, MapSize};
+use super::{DepthEstimator, DepthSource, MapSize};
 use crate::depth_file::DepthFolder;
 use crate::files::FileError;
 
@@ -14,8 +14,8 @@ pub(crate) const SUPPLIED: u64 = 16;
 /// The depth of all images of a run.
 #[derive(Clone, Debug)]
 pub enum DepthSupply {
-    /// Estimated from colour.
-    Estimated(DepthModel),
+    /// Estimated from each image.
+    Estimated(DepthEstimator),
     /// One file, for a run over one image.
     File(PathBuf, SuppliedKind, MapSize),
     /// A folder with a depth map for each image, of the same stem.
@@ -24,9 +24,9 @@ pub enum DepthSupply {
 
 impl DepthSupply {
     /// The name used in reports: the depth model, or the kind of the supplied values.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> &str {
         match self {
-            Self::Estimated(model) => model.name(),
+            Self::Estimated(estimator) => estimator.name(),
             Self::File(_, kind, _) | Self::Folder(_, kind, _) => kind.name(),
         }
     }
@@ -52,7 +52,7 @@ impl DepthSupply {
     /// [`FileError::NoDepthBeside`] when the folder has no depth map of that stem, or more than one.
     pub fn of(&self, image: &Path) -> Result<DepthSource, FileError> {
         Ok(match self {
-            Self::Estimated(model) => DepthSource::Estimated(*model),
+            Self::Estimated(estimator) => DepthSource::Estimated(estimator.clone()),
             Self::File(path, kind, size) => {
                 DepthSource::Supplied { path: path.clone(), kind: *kind, size: *size }
             }

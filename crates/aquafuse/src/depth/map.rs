@@ -232,6 +232,11 @@ impl DepthMap {
         Self { model: Some(model), ..self }
     }
 
+    /// Other distances of the same kind.
+    pub(super) fn with_distances(&self, (width, height): (usize, usize), distances: Vec<f32>) -> Self {
+        Self { width, height, values: Values::Floats(distances), ..*self }
+    }
+
     /// This map as one whose z is 1 less an inverse depth.
     pub(super) fn turned_from_inverse(self) -> Self {
         Self { is_inverse: true, ..self }

@@ -20,7 +20,7 @@ const LEAST_SIDE: f32 = 4.0;
 /// Rows of a cell that are read at least: enough for a mean.
 const ROWS: usize = 8;
 /// Variance of colours below which they do not guide depth.
-const FLAT: f32 = 4e-3;
+pub(super) const FLAT: f32 = 4e-3;
 
 /// What a model makes of pixels, before it is refined: bytes or words of which the largest is z = 1.
 pub(super) trait Raw: Copy + Default + Send + Sync + Into<u32> {

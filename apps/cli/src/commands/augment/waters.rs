@@ -48,7 +48,7 @@ pub(super) fn sources(named: &[PathBuf]) -> Result<Vec<WaterSource>, Failure> {
 pub(super) fn read(
     source: &WaterSource,
     arguments: &WaterArguments,
-    model: DepthModel,
+    model: &DepthEstimator,
     kind: DepthKind,
     encoding: PixelEncoding,
     common: &Common,

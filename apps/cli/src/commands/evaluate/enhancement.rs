@@ -71,13 +71,13 @@ impl EnhancementArguments {
             (ENHANCE.to_owned(), Operation::Enhance { levels: LevelsOptions::default() }),
             (RESTORE.to_owned(), restoration(encoding(self.linear))),
         ];
-        let depth_model = self.settings.depth_model();
+        let depth_model = self.settings.depth_model()?;
         let mut settings = Map::from_iter([("encoding".to_owned(), json!(encoding(self.linear).name()))]);
         if let Some(clear) = &self.clear {
             let options = self.settings.options()?;
             let water = WaterSource::parse(clear)?;
             let file =
-                self.settings.waters.read(&water, depth_model, encoding(self.linear), &common.reading)?;
+                self.settings.waters.read(&water, &depth_model, encoding(self.linear), &common.reading)?;
             let reference = self.settings.waters.per(DepthKind::Relative, &file)?;
             settings.insert("water".into(), json!(water.name()));
             settings.insert("model".into(), json!(options.model.name()));

@@ -115,7 +115,7 @@ impl FusionArguments {
             Some(By::Folder) => GroupBy::Folder,
             Some(By::Prefix) => GroupBy::Prefix,
         };
-        let settings = Settings { encoding: encoding(self.linear), ..self.settings.get() };
+        let settings = Settings { encoding: encoding(self.linear), ..self.settings.get()? };
         let own = match settings.options.model {
             _ if self.settings.is_as_published() => "AquaFuse as published".to_owned(),
             Model::Aquafuse => "AquaFuse".to_owned(),

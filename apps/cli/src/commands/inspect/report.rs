@@ -6,7 +6,7 @@ use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::{Analysis, DepthSource};
 use serde::Serialize;
 
-use crate::args::depth::inverted;
+use crate::args::depth::{inverted, inverted_by_network};
 use crate::report::border::BorderRecord;
 
 /// The JSON of `inspect`; `schema` changes when a field changes its meaning or goes.
@@ -124,14 +124,15 @@ impl Depth {
 
 impl Supplied {
     fn new(found: &Analysis) -> Option<Self> {
-        let (DepthSource::Supplied { path, kind, .. }, Some(report)) = (&found.depth_source, &found.supplied)
-        else {
-            return None;
+        let report = found.supplied.as_ref()?;
+        let (file, warning) = match &found.depth_source {
+            DepthSource::Supplied { path, .. } => (path.to_string_lossy().into_owned(), inverted(report)),
+            DepthSource::Estimated(network) => (network.name().to_owned(), inverted_by_network(report.kind)),
         };
-        let warning = report.looks_inverted().then(|| inverted(report));
+        let warning = report.looks_inverted().then_some(warning);
         Some(Self {
-            file: path.to_string_lossy().into_owned(),
-            kind: *kind,
+            file,
+            kind: report.kind,
             invalid_share: report.invalid_share(),
             agreement: report.agreement,
             warnings: warning.into_iter().collect(),

@@ -29,7 +29,7 @@ impl LookedThrough {
         }
         let source = WaterSource::parse(said)?;
         let mut file =
-            self.waters.read(&source, DepthModel::default(), PixelEncoding::Encoded, &common.reading)?;
+            self.waters.read(&source, &DepthModel::default().into(), PixelEncoding::Encoded, &common.reading)?;
         file.estimate = self.waters.per(DepthKind::Metres, &file)?;
         Ok(Medium::of_file(&file))
     }

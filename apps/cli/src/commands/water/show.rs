@@ -39,7 +39,7 @@ impl Show {
     pub(super) fn run(&self, common: &Common) -> Result<(), Failure> {
         let encoding = encoding(self.linear);
         let source = WaterSource::parse(&self.water)?;
-        let file = self.waters.read(&source, DepthModel::default(), encoding, &common.reading)?;
+        let file = self.waters.read(&source, &DepthModel::default().into(), encoding, &common.reading)?;
         match (&source, self.json) {
             (WaterSource::Preset(preset), true) => {
                 output::print(&format!("{:#}\n", preset_json(*preset, &self.waters.conditions()?)))

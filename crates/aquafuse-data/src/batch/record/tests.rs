@@ -85,7 +85,7 @@ fn an_image_of_the_same_name_from_another_folder_does_not_take_its_place() {
 fn depth_come_by_in_another_way_is_another_setting() {
     let (folder, known) = done("a.png");
     let record = Record::open(folder.path(), &json!("blue"), false).unwrap();
-    let ratio = DepthSource::Estimated(aquafuse::depth::DepthModel::Ratio);
+    let ratio = DepthSource::Estimated(aquafuse::depth::DepthModel::Ratio.into());
     assert_eq!(record.state(&Item { depth: ratio, ..known }, false), State::Foreign);
 }
 

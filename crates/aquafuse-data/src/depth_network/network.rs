@@ -1,0 +1,189 @@
+//! The network, read from a file of ONNX and run.
+
+use std::fmt;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use aquafuse::depth::{SuppliedDepth, SuppliedError};
+use aquafuse::image::{Image, TopEdge};
+use rten::{Model, RunOptions, ThreadPool, Value};
+
+use super::preset::{Preset, Unfit};
+use super::tensor::{numbers, scaled, size_of, supplied, turned};
+use super::{NetworkOptions, SIDES};
+use crate::files::{FileError, catch_panic, display, is_memory, one_line, sha256};
+use crate::image_file::open_file;
+
+/// A network of depth with its weights; clones share them.
+#[derive(Clone)]
+pub struct DepthNetwork(Arc<Loaded>);
+
+struct Loaded {
+    path: PathBuf,
+    sha256: String,
+    name: String,
+    length: u64,
+    model: Model,
+    preset: Preset,
+    options: NetworkOptions,
+    /// One thread: images are shared out already, and sums then do not depend on how many there are.
+    alone: Arc<ThreadPool>,
+}
+
+/// The longest file that ONNX allows.
+const MOST_BYTES: u64 = 2 << 30;
+/// The side that Depth Anything was trained at.
+const SIDE: u32 = 518;
+/// What the layers of a network take for a pixel of its input.
+const BYTES_A_PIXEL: u64 = 2048;
+const FOREIGN: &str = "Give a network of depth in the format ONNX, whole and with its weights in the same file";
+
+impl fmt::Debug for DepthNetwork {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let side = self.0.options.side;
+        f.debug_struct("DepthNetwork").field("sha256", &self.0.sha256).field("kind", &self.0.preset.kind).field("side", &side).finish()
+    }
+}
+
+impl PartialEq for DepthNetwork {
+    fn eq(&self, other: &Self) -> bool {
+        let of = |network: &Self| (network.0.preset.kind, network.0.options.side);
+        self.0.sha256 == other.0.sha256 && of(self) == of(other)
+    }
+}
+
+impl DepthNetwork {
+    /// Reads a network from a file of ONNX.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] when the file cannot be read, exceeds 2 GiB or the memory, is no ONNX, has an operator that is not supported,
+    /// takes or gives something else than one image and one map, or its names do not settle what its numbers are.
+    pub fn read(path: &Path, options: &NetworkOptions) -> Result<Self, FileError> {
+        let (mut file, length) = open_file(path)?;
+        if length > MOST_BYTES {
+            let cause = format!("it has {length} bytes, and a network at most {MOST_BYTES}");
+            return Err(FileError::TooLarge { path: path.to_owned(), cause });
+        }
+        // The file, its weights, and these as multiplication wants them.
+        let memory = length.saturating_mul(3);
+        if !is_memory(memory) {
+            return Err(FileError::NoMemory { path: path.to_owned(), bytes: memory });
+        }
+        let mut bytes = Vec::new();
+        let read = Read::by_ref(&mut file).take(length).read_to_end(&mut bytes);
+        read.map_err(|error| FileError::Read { path: path.to_owned(), error })?;
+        Self::from_bytes(path, bytes, options)
+    }
+
+    /// Reads a network whose file is in memory already; errors call it `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`] as for [`read`](Self::read).
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>, options: &NetworkOptions) -> Result<Self, FileError> {
+        let unfit = |unfit| unfit_network(path, unfit);
+        let foreign = |cause: String| unfit_network(path, (cause, FOREIGN.into()));
+        let (digest, length) = (sha256(&bytes), bytes.len() as u64);
+        let model = catch_panic(|| Model::load(bytes)).ok_or_else(|| foreign("its reader panicked".into()))?;
+        let model = model.map_err(|error| foreign(error.to_string()))?;
+        let preset = Preset::of(&model, options).map_err(unfit)?;
+        if options.side.is_some_and(|side| !SIDES.contains(&side)) {
+            let cause = format!("its input must have from {} to {} pixels a side", SIDES.start(), SIDES.end());
+            return Err(unfit((cause, "Give another --depth-model-size".into())));
+        }
+        if let ([Some(columns), Some(rows)], Some(_)) = (preset.fixed, options.side) {
+            return Err(unfit((format!("it takes images of {columns}x{rows} only"), "Leave --depth-model-size out".into())));
+        }
+        let short: String = digest.chars().take(12).collect();
+        let name = format!("{} (sha256 {short}, {})", display(path), preset.kind.name());
+        let alone = Arc::new(ThreadPool::with_num_threads(1));
+        let loaded =
+            Loaded { path: path.to_owned(), sha256: digest, name, length, model, preset, options: *options, alone };
+        Ok(Self(Arc::new(loaded)))
+    }
+
+    /// Its name in reports: the file, the beginning of its SHA-256, and what its numbers are taken as.
+    pub fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// What its numbers are taken as.
+    pub fn kind(&self) -> super::NetworkKind {
+        self.0.preset.kind
+    }
+
+    /// Where it was read from, its SHA-256, and the options that read it again.
+    pub fn origin(&self) -> (&Path, &str, NetworkOptions) {
+        let options = NetworkOptions { kind: Some(self.0.preset.kind), ..self.0.options };
+        (&self.0.path, &self.0.sha256, options)
+    }
+
+    /// What running it takes in bytes, whatever the size of the image.
+    pub(crate) fn memory(&self) -> u64 {
+        let side = u64::from(self.0.options.side.unwrap_or(SIDE));
+        let [columns, rows] = self.0.preset.fixed.map(|fixed| fixed.map_or(side, |fixed| fixed as u64));
+        columns.saturating_mul(rows).saturating_mul(BYTES_A_PIXEL).saturating_add(self.0.length)
+    }
+
+    /// The depth of an image, of which `top` is the edge that is up: the network sees it upright, and the image refines what it gives.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::UnfitNetwork`] when the network cannot take an image of that size, or gives no depth map.
+    pub fn depth(&self, image: &Image<u8>, top: TopEdge) -> Result<SuppliedDepth, FileError> {
+        let unfit = |unfit| unfit_network(&self.0.path, unfit);
+        let preset = &self.0.preset;
+        let side = self.0.options.side.unwrap_or(SIDE);
+        let (_, upright) = turned::<u8>(&[], image.size(), top, false);
+        let wanted = preset.size(upright, side);
+        let stored = match top {
+            TopEdge::First | TopEdge::Last => wanted,
+            TopEdge::Left | TopEdge::Right => (wanted.1, wanted.0),
+        };
+        let small = scaled(image, stored);
+        let (pixels, _) = turned(small.pixels(), stored, top, false);
+        let input = Value::from_shape([1, 3, wanted.1, wanted.0], numbers(&pixels, preset.colours));
+        let input = input.expect("a value for each channel of each pixel");
+        let output = self.run(input).map_err(unfit)?;
+        let size = size_of(&output.1).map_err(unfit)?;
+        // As stored again.
+        let (values, size) = turned(&output.0, size, top, true);
+        let map = supplied(values, size, preset.kind).map_err(unfit)?;
+        let small = if size == stored { small } else { scaled(image, size) };
+        let mut found = map.seen_with(&small, top).map_err(|error| {
+            let remedy = match error {
+                SuppliedError::TooFewValid { .. } => "Check --depth-model-kind",
+                _ => "Check that it is a network of depth",
+            };
+            unfit((error.to_string(), remedy.into()))
+        })?;
+        found.depth = found.depth.refined_by(image);
+        Ok(found)
+    }
+
+    /// The numbers of the output, and its shape.
+    fn run(&self, input: Value) -> Result<(Vec<f32>, Vec<usize>), Unfit> {
+        let Preset { input: node, output, .. } = self.0.preset;
+        let options = RunOptions::default().with_thread_pool(Some(self.0.alone.clone()));
+        let run = || self.0.model.run_n(vec![(node, input.into())], [output], Some(options));
+        let remedy = || "Check with another program that it takes images, or give --depth-model-size".to_owned();
+        let ended = catch_panic(run).ok_or_else(|| ("it panicked on an image".to_owned(), remedy()))?;
+        let [output] = ended.map_err(|error| (error.to_string(), remedy()))?;
+        let Some(values) = output.as_tensor_view::<f32>() else {
+            let remedy = "Export the network again with an output of 32-bit floats";
+            return Err((format!("its output holds {:?} instead of 32-bit floats", output.dtype()), remedy.into()));
+        };
+        Ok((values.iter().copied().collect(), rten_shape(&output)))
+    }
+}
+
+fn rten_shape(value: &Value) -> Vec<usize> {
+    use rten_tensor::Layout;
+    value.shape().iter().copied().collect()
+}
+
+fn unfit_network(path: &Path, (cause, remedy): Unfit) -> FileError {
+    FileError::UnfitNetwork { path: path.to_owned(), cause: one_line(&cause), remedy }
+}

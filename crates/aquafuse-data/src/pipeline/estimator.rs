@@ -1,0 +1,69 @@
+//! What estimates the depth of an image: a model of its colours, or a network.
+
+use aquafuse::depth::{DepthMap, DepthModel, SuppliedReport};
+use aquafuse::image::Image;
+
+use super::SUPPLIED;
+use crate::depth_network::DepthNetwork;
+use crate::files::FileError;
+use crate::image_file::ImageFile;
+
+/// What estimates the depth of an image.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DepthEstimator {
+    /// A model of its colours.
+    Colour(DepthModel),
+    /// A network from a file. What it gives is used as a supplied depth map is, refined by the image.
+    Network(DepthNetwork),
+}
+
+impl Default for DepthEstimator {
+    /// The default model of colours.
+    fn default() -> Self {
+        Self::Colour(DepthModel::default())
+    }
+}
+
+impl From<DepthModel> for DepthEstimator {
+    fn from(model: DepthModel) -> Self {
+        Self::Colour(model)
+    }
+}
+
+impl DepthEstimator {
+    /// The name used in reports: the model, or the network's file with its digest.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Colour(model) => model.name(),
+            Self::Network(network) => network.name(),
+        }
+    }
+
+    /// Bytes that it takes beside an image of so many pixels.
+    pub(crate) fn memory(&self, pixels: u64) -> u64 {
+        match self {
+            Self::Colour(_) => 0,
+            Self::Network(network) => pixels.saturating_mul(SUPPLIED).saturating_add(network.memory()),
+        }
+    }
+
+    /// The depth of an image, whose pixels as bytes are `bytes`, and what there is to say about that of a network.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::UnfitNetwork`] when a network gives none.
+    pub fn depth(
+        &self,
+        image: &ImageFile,
+        bytes: &Image<u8>,
+    ) -> Result<(DepthMap, Option<SuppliedReport>), FileError> {
+        let top = image.top_edge();
+        Ok(match self {
+            Self::Colour(model) => (image.pixels.depth(model, top), None),
+            Self::Network(network) => {
+                let found = network.depth(bytes, top)?;
+                (found.depth, Some(found.report))
+            }
+        })
+    }
+}

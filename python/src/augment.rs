@@ -229,7 +229,7 @@ impl Settings<'_> {
             alpha: self.alpha_range.unwrap_or((alpha, alpha)),
         };
         let depth = match (&self.depth, self.depth_kind.as_deref()) {
-            (None, None) => DepthPlan::Estimated(reading.depth_model()?),
+            (None, None) => DepthPlan::Estimated(reading.depth_model()?.into()),
             (Some(folder), Some(name)) => {
                 let size = if self.depth_resize { MapSize::Scaled } else { MapSize::Exact };
                 DepthPlan::Maps { folder: folder.clone(), kind: kind(name)?, size }

@@ -40,7 +40,7 @@ impl Depth {
         image: &ImageFile,
     ) -> Result<Analysis<WaterEstimate>, Fault> {
         Ok(match self {
-            Self::Colour(model) => analyse_in(encoding, image, &DepthSource::Estimated(model))?,
+            Self::Colour(model) => analyse_in(encoding, image, &DepthSource::Estimated(model.into()))?,
             Self::Values(map) => analyse_supplied(encoding, image, map)?,
         })
     }

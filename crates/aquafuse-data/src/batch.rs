@@ -51,7 +51,9 @@ use serde_json::{Value, json};
 
 use crate::files::{FileError, make_folder, make_folder_of, make_folder_within, remove_stale_parts};
 use crate::image_file::{Format, ImageFile, Opened, ReadOptions, WriteOptions};
-use crate::pipeline::{Analysis, DepthSource, Operation, Outcome, Scores, WaterEstimate, analyse_in, maps};
+use crate::pipeline::{
+    Analysis, DepthEstimator, DepthSource, Operation, Outcome, Scores, WaterEstimate, analyse_in, maps,
+};
 use crate::run::{self, Budget, Ending, Event, Permit, RunOptions, Summary};
 use crate::water_file::Numbers;
 
@@ -100,6 +102,8 @@ pub struct Report {
     pub quality: Option<Quality>,
     /// The report on supplied depth.
     pub supplied: Option<SuppliedReport>,
+    /// Whether that is about the depth of a network.
+    pub network: bool,
     /// Which part of the content is scene, if not all of it is: the rest is as it was.
     pub area: Option<SceneArea>,
     /// The damage of the content's file, if it was accepted.
@@ -346,6 +350,7 @@ impl Work<'_> {
             scores,
             quality: estimate.map(|estimate| estimate.quality()),
             supplied: supplied.flatten(),
+            network: matches!(item.depth, DepthSource::Estimated(DepthEstimator::Network(_))),
             area,
             damage,
             left_out: metadata.left_out,

@@ -157,7 +157,7 @@ impl Plan {
         let items = cameras.images.iter().map(|one| Item {
             input: images.join(&one.name),
             output: into.join(&one.name),
-            depth: DepthSource::Estimated(depth_model),
+            depth: DepthSource::Estimated(depth_model.into()),
         });
         let items: Vec<Item> = items.collect();
         // What is read, and what is written: the images, and the model beside them.

@@ -54,7 +54,9 @@ impl DepthArguments {
     pub(crate) fn kind_of_map(&self, model: &DepthEstimator) -> DepthKind {
         match (self.depth_kind, model) {
             (Some(SuppliedKind::Metres | SuppliedKind::Millimetres), _) => DepthKind::Metres,
-            (None, DepthEstimator::Network(network)) if network.kind() == NetworkKind::Metric => DepthKind::Metres,
+            (None, DepthEstimator::Network(network)) if network.kind() == NetworkKind::Metric => {
+                DepthKind::Metres
+            }
             _ => DepthKind::Relative,
         }
     }

@@ -51,7 +51,8 @@ impl DepthModelArg {
             ))),
             Named::Colour(model) => Ok((*model).into()),
             Named::Network(path) => {
-                let network = DepthNetwork::read(path, &NetworkOptions { kind, side }).map_err(Failure::usage)?;
+                let network =
+                    DepthNetwork::read(path, &NetworkOptions { kind, side }).map_err(Failure::usage)?;
                 Ok(DepthEstimator::Network(network))
             }
         }

@@ -16,6 +16,7 @@ use clap::{ArgGroup, Args};
 
 use crate::args::border::BorderArgument;
 use crate::args::common::Common;
+use crate::args::depth_model::of_colour;
 use crate::args::fusion::SettingsArgs;
 use crate::args::levels::LevelsArguments;
 use crate::args::max_gain::MaxGain;
@@ -195,7 +196,8 @@ impl Video {
 
     /// What is done to each frame, and a line about the reference.
     fn recipe(&self, water: Option<&WaterSource>, common: &Common) -> Result<(Recipe, String), Failure> {
-        let settings = self.settings.get();
+        let settings = self.settings.get()?;
+        let depth_model = of_colour(settings.depth_model, "video")?;
         let mut heading = String::new();
         let operation = match water {
             None if self.restore => Operation::Restore {

@@ -10,7 +10,7 @@ use aquafuse_data::files::display;
 use aquafuse_data::pipeline::Limited;
 use aquafuse_data::pipeline::Scores;
 
-use crate::args::depth::inverted;
+use crate::args::depth::{inverted, inverted_by_network};
 use crate::report::border;
 use crate::report::water::{estimate_counts, reasons, verdict};
 
@@ -38,7 +38,11 @@ const WARNINGS: [Warning; 5] = [
     |report| Some(("damaged file; the output is marked as such".into(), Some(report.damage.clone()?))),
     |report| {
         let supplied = report.supplied.filter(SuppliedReport::looks_inverted)?;
-        Some((format!("the depth map {}", inverted(&supplied)), None))
+        let said = match report.network {
+            true => inverted_by_network(supplied.kind),
+            false => format!("the depth map {}", inverted(&supplied)),
+        };
+        Some((said, None))
     },
     |report| {
         let kind = report.supplied?.kind;

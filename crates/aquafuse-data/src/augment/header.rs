@@ -116,12 +116,7 @@ pub(super) enum StoredDepth {
     /// From colour by Eq. 3, with these coefficients.
     Eq3([f64; 5]),
     /// By a network from a file.
-    Network {
-        file: String,
-        sha256: String,
-        kind: String,
-        side: Option<u32>,
-    },
+    Network { file: String, sha256: String, kind: String, side: Option<u32> },
     /// From a folder of maps.
     Maps {
         folder: String,

@@ -171,11 +171,13 @@ impl StoredDepth {
                 }
                 Some(DepthPlan::Estimated(DepthEstimator::Network(network)))
             }
-            Self::Maps { folder, kind, is_scaled } => kind.parse::<SuppliedKind>().ok().map(|kind| DepthPlan::Maps {
-                folder: folder.into(),
-                kind,
-                size: if *is_scaled { MapSize::Scaled } else { MapSize::Exact },
-            }),
+            Self::Maps { folder, kind, is_scaled } => {
+                kind.parse::<SuppliedKind>().ok().map(|kind| DepthPlan::Maps {
+                    folder: folder.into(),
+                    kind,
+                    size: if *is_scaled { MapSize::Scaled } else { MapSize::Exact },
+                })
+            }
         })
     }
 }

@@ -37,12 +37,17 @@ const MOST_BYTES: u64 = 2 << 30;
 const SIDE: u32 = 518;
 /// What the layers of a network take for a pixel of its input.
 const BYTES_A_PIXEL: u64 = 2048;
-const FOREIGN: &str = "Give a network of depth in the format ONNX, whole and with its weights in the same file";
+const FOREIGN: &str =
+    "Give a network of depth in the format ONNX, whole and with its weights in the same file";
 
 impl fmt::Debug for DepthNetwork {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let side = self.0.options.side;
-        f.debug_struct("DepthNetwork").field("sha256", &self.0.sha256).field("kind", &self.0.preset.kind).field("side", &side).finish()
+        f.debug_struct("DepthNetwork")
+            .field("sha256", &self.0.sha256)
+            .field("kind", &self.0.preset.kind)
+            .field("side", &side)
+            .finish()
     }
 }
 
@@ -86,21 +91,34 @@ impl DepthNetwork {
         let unfit = |unfit| unfit_network(path, unfit);
         let foreign = |cause: String| unfit_network(path, (cause, FOREIGN.into()));
         let (digest, length) = (sha256(&bytes), bytes.len() as u64);
-        let model = catch_panic(|| Model::load(bytes)).ok_or_else(|| foreign("its reader panicked".into()))?;
+        let model =
+            catch_panic(|| Model::load(bytes)).ok_or_else(|| foreign("its reader panicked".into()))?;
         let model = model.map_err(|error| foreign(error.to_string()))?;
         let preset = Preset::of(&model, options).map_err(unfit)?;
         if options.side.is_some_and(|side| !SIDES.contains(&side)) {
-            let cause = format!("its input must have from {} to {} pixels a side", SIDES.start(), SIDES.end());
+            let cause =
+                format!("its input must have from {} to {} pixels a side", SIDES.start(), SIDES.end());
             return Err(unfit((cause, "Give another --depth-model-size".into())));
         }
         if let ([Some(columns), Some(rows)], Some(_)) = (preset.fixed, options.side) {
-            return Err(unfit((format!("it takes images of {columns}x{rows} only"), "Leave --depth-model-size out".into())));
+            return Err(unfit((
+                format!("it takes images of {columns}x{rows} only"),
+                "Leave --depth-model-size out".into(),
+            )));
         }
         let short: String = digest.chars().take(12).collect();
         let name = format!("{} (sha256 {short}, {})", display(path), preset.kind.name());
         let alone = Arc::new(ThreadPool::with_num_threads(1));
-        let loaded =
-            Loaded { path: path.to_owned(), sha256: digest, name, length, model, preset, options: *options, alone };
+        let loaded = Loaded {
+            path: path.to_owned(),
+            sha256: digest,
+            name,
+            length,
+            model,
+            preset,
+            options: *options,
+            alone,
+        };
         Ok(Self(Arc::new(loaded)))
     }
 
@@ -168,12 +186,16 @@ impl DepthNetwork {
         let Preset { input: node, output, .. } = self.0.preset;
         let options = RunOptions::default().with_thread_pool(Some(self.0.alone.clone()));
         let run = || self.0.model.run_n(vec![(node, input.into())], [output], Some(options));
-        let remedy = || "Check with another program that it takes images, or give --depth-model-size".to_owned();
+        let remedy =
+            || "Check with another program that it takes images, or give --depth-model-size".to_owned();
         let ended = catch_panic(run).ok_or_else(|| ("it panicked on an image".to_owned(), remedy()))?;
         let [output] = ended.map_err(|error| (error.to_string(), remedy()))?;
         let Some(values) = output.as_tensor_view::<f32>() else {
             let remedy = "Export the network again with an output of 32-bit floats";
-            return Err((format!("its output holds {:?} instead of 32-bit floats", output.dtype()), remedy.into()));
+            return Err((
+                format!("its output holds {:?} instead of 32-bit floats", output.dtype()),
+                remedy.into(),
+            ));
         };
         Ok((values.iter().copied().collect(), rten_shape(&output)))
     }

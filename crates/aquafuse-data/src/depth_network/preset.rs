@@ -32,29 +32,39 @@ pub(super) struct Preset {
 /// The names of outputs that are depth, best first.
 const DEPTHS: [&str; 7] =
     ["metric_depth", "predicted_depth", "depth", "inverse_depth", "disparity", "disp", "inverse"];
-const EXPORT: &str = "Export the network again with one image as input: 1 x 3 x height x width, RGB, 32-bit floats";
+const EXPORT: &str =
+    "Export the network again with one image as input: 1 x 3 x height x width, RGB, 32-bit floats";
 
 impl Preset {
     pub(super) fn of(model: &Model, options: &NetworkOptions) -> Result<Self, Unfit> {
         let (input, fixed) = input(model)?;
         let names: Vec<String> = model.output_ids().iter().map(|id| name(model, *id)).collect();
         let described = || format!("its outputs are {}", quoted(&names));
-        let known = DEPTHS.iter().find_map(|depth| Some((*depth, names.iter().position(|name| name == depth)?)));
+        let known =
+            DEPTHS.iter().find_map(|depth| Some((*depth, names.iter().position(|name| name == depth)?)));
         let (found, place) = match (known, names.as_slice()) {
             (Some((depth, place)), _) => (Some(depth), place),
             (None, [_]) => (None, 0),
             (None, _) => {
-                let remedy = format!("Export it with one output, or call the one that is depth {}", quoted(&DEPTHS[..3]));
+                let remedy = format!(
+                    "Export it with one output, or call the one that is depth {}",
+                    quoted(&DEPTHS[..3])
+                );
                 return Err((described(), remedy));
             }
         };
         let beside = |part: &str| names.iter().any(|name| name.contains(part));
         let several = names.len() > 1;
         let (kind, colours) = match found {
-            Some("disparity" | "disp" | "inverse_depth" | "inverse") => (Some(NetworkKind::Inverse), Colours::ImageNet),
+            Some("disparity" | "disp" | "inverse_depth" | "inverse") => {
+                (Some(NetworkKind::Inverse), Colours::ImageNet)
+            }
             Some("metric_depth") => (Some(NetworkKind::Metric), Colours::ImageNet),
             Some("predicted_depth") if beside("normal") => (Some(NetworkKind::Relative), Colours::Bytes),
-            Some(_) if several && (beside("points") || beside("mask") || beside("normal") || beside("confidence")) => {
+            Some(_)
+                if several
+                    && (beside("points") || beside("mask") || beside("normal") || beside("confidence")) =>
+            {
                 (Some(NetworkKind::Relative), Colours::Unit)
             }
             Some(_) if !several && ["image", "pixel_values"].contains(&name(model, input).as_str()) => {
@@ -63,7 +73,11 @@ impl Preset {
             _ => (None, Colours::ImageNet),
         };
         let Some(kind) = options.kind.or(kind) else {
-            let cause = format!("its input is `{}`, {}, which says nothing of its numbers", name(model, input), described());
+            let cause = format!(
+                "its input is `{}`, {}, which says nothing of its numbers",
+                name(model, input),
+                described()
+            );
             let remedy = "Say what they are with --depth-model-kind inverse (larger is nearer), metric (metres) or relative \
                           (larger is farther)";
             return Err((cause, remedy.into()));
@@ -75,9 +89,8 @@ impl Preset {
     /// Columns and rows of the input for an image of this size.
     pub(super) fn size(&self, (width, height): (usize, usize), side: u32) -> (usize, usize) {
         let aspect = (width as f64 / height as f64).sqrt();
-        let of = |fixed: Option<usize>, side: f64| {
-            fixed.unwrap_or_else(|| PATCH.saturating_mul(in_patches(side)))
-        };
+        let of =
+            |fixed: Option<usize>, side: f64| fixed.unwrap_or_else(|| PATCH.saturating_mul(in_patches(side)));
         let [columns, rows] = self.fixed;
         (of(columns, f64::from(side) * aspect), of(rows, f64::from(side) / aspect))
     }
@@ -107,7 +120,9 @@ fn input(model: &Model) -> Result<(NodeId, [Option<usize>; 2]), Unfit> {
         return Err(unfit(format!("it has {} inputs ({})", names.len(), quoted(&names))));
     };
     let info = model.node_info(input);
-    if let Some(kind) = info.as_ref().and_then(|info| info.dtype()).filter(|kind| *kind != ValueType::Tensor(DataType::Float)) {
+    if let Some(kind) =
+        info.as_ref().and_then(|info| info.dtype()).filter(|kind| *kind != ValueType::Tensor(DataType::Float))
+    {
         return Err(unfit(format!("its input takes {kind:?} instead of 32-bit floats")));
     }
     let Some(shape) = info.and_then(|info| info.shape()) else { return Ok((input, [None; 2])) };
@@ -125,7 +140,12 @@ fn input(model: &Model) -> Result<(NodeId, [Option<usize>; 2]), Unfit> {
     });
     let is_side = |side: usize| u32::try_from(side).is_ok_and(|side| SIDES.contains(&side));
     if fixed.iter().flatten().any(|side| !is_side(*side)) {
-        return Err(unfit(format!("its input is {}, but sides must be from {} to {}", shown(), SIDES.start(), SIDES.end())));
+        return Err(unfit(format!(
+            "its input is {}, but sides must be from {} to {}",
+            shown(),
+            SIDES.start(),
+            SIDES.end()
+        )));
     }
     Ok((input, fixed))
 }

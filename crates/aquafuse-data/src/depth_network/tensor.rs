@@ -25,7 +25,12 @@ pub(super) fn scaled(image: &Image<u8>, (width, height): (usize, usize)) -> Imag
 }
 
 /// Turns rows of values so that the edge `top` is the first row; `back` undoes it.
-pub(super) fn turned<T: Copy>(values: &[T], (width, height): (usize, usize), top: TopEdge, back: bool) -> (Vec<T>, (usize, usize)) {
+pub(super) fn turned<T: Copy>(
+    values: &[T],
+    (width, height): (usize, usize),
+    top: TopEdge,
+    back: bool,
+) -> (Vec<T>, (usize, usize)) {
     let size = match top {
         TopEdge::First | TopEdge::Last => (width, height),
         TopEdge::Left | TopEdge::Right => (height, width),
@@ -81,11 +86,19 @@ pub(super) fn size_of(shape: &[usize]) -> Result<(usize, usize), Unfit> {
 const FEW: f64 = 0.01;
 
 /// The numbers of a network as a depth map.
-pub(super) fn supplied(mut values: Vec<f32>, (width, height): (usize, usize), kind: NetworkKind) -> Result<Supplied, Unfit> {
+pub(super) fn supplied(
+    mut values: Vec<f32>,
+    (width, height): (usize, usize),
+    kind: NetworkKind,
+) -> Result<Supplied, Unfit> {
     let bad = values.iter().filter(|value| !value.is_finite()).count();
     if bad > 0 {
-        let remedy = "The file may be damaged, or of half precision: get it again, or export it in 32-bit floats";
-        return Err((format!("{bad} of the {} numbers of its output are not finite", values.len()), remedy.into()));
+        let remedy =
+            "The file may be damaged, or of half precision: get it again, or export it in 32-bit floats";
+        return Err((
+            format!("{bad} of the {} numbers of its output are not finite", values.len()),
+            remedy.into(),
+        ));
     }
     let least = values.iter().copied().fold(f32::INFINITY, f32::min);
     let most = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);

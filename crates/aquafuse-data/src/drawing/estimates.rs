@@ -109,7 +109,9 @@ fn unit(kind: DepthKind) -> &'static str {
 
 fn depth_title(source: &DepthSource) -> String {
     match source {
-        DepthSource::Estimated(DepthEstimator::Colour(model)) => format!("depth z from colour ({})", model.name()),
+        DepthSource::Estimated(DepthEstimator::Colour(model)) => {
+            format!("depth z from colour ({})", model.name())
+        }
         DepthSource::Estimated(DepthEstimator::Network(_)) => "depth z, by a network".to_owned(),
         DepthSource::Supplied { kind, .. } => format!("depth z, supplied ({})", kind.name()),
     }

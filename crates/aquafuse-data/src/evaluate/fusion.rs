@@ -13,7 +13,9 @@ use super::{
     EvaluateError, Failed, Listener, Lpips, Member, Outputs, Pairing, Palette, Report, Rival, lpips, outputs,
 };
 use crate::image_file::{Format, ImageFile, Pixels};
-use crate::pipeline::{Analysis, DepthEstimator, DepthSource, DepthSupply, SUPPLIED, analyse_in_with_evidence, depth_of};
+use crate::pipeline::{
+    Analysis, DepthEstimator, DepthSource, DepthSupply, SUPPLIED, analyse_in_with_evidence, depth_of,
+};
 use crate::pipeline::{Operation, PixelEncoding, WaterEstimate};
 use crate::run::{Budget, Event, RunOptions};
 use tables::Likeness;

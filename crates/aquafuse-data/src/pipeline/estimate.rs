@@ -2,14 +2,12 @@
 
 use std::path::PathBuf;
 
-use aquafuse::depth::{
-    DepthMap, Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport,
-};
+use aquafuse::depth::{DepthMap, Supplied, SuppliedDepth, SuppliedError, SuppliedKind, SuppliedReport};
 use aquafuse::image::{Encoded, Encoding, Image, ImageError, Linear};
 use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason, WaterShare};
 
-use super::{DepthEstimator, SUPPLIED};
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
+use super::{DepthEstimator, SUPPLIED};
 use crate::depth_file;
 use crate::files::{FileError, Step, count};
 use crate::image_file::ImageFile;

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use aquafuse::depth::{DepthKind, DepthModel};
+use aquafuse::depth::DepthKind;
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{OnDoubtful, Water};
 use aquafuse_data::files::sha256;
 use aquafuse_data::files::{FileError, display};
 use aquafuse_data::image_file;
-use aquafuse_data::pipeline::PixelEncoding;
+use aquafuse_data::pipeline::{DepthEstimator, PixelEncoding};
 use aquafuse_data::water_file::{WaterFile, has_suffix};
 
 use crate::args::common::Common;

@@ -43,7 +43,7 @@ impl Size {
 
 #[derive(Serialize)]
 pub(super) struct Depth {
-    pub(super) source: &'static str,
+    pub(super) source: String,
     pub(super) kind: DepthKind,
     pub(super) mean: f32,
     pub(super) p05: f32,
@@ -112,7 +112,7 @@ impl Depth {
     pub(super) fn new(found: &Analysis) -> Self {
         let depth = &found.depth;
         Self {
-            source: found.depth_source.name(),
+            source: found.depth_source.name().to_owned(),
             kind: depth.kind(),
             mean: depth.mean(),
             p05: depth.percentile(0.05),

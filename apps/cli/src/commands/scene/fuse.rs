@@ -9,8 +9,8 @@ use aquafuse_data::pipeline::{Operation, PixelEncoding};
 use aquafuse_scene::fuse::{FuseError, Fused, Plan, Request};
 use clap::Args;
 
-use crate::args::depth_model::of_colour;
 use crate::args::common::Common;
+use crate::args::depth_model::of_colour;
 use crate::args::fusion::{Settings, SettingsArgs};
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;

@@ -28,8 +28,12 @@ impl LookedThrough {
             return Ok(Medium::Air);
         }
         let source = WaterSource::parse(said)?;
-        let mut file =
-            self.waters.read(&source, &DepthModel::default().into(), PixelEncoding::Encoded, &common.reading)?;
+        let mut file = self.waters.read(
+            &source,
+            &DepthModel::default().into(),
+            PixelEncoding::Encoded,
+            &common.reading,
+        )?;
         file.estimate = self.waters.per(DepthKind::Metres, &file)?;
         Ok(Medium::of_file(&file))
     }

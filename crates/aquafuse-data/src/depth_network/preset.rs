@@ -120,8 +120,10 @@ fn input(model: &Model) -> Result<(NodeId, [Option<usize>; 2]), Unfit> {
         return Err(unfit(format!("it has {} inputs ({})", names.len(), quoted(&names))));
     };
     let info = model.node_info(input);
-    if let Some(kind) =
-        info.as_ref().and_then(|info| info.dtype()).filter(|kind| *kind != ValueType::Tensor(DataType::Float))
+    if let Some(kind) = info
+        .as_ref()
+        .and_then(rten::NodeInfo::dtype)
+        .filter(|kind| *kind != ValueType::Tensor(DataType::Float))
     {
         return Err(unfit(format!("its input takes {kind:?} instead of 32-bit floats")));
     }

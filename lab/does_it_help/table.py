@@ -23,7 +23,7 @@ def of(runs, steps, waters, batch, trained):
     """Both kinds of scenes, turbid waters apart."""
     parts = [
         f"Mean intersection over union in a water not seen; {trained} images in two other waters, {steps} steps of {batch} images "
-        f"from scratch, everything drawn anew each step; a run a water, of {waters}. Differences are between runs of the same "
+        f"from scratch, everything drawn again each step; a run a water, of {waters}. Differences are between runs of the same "
         "water, with 95 % t-intervals over waters."
     ]
     for kind in TITLES:

@@ -1,4 +1,4 @@
-"""Ways to change the images of a batch, each drawn anew for every image of every step."""
+"""Ways to change the images of a batch, each drawn again for every image of every step."""
 
 import albumentations
 import cv2

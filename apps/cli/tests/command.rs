@@ -34,7 +34,7 @@ fn a_folder_gets_one_line_of_counts_and_verbose_names_the_images() {
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines.len(), 4, "the water, the counts, and what needs an eye: {said}");
     assert!(lines[2].contains("night.png: the water is nearly black"), "{said}");
-    assert!(lines[3].contains("reef.png (0 % of the contrast left)"), "{said}");
+    assert!(lines[3].contains("reef.png (1 % of the contrast left)"), "{said}");
     assert!(lines[1].starts_with("2 images written; estimates: 1 good, 0 doubtful, 1 failed; "), "{said}");
     let counts = lines[1].strip_suffix("; -v names the images").unwrap();
     assert!(counts.ends_with(" % of the values clipped"), "{said}");

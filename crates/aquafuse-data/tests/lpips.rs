@@ -2,31 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
+mod protobuf;
+
 use aquafuse::image::Image;
 use aquafuse_data::evaluate::Lpips;
+use protobuf::{field, number};
 
 /// Features of the one layer.
 const FEATURES: usize = 4;
-
-/// A field of a protocol buffer that holds bytes.
-fn field(number: u8, bytes: &[u8]) -> Vec<u8> {
-    [&varint(u64::from(number) << 3 | 2), &varint(bytes.len() as u64), bytes].concat()
-}
-
-/// One that holds a whole number.
-fn number(field: u8, value: u64) -> Vec<u8> {
-    [varint(u64::from(field) << 3), varint(value)].concat()
-}
-
-fn varint(mut value: u64) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    while value >= 128 {
-        bytes.push(value as u8 | 128);
-        value >>= 7;
-    }
-    bytes.push(value as u8);
-    bytes
-}
 
 fn node(operator: &str, inputs: &[&str], output: &str, attributes: &[Vec<u8>]) -> Vec<u8> {
     let inputs = inputs.iter().map(|name| field(1, name.as_bytes()));

@@ -29,7 +29,7 @@ def moved(whole, rename, contents=lambda path, content: content):
 
 
 def in_texts(change):
-    """The same set, with other texts in its files."""
+    """The same set, whose files hold something else."""
     return lambda whole: moved(whole, lambda path: path, lambda path, content: change(content) if is_text(path) else content)
 
 

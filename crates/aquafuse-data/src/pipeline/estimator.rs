@@ -47,7 +47,7 @@ impl DepthEstimator {
         }
     }
 
-    /// The depth of an image, whose pixels as bytes are `bytes`, and what there is to say about that of a network.
+    /// The depth of an image, whose pixels as bytes are `bytes`; and the report on depth that comes from a network.
     ///
     /// # Errors
     ///

@@ -1,24 +1,9 @@
 //! Small networks as ONNX, written field by field.
 
-/// A field of a protocol buffer that holds bytes.
-fn field(number: u8, bytes: &[u8]) -> Vec<u8> {
-    [&varint(u64::from(number) << 3 | 2), &varint(bytes.len() as u64), bytes].concat()
-}
+#[path = "../protobuf/mod.rs"]
+mod protobuf;
 
-/// One that holds a whole number.
-fn number(field: u8, value: u64) -> Vec<u8> {
-    [varint(u64::from(field) << 3), varint(value)].concat()
-}
-
-fn varint(mut value: u64) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    while value >= 128 {
-        bytes.push(value as u8 | 128);
-        value >>= 7;
-    }
-    bytes.push(value as u8);
-    bytes
-}
+use protobuf::{field, number};
 
 /// 32-bit floats and 64-bit whole numbers, as ONNX numbers its types.
 pub(crate) const FLOAT: u64 = 1;

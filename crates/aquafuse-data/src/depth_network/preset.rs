@@ -82,7 +82,7 @@ impl Preset {
                           (larger is farther)";
             return Err((cause, remedy.into()));
         };
-        let output = *model.output_ids().get(place).expect("the place is that of a name");
+        let output = *model.output_ids().get(place).expect("there is a name for each output");
         Ok(Self { input, output, kind, colours, fixed })
     }
 

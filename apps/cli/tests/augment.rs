@@ -100,8 +100,16 @@ fn a_data_set_is_multiplied_checked_and_made_again() {
 
     let key = made.keys().find(|name| name.starts_with("images/val/0__")).unwrap();
     run.ok(&["replay", "more", "--only", key, "-o", "again"]);
+    // A replay that was stopped goes on, but takes nothing else for what it made.
+    let kept = run.ok(&["replay", "more", "--only", key, "-o", "again"]).stdout;
+    assert!(
+        kept.contains("0 variants made again") && kept.contains("1 were made by an earlier run"),
+        "{kept}"
+    );
+    std::fs::write(run.path("again").join(key), "mine").unwrap();
     let exists = run.fails(1, &["replay", "more", "--only", key, "-o", "again"]);
     assert!(exists.stderr.contains("failed: 1, different from the manifest: 0"), "{}", exists.stderr);
+    assert_eq!(std::fs::read(run.path("again").join(key)).unwrap(), b"mine");
     run.ok(&["replay", "more", "--only", key, "-o", "again", "--overwrite"]);
     assert_eq!(files(&run.path("again")), BTreeMap::from([(key.clone(), made[key].clone())]));
 }

@@ -13,9 +13,11 @@ use crate::report::output;
 
 /// Make variants again from their manifest, and compare them with it.
 #[derive(Args)]
-#[command(
-    after_help = "Example:\n  aquafuse replay more/manifest.jsonl --only images/reef__green__0.jpg -o again/"
-)]
+#[command(after_help = "\
+To continue a run that was stopped, repeat the command: variants that are there as the manifest says are kept.
+
+Example:
+  aquafuse replay more/manifest.jsonl --only images/reef__green__0.jpg -o again/")]
 pub(crate) struct Replay {
     /// The manifest of `augment`, or its folder.
     manifest: PathBuf,
@@ -28,7 +30,7 @@ pub(crate) struct Replay {
     /// Folder of the dataset [default: as in the manifest].
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
-    /// Replace existing files.
+    /// Make variants again that exist, and replace them.
     #[arg(long)]
     overwrite: bool,
     /// Set this if the manifest is from a run with --linear.
@@ -52,21 +54,30 @@ impl Replay {
             reading,
             encoding: encoding(self.linear),
         };
-        let made = replay(&manifest, &again);
-        let Replayed { equal, different, failed } = made?;
-        for (_, error) in &failed {
-            output::complain(error);
-        }
-        for path in &different {
-            output::complain(&format!(
-                "{}: it differs from the manifest; the image or the version of aquafuse changed",
-                display(path)
-            ));
-        }
+        let (mut equal, mut kept, mut different, mut failed) = (0, 0, 0, 0);
+        replay(&manifest, &again, |made| match made {
+            Replayed::Equal(_) => equal += 1,
+            Replayed::Kept(_) => kept += 1,
+            Replayed::Different(path) => {
+                different += 1;
+                output::complain(&format!(
+                    "{}: it differs from the manifest; the image or the version of aquafuse changed",
+                    display(&path)
+                ));
+            }
+            Replayed::Failed(error) => {
+                failed += 1;
+                output::complain(&error);
+            }
+        })?;
         if !common.quiet {
-            output::print(&format!("{} variants made again, equal to the manifest\n", equal.len()))?;
+            let kept = match kept {
+                0 => String::new(),
+                kept => format!("; {kept} were made by an earlier run"),
+            };
+            output::print(&format!("{equal} variants made again, equal to the manifest{kept}\n"))?;
         }
-        match (different.len(), failed.len()) {
+        match (different, failed) {
             (0, 0) => Ok(()),
             (different, failed) => Err(Failure::work(anyhow!(
                 "failed: {failed}, different from the manifest: {different}; see the messages above"

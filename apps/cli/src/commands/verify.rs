@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use aquafuse_data::augment::verify;
+use aquafuse_data::augment::{Finding, verify};
 use aquafuse_data::files::display;
 use clap::Args;
 use serde::Serialize;
@@ -35,7 +35,7 @@ struct Report {
     unlisted: Vec<String>,
 }
 
-#[derive(Serialize)]
+#[derive(PartialEq, Eq, PartialOrd, Ord, Serialize)]
 struct Wrong {
     file: String,
     cause: String,
@@ -48,36 +48,31 @@ impl Verify {
             Some(parent) if self.folder.is_file() => parent,
             _ => &self.folder,
         };
-        let check = verify(folder, self.dataset.as_deref(), &common.reading.options())?;
+        let (mut wrong, mut unlisted) = (Vec::new(), Vec::new());
+        let mut first_unlisted = None;
+        let checked =
+            verify(folder, self.dataset.as_deref(), &common.reading.options(), |found| match found {
+                Finding::Wrong(path, cause) if self.json => {
+                    wrong.push(Wrong { file: display(&path).to_string(), cause });
+                }
+                Finding::Wrong(path, cause) => output::complain(&format!("{}: {cause}", display(&path))),
+                Finding::Unlisted(path) if self.json => unlisted.push(display(&path).to_string()),
+                Finding::Unlisted(path) => _ = first_unlisted.get_or_insert(path),
+            })?;
         if self.json {
-            let wrong = |(path, cause): &(PathBuf, String)| Wrong {
-                file: display(path).to_string(),
-                cause: cause.clone(),
-            };
-            let report = Report {
-                schema: 1,
-                files: check.files,
-                wrong: check.wrong.iter().map(wrong).collect(),
-                unlisted: check.unlisted.iter().map(|path| display(path).to_string()).collect(),
-            };
+            wrong.sort();
+            let report = Report { schema: 1, files: checked.files, wrong, unlisted };
             let text = serde_json::to_string_pretty(&report).map_err(Failure::work)?;
             output::print_json(&(text + "\n"))?;
-        } else {
-            for (path, cause) in &check.wrong {
-                output::complain(&format!("{}: {cause}", display(path)));
-            }
-            if !common.quiet {
-                let right = check.files.saturating_sub(check.wrong.len());
-                output::print(&format!("{right} of {} files are unchanged\n", check.files))?;
-                if let Some(first) = check.unlisted.first() {
-                    let (count, first) = (check.unlisted.len(), display(first));
-                    output::print(&format!(
-                        "  files that no manifest lists: {count}, the first is {first}\n"
-                    ))?;
-                }
+        } else if !common.quiet {
+            let right = checked.files.saturating_sub(checked.wrong);
+            output::print(&format!("{right} of {} files are unchanged\n", checked.files))?;
+            if let Some(first) = &first_unlisted {
+                let (count, first) = (checked.unlisted, display(first));
+                output::print(&format!("  files that no manifest lists: {count}, the first is {first}\n"))?;
             }
         }
-        match check.wrong.len() {
+        match checked.wrong {
             0 => Ok(()),
             // Named above, one by one.
             _ if !self.json => Err(Failure::Reported),

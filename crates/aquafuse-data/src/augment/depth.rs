@@ -33,20 +33,25 @@ pub(super) enum Maps {
 }
 
 impl Maps {
-    /// Lists the folders in which the maps of these images stand.
-    pub(super) fn of<'a>(plan: &DepthPlan, keys: impl Iterator<Item = &'a str>) -> Result<Self, FileError> {
+    /// The maps of a dataset, none of whose images is known yet.
+    pub(super) fn of(plan: &DepthPlan) -> Result<Self, FileError> {
         let (root, kind, size) = match plan {
             DepthPlan::Estimated(model) => return Ok(Self::None(model.clone())),
             DepthPlan::Maps { folder, kind, size } => (folder.clone(), *kind, *size),
         };
-        let mut by_folder = BTreeMap::from([(root.clone(), DepthFolder::list(&root)?)]);
-        for key in keys {
+        let by_folder = BTreeMap::from([(root.clone(), DepthFolder::list(&root)?)]);
+        Ok(Self::Folders { root, kind, size, by_folder })
+    }
+
+    /// Lists the folder in which the map of an image stands.
+    pub(super) fn know(&mut self, key: &str) -> Result<(), FileError> {
+        if let Self::Folders { root, by_folder, .. } = self {
             let folder = root.join(split(key).0);
-            if folder.is_dir() && !by_folder.contains_key(&folder) {
+            if !by_folder.contains_key(&folder) && folder.is_dir() {
                 by_folder.insert(folder.clone(), DepthFolder::list(&folder)?);
             }
         }
-        Ok(Self::Folders { root, kind, size, by_folder })
+        Ok(())
     }
 
     /// The depth of an image.

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::header::Header;
-use super::line::{Line, Written};
-use super::manifest::{Entry, Manifest, Place, ScanError, Scanned, Sealing, most_line, scan};
+use super::line::{Line, Listed, Written};
+use super::manifest::{Entry, Manifest, Part, Place, ScanError, Scanned, Sealing, most_line, scan};
 use super::{AugmentError, Shard};
 use crate::dataset::inside;
 use crate::files::lock;
@@ -122,10 +122,9 @@ impl Journal {
         let end = match known {
             Ok(Scanned { header: was, body, .. }) if was.makes_as(header) => body,
             Ok(_) if overwrite => {
-                file.rewind().map_err(cannot_write)?;
                 let was =
-                    Manifest::from(BufReader::new(&file), most_line).map_err(|error| error.of(&path))?;
-                remove(folder, &was);
+                    Manifest::of(&file, most_line).and_then(|mut was| was.show(|part| remove(folder, part)));
+                was.map_err(|error| error.of(&path))?;
                 lines.clear();
                 0
             }
@@ -295,9 +294,13 @@ fn other_settings(folder: &Path, was: &Header, is: &Header) -> AugmentError {
     FileError::OtherSettings { folder: folder.to_owned(), differences }.into()
 }
 
-/// Removes what a manifest lists.
-fn remove(folder: &Path, found: &Manifest) {
-    for written in found.listed() {
+/// Removes what a part of a manifest lists.
+fn remove(folder: &Path, part: Part<'_>) {
+    let listed: Vec<Listed<'_>> = match part {
+        Part::Entry(_, entry) => entry.listed().collect(),
+        Part::Index(written) => vec![written.listed()],
+    };
+    for written in listed {
         if let Ok(path) = inside(written.output) {
             let _ = std::fs::remove_file(folder.join(path));
         }

@@ -5,7 +5,9 @@
 //! and a last line that holds the digest of all before it. Two runs that did the same have the same manifest.
 
 use std::collections::BTreeMap;
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::fs::File;
+use std::hash::{BuildHasher as _, BuildHasherDefault, DefaultHasher};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::iter;
 use std::path::Path;
 
@@ -36,12 +38,12 @@ pub(super) struct Entry {
     pub(super) failed: Option<String>,
 }
 
-/// A manifest as it was read.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Manifest {
+/// A manifest in its file. Its lines are read where they are asked for, so that it is never whole in memory.
+#[derive(Debug)]
+pub(super) struct Manifest<S> {
+    source: S,
+    most_line: u64,
     pub(super) header: Header,
-    pub(super) entries: BTreeMap<String, Entry>,
-    pub(super) indices: Vec<Written>,
     /// Whether its last line is there and right; none where it has none.
     pub(super) sealed: Option<bool>,
 }
@@ -66,6 +68,11 @@ impl Entry {
             container.variants.iter().map(|variant| (variant, Some(container.key.as_str())))
         });
         own.chain(held)
+    }
+
+    /// Whether the image was carried over unchanged, without variants.
+    pub(super) fn is_carried(&self) -> bool {
+        self.original.is_some() && self.variants.is_empty()
     }
 
     /// Adds what a line says of it.
@@ -117,34 +124,30 @@ impl<W: Write> Sealing<W> {
     }
 }
 
-impl Manifest {
-    /// Reads a manifest; a last line without its end is left out.
-    pub(super) fn read(path: &Path, reading: &ReadOptions) -> Result<Self, AugmentError> {
+impl Manifest<File> {
+    /// The manifest in a file; a last line without its end is left out.
+    pub(super) fn open(path: &Path, reading: &ReadOptions) -> Result<Self, AugmentError> {
         let (file, _) = open_file(path)?;
-        Self::from(BufReader::new(file), most_line(reading)).map_err(|error| error.of(path))
+        Self::of(file, most_line(reading)).map_err(|error| error.of(path))
+    }
+}
+
+impl<S: Read + Seek> Manifest<S> {
+    /// The manifest in anything that can be read twice.
+    pub(super) fn of(mut source: S, most_line: u64) -> Result<Self, ScanError> {
+        source.rewind()?;
+        let Scanned { header, sealed, .. } = scan(BufReader::new(&mut source), most_line, |_, _| {})?;
+        Ok(Self { source, most_line, header, sealed })
     }
 
-    /// Shows the parts of a manifest one after the other; says whether its last line is there and right. One of a run that ended is
-    /// never whole in memory: its lines about one image stand together.
-    pub(super) fn show(
-        path: &Path,
-        reading: &ReadOptions,
-        mut each: impl FnMut(Part<'_>),
-    ) -> Result<Option<bool>, AugmentError> {
-        let lines = |show: &mut dyn FnMut(Line)| {
-            let (file, _) = open_file(path)?;
-            let scanned = scan(BufReader::new(file), most_line(reading), |line, _| show(line));
-            scanned.map_err(|error| error.of(path))
-        };
-        let sealed = lines(&mut |_| {})?.sealed;
-        if sealed.is_none() {
-            let found = Self::read(path, reading)?;
-            found.entries.iter().for_each(|(key, entry)| each(Part::Entry(key, entry)));
-            found.indices.iter().for_each(|written| each(Part::Index(written)));
-            return Ok(sealed);
+    /// Shows its parts one after the other: those of images first.
+    pub(super) fn show(&mut self, mut each: impl FnMut(Part<'_>)) -> Result<(), ScanError> {
+        // The lines about one image stand together only when a run has ended.
+        if self.sealed.is_none() {
+            return self.show_gathered(each);
         }
         let mut open: Option<(String, Entry)> = None;
-        lines(&mut |line| {
+        self.lines(|line, _| {
             if let Line::Index(written) = &line {
                 each(Part::Index(written));
             }
@@ -161,37 +164,41 @@ impl Manifest {
         if let Some((key, done)) = open {
             each(Part::Entry(&key, &done));
         }
-        Ok(sealed)
+        Ok(())
     }
 
-    /// Reads one from anywhere.
-    pub(super) fn from(source: impl BufRead, most_line: u64) -> Result<Self, ScanError> {
-        let (mut entries, mut indices) = (BTreeMap::new(), Vec::new());
-        let scanned = scan(source, most_line, |line, _| {
-            if let Line::Index(written) = line {
-                indices.push(written);
-            } else if let Some(key) = line.key() {
-                let entry: &mut Entry = entries.entry(key.to_owned()).or_default();
-                entry.learn(line);
-            }
+    /// The same where lines about one image stand anywhere: their places are gathered first.
+    fn show_gathered(&mut self, mut each: impl FnMut(Part<'_>)) -> Result<(), ScanError> {
+        let (keys, mut places, mut indices) =
+            (BuildHasherDefault::<DefaultHasher>::default(), Vec::new(), Vec::new());
+        self.lines(|line, place| match (line.key(), &line) {
+            (Some(key), _) => places.push((keys.hash_one(key), place)),
+            (None, Line::Index(written)) => indices.push(written.clone()),
+            (None, _) => {}
         })?;
-        let Scanned { header, sealed, .. } = scanned;
-        Ok(Self { header, entries, indices, sealed })
+        places.sort_by_key(|(key, _)| *key);
+        let mut text = Vec::new();
+        for group in places.chunk_by(|(one, _), (other, _)| one == other) {
+            // Two keys may share a digest.
+            let mut entries: BTreeMap<String, Entry> = BTreeMap::new();
+            for (_, Place { first, bytes }) in group {
+                text.resize(*bytes, 0);
+                self.source.seek(SeekFrom::Start(*first))?;
+                self.source.read_exact(&mut text)?;
+                let line = Line::read(&text).map_err(io::Error::from)?;
+                if let Some(key) = line.key() {
+                    entries.entry(key.to_owned()).or_default().learn(line);
+                }
+            }
+            entries.iter().for_each(|(key, entry)| each(Part::Entry(key, entry)));
+        }
+        indices.iter().for_each(|written| each(Part::Index(written)));
+        Ok(())
     }
 
-    /// Every variant, with the key of the file that holds it where it is none itself.
-    pub(super) fn variants(&self) -> impl Iterator<Item = (&Variant, Option<&str>)> {
-        self.entries.values().flat_map(Entry::all_variants)
-    }
-
-    /// Whether an image was carried over unchanged, without variants.
-    pub(super) fn is_carried(&self, key: &str) -> bool {
-        self.entries.get(key).is_some_and(|entry| entry.original.is_some() && entry.variants.is_empty())
-    }
-
-    /// Every file that it lists.
-    pub(super) fn listed(&self) -> impl Iterator<Item = Listed<'_>> {
-        self.entries.values().flat_map(Entry::listed).chain(self.indices.iter().map(Written::listed))
+    fn lines(&mut self, each: impl FnMut(Line, Place)) -> Result<(), ScanError> {
+        self.source.rewind()?;
+        scan(BufReader::new(&mut self.source), self.most_line, each).map(|_| ())
     }
 }
 
@@ -217,6 +224,12 @@ pub(super) enum ScanError {
     Read(io::Error),
     /// The number of the line that is none.
     Line(usize),
+}
+
+impl From<io::Error> for ScanError {
+    fn from(error: io::Error) -> Self {
+        Self::Read(error)
+    }
 }
 
 impl ScanError {

@@ -5,27 +5,32 @@ use std::path::{Path, PathBuf};
 use aquafuse::depth::{DepthModel, Eq3, SuppliedKind};
 use aquafuse::fusion::Options;
 
+use super::depth::Maps;
 use super::header::{Header, StoredDepth};
 use super::line::Variant;
-use super::manifest::Manifest;
-use super::{AugmentError, DepthPlan, Draws, OnDoubtful, Recipe, Water, depth};
+use super::manifest::{Manifest, Part};
+use super::{AugmentError, DepthPlan, Draws, OnDoubtful, Recipe, Water, containers};
 use crate::dataset::{Layout, inside, split};
 use crate::depth_network::{DepthNetwork, NetworkKind, NetworkOptions};
-use crate::files::{FileError, make_folder_within, refuse_inputs, sha256, stays_within, write_bytes};
+use crate::files::{
+    FileError, make_folder_within, refuse_inputs, sha256, sha256_of, stays_within, write_bytes,
+};
 use crate::image_file::{ImageFile, ReadOptions};
 use crate::pipeline::{DepthEstimator, MapSize, PixelEncoding};
 use crate::run::Budget;
 use crate::water_file::WaterFileError;
 
-/// The outcome of making variants again.
-#[derive(Debug, Default)]
-pub struct Replayed {
-    /// Files that equal the manifest.
-    pub equal: Vec<PathBuf>,
-    /// Files that differ from the manifest.
-    pub different: Vec<PathBuf>,
-    /// Variants that failed, and why.
-    pub failed: Vec<(String, FileError)>,
+/// What became of a variant that was to be made again.
+#[derive(Debug)]
+pub enum Replayed {
+    /// It equals the manifest.
+    Equal(PathBuf),
+    /// It was there already and equals the manifest: an earlier replay made it.
+    Kept(PathBuf),
+    /// It differs from the manifest.
+    Different(PathBuf),
+    /// It could not be made.
+    Failed(FileError),
 }
 
 /// Which variants to make again, from what and where to.
@@ -37,7 +42,7 @@ pub struct Again<'a> {
     pub dataset: Option<&'a Path>,
     /// The folder to write to.
     pub output: &'a Path,
-    /// Replace files that exist.
+    /// Make files again that exist, and replace them.
     pub overwrite: bool,
     /// How to read.
     pub reading: ReadOptions,
@@ -45,72 +50,119 @@ pub struct Again<'a> {
     pub encoding: PixelEncoding,
 }
 
-/// Makes variants again. The waters come from the manifest.
+/// Makes variants again, and gives `each` what became of them, one by one. The waters come from the manifest.
+///
+/// A variant that is there as the manifest says is kept, so that a replay that was stopped goes on.
 ///
 /// # Errors
 ///
 /// [`AugmentError`] when the manifest cannot be read, was written in another encoding, or no variant is of
 /// that name.
-pub fn replay(manifest: &Path, again: &Again<'_>) -> Result<Replayed, AugmentError> {
+pub fn replay(
+    manifest: &Path,
+    again: &Again<'_>,
+    mut each: impl FnMut(Replayed),
+) -> Result<(), AugmentError> {
     let Again { only, dataset, output, overwrite, reading, encoding } = *again;
-    let found = Manifest::read(manifest, &reading)?;
-    let recipe: Recipe = found.header.recipe(manifest, encoding)?;
-    let settings = &found.header.settings;
-    let border = settings.border.parse();
-    let border = border.map_err(|_| AugmentError::Manifest { path: manifest.to_owned(), line: 1 })?;
+    let mut stored = Manifest::open(manifest, &reading)?;
+    let header = stored.header.clone();
+    let recipe: Recipe = header.recipe(manifest, encoding)?;
+    let settings = &header.settings;
+    let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
+    let border = settings.border.parse().map_err(|_| unknown())?;
     let reading = ReadOptions { lenient: settings.lenient, border, ..reading };
-    let root = dataset.map_or_else(|| PathBuf::from(&found.header.dataset), Path::to_owned);
-    let wanted = |variant: &Variant| only.is_none_or(|only| only == variant.key || only == variant.output);
-    let variants: Vec<(&Variant, Option<&str>)> =
-        found.variants().filter(|(variant, _)| wanted(variant)).collect();
-    if let (true, Some(only)) = (variants.is_empty(), only) {
-        if found.is_carried(only) {
-            return Err(AugmentError::Carried { path: manifest.to_owned(), key: only.to_owned() });
-        }
-        return Err(AugmentError::NoSuchKey { path: manifest.to_owned(), key: only.to_owned() });
-    }
-    let maps = depth::Maps::of(&recipe.depth, variants.iter().map(|(variant, _)| variant.key.as_str()))?;
-    let layout = Layout::from_name(&found.header.layout);
-    let layout = layout.ok_or_else(|| AugmentError::Manifest { path: manifest.to_owned(), line: 1 })?;
-    let budget = Budget::new(reading.max_memory);
-    let mut replayed = Replayed::default();
-    for (variant, container) in variants {
-        let make = || {
-            let named = |cause: &str| FileError::Damaged {
-                path: manifest.to_owned(),
-                cause: format!("{}: {cause}", variant.output),
-            };
-            let named_inside =
-                |name: &str| inside(name).map_err(|cause| named(&format!("{name:?} is {cause}")));
-            let key = named_inside(&variant.key)?;
-            let within = named_inside(&variant.output)?;
-            let path = output.join(&within);
-            let none = || named("it refers to a water that it does not contain");
-            let draw = variant.draw(recipe.waters.len()).ok_or_else(none)?;
-            let water = recipe.water(draw).ok_or_else(none)?;
-            let source = root.join(container.map_or_else(|| Ok(key.clone()), named_inside)?);
-            if source.exists() && !stays_within(&root, &source) {
-                return Err(FileError::LeadsOut { path: source });
+    let mut remaker = Remaker {
+        manifest,
+        root: dataset.map_or_else(|| PathBuf::from(&header.dataset), Path::to_owned),
+        output,
+        overwrite,
+        layout: Layout::from_name(&header.layout).ok_or_else(unknown)?,
+        recipe: &recipe,
+        maps: Maps::of(&recipe.depth)?,
+        reading,
+        budget: Budget::new(reading.max_memory),
+    };
+    let (mut is_found, mut is_carried) = (only.is_none(), false);
+    let shown = stored.show(|part| {
+        let Part::Entry(key, entry) = part else { return };
+        is_carried |= only == Some(key) && entry.is_carried();
+        for (variant, container) in entry.all_variants() {
+            if only.is_none_or(|only| only == variant.key || only == variant.output) {
+                is_found = true;
+                each(remaker.remake(variant, container).unwrap_or_else(Replayed::Failed));
             }
-            refuse_inputs([path.as_path()], [source.as_path()])?;
-            let opened = match container {
-                None => ImageFile::open(&source, &reading)?,
-                Some(_) => super::containers::image_of(layout, &source, &key, &reading)?,
-            };
-            let read = recipe.read(opened, &maps.source(&key)?, &budget)?;
-            let (image, _) = recipe.fused(&read, &water, draw);
-            let bytes = recipe.encoded(image, &path)?;
-            make_folder_within(output, split(&within).0)?;
-            write_bytes(&path, &bytes, overwrite)?;
-            Ok((path, sha256(&bytes) == variant.sha256))
-        };
-        match make() {
-            Ok((path, true)) => replayed.equal.push(path),
-            Ok((path, false)) => replayed.different.push(path),
-            Err(error) => replayed.failed.push((variant.output.clone(), error)),
         }
+    });
+    shown.map_err(|error| error.of(manifest))?;
+    match only {
+        Some(key) if !is_found => {
+            let (path, key) = (manifest.to_owned(), key.to_owned());
+            Err(if is_carried {
+                AugmentError::Carried { path, key }
+            } else {
+                AugmentError::NoSuchKey { path, key }
+            })
+        }
+        _ => Ok(()),
     }
-    Ok(replayed)
+}
+
+/// Makes variants again, one after the other.
+struct Remaker<'a> {
+    manifest: &'a Path,
+    /// The folder of the dataset.
+    root: PathBuf,
+    output: &'a Path,
+    overwrite: bool,
+    layout: Layout,
+    recipe: &'a Recipe,
+    maps: Maps,
+    reading: ReadOptions,
+    budget: Budget,
+}
+
+impl Remaker<'_> {
+    /// Makes a variant again; `container` is the file that holds it where it is none itself.
+    fn remake(&mut self, variant: &Variant, container: Option<&str>) -> Result<Replayed, FileError> {
+        let named = |cause: &str| FileError::Damaged {
+            path: self.manifest.to_owned(),
+            cause: format!("{}: {cause}", variant.output),
+        };
+        let named_inside = |name: &str| inside(name).map_err(|cause| named(&format!("{name:?} is {cause}")));
+        let key = named_inside(&variant.key)?;
+        let within = named_inside(&variant.output)?;
+        let path = self.output.join(&within);
+        let none = || named("it refers to a water that it does not contain");
+        let draw = variant.draw(self.recipe.waters.len()).ok_or_else(none)?;
+        let water = self.recipe.water(draw).ok_or_else(none)?;
+        let source = self.root.join(container.map_or_else(|| Ok(key.clone()), named_inside)?);
+        if source.exists() && !stays_within(&self.root, &source) {
+            return Err(FileError::LeadsOut { path: source });
+        }
+        refuse_inputs([path.as_path()], [source.as_path()])?;
+        if !self.overwrite && self.is_there(&path, variant) {
+            return Ok(Replayed::Kept(path));
+        }
+        let opened = match container {
+            None => ImageFile::open(&source, &self.reading)?,
+            Some(_) => containers::image_of(self.layout, &source, &key, &self.reading)?,
+        };
+        self.maps.know(&key)?;
+        let read = self.recipe.read(opened, &self.maps.source(&key)?, &self.budget)?;
+        let (image, _) = self.recipe.fused(&read, &water, draw);
+        let bytes = self.recipe.encoded(image, &path)?;
+        make_folder_within(self.output, split(&within).0)?;
+        write_bytes(&path, &bytes, self.overwrite)?;
+        let is_equal = sha256(&bytes) == variant.sha256;
+        Ok(if is_equal { Replayed::Equal(path) } else { Replayed::Different(path) })
+    }
+
+    /// Whether an earlier replay made it.
+    fn is_there(&self, path: &Path, variant: &Variant) -> bool {
+        path.metadata().is_ok_and(|about| about.is_file() && about.len() == variant.bytes)
+            && stays_within(self.output, path)
+            && sha256_of(path).is_ok_and(|found| found == variant.sha256)
+    }
 }
 
 impl Header {

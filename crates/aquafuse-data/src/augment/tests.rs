@@ -1,4 +1,5 @@
 mod drawn;
+mod gathered;
 mod safety;
 #[cfg(feature = "parquet")]
 mod tables;
@@ -12,6 +13,8 @@ use aquafuse::truth::{Scene, Size, waters};
 use aquafuse::waterbody::Estimate;
 
 use std::num::NonZeroUsize;
+
+use gathered::{check, remake};
 
 use super::*;
 use crate::image_file::ReadOptions;
@@ -114,7 +117,7 @@ fn every_image_has_its_variants_with_its_own_labels() {
         let image_files = name.replace("labels/", "images/").replace(".txt", ".");
         assert!(after.keys().any(|other| other.starts_with(&image_files)), "{name}");
     }
-    let checked = verify(&out, Some(&root), &ReadOptions::default()).unwrap();
+    let checked = check(&out, Some(&root), &ReadOptions::default()).unwrap();
     assert_eq!((checked.files, checked.wrong), (after.len() + 4, Vec::new()));
 }
 
@@ -168,7 +171,7 @@ fn what_changed_is_made_again_and_other_settings_are_refused() {
     run(&job);
     let before = files(&out);
     fs::write(root.join("labels/train/a.txt"), "0 0.5 0.5 0.9 0.9\n").unwrap();
-    assert_eq!((run(&job).done, verify(&out, None, &ReadOptions::default()).unwrap().wrong), (1, Vec::new()));
+    assert_eq!((run(&job).done, check(&out, None, &ReadOptions::default()).unwrap().wrong), (1, Vec::new()));
     assert_eq!(files(&out)["labels/train/a.txt"], b"0 0.5 0.5 0.9 0.9\n");
 
     job.recipe.draws.seed = 2;
@@ -178,7 +181,7 @@ fn what_changed_is_made_again_and_other_settings_are_refused() {
     run(&job);
     let after = files(&out);
     assert_eq!(after.len(), before.len());
-    assert!(verify(&out, None, &ReadOptions::default()).unwrap().wrong.is_empty());
+    assert!(check(&out, None, &ReadOptions::default()).unwrap().wrong.is_empty());
 }
 
 #[test]
@@ -237,11 +240,11 @@ fn every_flipped_bit_is_found() {
         let at = (number * 7919) % bytes.len();
         flipped[at] ^= 1 << (number % 8);
         fs::write(out.join(name), &flipped).unwrap();
-        let found = verify(&out, None, &ReadOptions::default());
+        let found = check(&out, None, &ReadOptions::default());
         assert!(found.is_err() || !found.unwrap().wrong.is_empty(), "bit {number} of byte {at} of {name}");
         fs::write(out.join(name), bytes).unwrap();
     }
-    assert!(verify(&out, None, &ReadOptions::default()).unwrap().wrong.is_empty());
+    assert!(check(&out, None, &ReadOptions::default()).unwrap().wrong.is_empty());
 }
 
 fn making<'a>(only: Option<&'a str>, dataset: Option<&'a Path>, output: &'a Path) -> Again<'a> {
@@ -266,12 +269,12 @@ fn a_variant_is_made_again_from_its_manifest() {
     let again = place.path().join("again");
     let manifest = out.join("manifest.jsonl");
     let only = Some("images/train/b.jpg");
-    let made = replay(&manifest, &making(only, Some(&moved), &again)).unwrap();
+    let made = remake(&manifest, &making(only, Some(&moved), &again)).unwrap();
     assert_eq!((made.equal.len(), made.different.len(), made.failed.len()), (3, 0, 0));
     for (name, bytes) in files(&again) {
         assert_eq!(files(&out)[&name], bytes, "{name}");
     }
-    let none = replay(&manifest, &making(Some("x"), Some(&moved), &again));
+    let none = remake(&manifest, &making(Some("x"), Some(&moved), &again));
     assert!(none.unwrap_err().to_string().contains("no variant and no image \"x\""));
 }
 
@@ -379,12 +382,12 @@ fn shards_are_multiplied_as_a_whole() {
     fs::remove_file(out.join("train-000.tar")).unwrap();
     run(&job);
     assert!(files(&out) == clean);
-    assert!(verify(&out, Some(&root), &ReadOptions::default()).unwrap().wrong.is_empty());
+    assert!(check(&out, Some(&root), &ReadOptions::default()).unwrap().wrong.is_empty());
 
     let again = place.path().join("again");
     let manifest = out.join("manifest.jsonl");
     let only = Some("train-000.tar/reef/1.jpg");
-    let made = replay(&manifest, &making(only, None, &again)).unwrap();
+    let made = remake(&manifest, &making(only, None, &again)).unwrap();
     assert_eq!((made.equal.len(), made.failed.len()), (3, 0));
     for (name, bytes) in files(&again) {
         assert!(after.contains(&(name.clone(), bytes)), "{name}");
@@ -446,7 +449,7 @@ fn a_manifest_with_a_number_too_large_for_its_settings_is_none() {
         let at = text.find(from).unwrap();
         let end = at + from.len();
         fs::write(&path, format!("{}{large}{}", &text[..at], &text[end..])).unwrap();
-        let refused = verify(&out, None, &ReadOptions::default()).unwrap_err();
+        let refused = check(&out, None, &ReadOptions::default()).unwrap_err();
         assert!(matches!(refused, AugmentError::Manifest { line: told, .. } if told == line), "{refused}");
     }
 }

@@ -14,37 +14,62 @@ use crate::dataset::{Tree, inside};
 use crate::files::{FileError, sha256_of, stays_within};
 use crate::image_file::ReadOptions;
 
+/// Something that a check found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finding {
+    /// A file that is missing or changed, with the cause in words.
+    Wrong(PathBuf, String),
+    /// A file in the folder that no manifest lists.
+    Unlisted(PathBuf),
+}
+
 /// The result of a check.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Check {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Checked {
     /// Files that were checked.
     pub files: usize,
-    /// Files that are missing or changed, with the cause in words.
-    pub wrong: Vec<(PathBuf, String)>,
+    /// Files that are missing or changed.
+    pub wrong: usize,
     /// Files in the folder that no manifest lists.
-    pub unlisted: Vec<PathBuf>,
+    pub unlisted: usize,
 }
 
 /// Checks every file that the manifests in a folder list, and the manifests themselves; with `dataset`, the source
-/// images in this dataset too. No line of a manifest may be longer than a quarter of the memory that `reading` allows.
+/// images in this dataset too. Gives what it finds to `each` as soon as it is found, each file once, so that memory does
+/// not grow with it. No line of a manifest may be longer than a quarter of the memory that `reading` allows.
 ///
 /// # Errors
 ///
 /// [`AugmentError`] when there is no manifest, or one cannot be read.
-pub fn verify(folder: &Path, dataset: Option<&Path>, reading: &ReadOptions) -> Result<Check, AugmentError> {
+pub fn verify(
+    folder: &Path,
+    dataset: Option<&Path>,
+    reading: &ReadOptions,
+    mut each: impl FnMut(Finding),
+) -> Result<Checked, AugmentError> {
     let paths = manifests(folder)?;
     if paths.is_empty() {
         return Err(AugmentError::NoManifest { folder: folder.to_owned() });
     }
-    let (listed, keys) = (HashSet::new(), RandomState::new());
-    let mut checker = Checker { folder, dataset, listed, keys, batch: Vec::new(), check: Check::default() };
+    let mut checker = Checker {
+        folder,
+        dataset,
+        keys: RandomState::new(),
+        listed: HashSet::new(),
+        found_wrong: HashSet::new(),
+        batch: Vec::new(),
+        checked: Checked::default(),
+        each: &mut each,
+    };
     for path in paths {
-        let sealed = Manifest::show(&path, reading, |part| match part {
+        let mut manifest = Manifest::open(&path, reading)?;
+        let shown = manifest.show(|part| match part {
             Part::Entry(key, entry) => checker.entry(&path, key, entry),
             Part::Index(written) => checker.add(&path, folder, written.listed()),
-        })?;
+        });
+        shown.map_err(|error| error.of(&path))?;
         checker.check();
-        checker.manifest(path, sealed);
+        checker.manifest(path, manifest.sealed);
     }
     let there = Tree::of(folder, reading)?.files.into_iter().map(|path| folder.join(path));
     Ok(checker.end(there))
@@ -57,11 +82,13 @@ const AT_ONCE: usize = 4096;
 struct Checker<'a> {
     folder: &'a Path,
     dataset: Option<&'a Path>,
-    /// What is listed, as digests.
-    listed: HashSet<u64>,
     keys: RandomState,
+    /// What is listed, and what was found wrong, as digests.
+    listed: HashSet<u64>,
+    found_wrong: HashSet<u64>,
     batch: Vec<Expected<'a>>,
-    check: Check,
+    checked: Checked,
+    each: &'a mut dyn FnMut(Finding),
 }
 
 /// A file, its folder, and what is recorded of it: bytes and digest.
@@ -87,7 +114,7 @@ impl<'a> Checker<'a> {
 
     /// Takes a file below `root`.
     fn add(&mut self, manifest: &Path, root: &'a Path, written: Listed<'_>) {
-        self.check.files = self.check.files.saturating_add(1);
+        self.checked.files = self.checked.files.saturating_add(1);
         match inside(written.output) {
             Ok(within) => {
                 let path = root.join(within);
@@ -100,7 +127,7 @@ impl<'a> Checker<'a> {
             }
             Err(cause) => {
                 let cause = format!("{:?} is {cause}", written.output);
-                self.check.wrong.push((manifest.to_owned(), cause));
+                self.wrong(manifest.to_owned(), cause);
             }
         }
     }
@@ -111,19 +138,29 @@ impl<'a> Checker<'a> {
             let cause = hold(&expected).err()?;
             Some((expected.path, cause))
         });
-        self.check.wrong.par_extend(wrong);
+        for (path, cause) in wrong.collect::<Vec<_>>() {
+            self.wrong(path, cause);
+        }
+    }
+
+    /// Says of a file that it is wrong: once, though several manifests may list it.
+    fn wrong(&mut self, path: PathBuf, cause: String) {
+        if self.found_wrong.insert(self.keys.hash_one((&path, &cause))) {
+            self.checked.wrong = self.checked.wrong.saturating_add(1);
+            (self.each)(Finding::Wrong(path, cause));
+        }
     }
 
     /// Takes a manifest itself.
     fn manifest(&mut self, path: PathBuf, sealed: Option<bool>) {
-        self.check.files = self.check.files.saturating_add(1);
+        self.checked.files = self.checked.files.saturating_add(1);
         self.know(&path);
         let cause = match sealed {
             Some(true) => return,
             Some(false) => "its digest does not match: it was changed",
             None => "its run has not ended; repeat the command to continue",
         };
-        self.check.wrong.push((path, cause.into()));
+        self.wrong(path, cause.into());
     }
 
     fn know(&mut self, path: &Path) {
@@ -131,11 +168,13 @@ impl<'a> Checker<'a> {
     }
 
     /// The result; `there` are the files of the folder.
-    fn end(mut self, there: impl Iterator<Item = PathBuf>) -> Check {
-        self.check.wrong.sort();
-        self.check.wrong.dedup();
-        self.check.unlisted = there.filter(|path| !self.listed.contains(&self.keys.hash_one(path))).collect();
-        self.check
+    fn end(self, there: impl Iterator<Item = PathBuf>) -> Checked {
+        let Self { keys, listed, mut checked, each, .. } = self;
+        for path in there.filter(|path| !listed.contains(&keys.hash_one(path))) {
+            checked.unlisted = checked.unlisted.saturating_add(1);
+            each(Finding::Unlisted(path));
+        }
+        checked
     }
 }
 

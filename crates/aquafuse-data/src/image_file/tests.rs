@@ -1,4 +1,5 @@
 mod hostile;
+mod jpeg_in_tiff;
 
 use super::*;
 use crate::files::{remove_stale_parts, write_atomically};

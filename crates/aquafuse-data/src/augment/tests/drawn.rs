@@ -37,10 +37,10 @@ fn clean(root: &Path, place: &Path, change: impl Fn(&mut Augmentation)) -> BTree
     assert!(files(&again.output) == clean, "gone on with");
     assert_eq!(run(&again).done, 0);
     let made =
-        replay(&whole.output.join("manifest.jsonl"), &making(None, None, &place.join("made"))).unwrap();
+        remake(&whole.output.join("manifest.jsonl"), &making(None, None, &place.join("made"))).unwrap();
     let count = variants(&whole.output).len();
     assert_eq!((made.equal.len(), made.different.len(), made.failed.len()), (count, 0, 0));
-    let checked = verify(&whole.output, Some(root), &ReadOptions::default()).unwrap();
+    let checked = check(&whole.output, Some(root), &ReadOptions::default()).unwrap();
     assert_eq!((checked.wrong.len(), checked.unlisted.len()), (0, 0));
     clean
 }
@@ -129,7 +129,7 @@ fn where_no_draw_is_better_the_best_is_taken_and_counted() {
         let (unchanged, redrawn) = *count.lock().unwrap();
         assert_eq!((unchanged, redrawn > 0), (4, name == "free"));
         let made =
-            replay(&still.output.join("manifest.jsonl"), &making(None, None, &place.path().join("made")));
+            remake(&still.output.join("manifest.jsonl"), &making(None, None, &place.path().join("made")));
         assert_eq!(made.unwrap().different.len(), 0);
     }
 }
@@ -196,7 +196,7 @@ fn a_share_of_the_members_of_a_shard_is_copied() {
     assert_eq!(line["originals"].as_array().map_or(0, Vec::len), copied);
     assert!((1..3).contains(&copied), "{names:?}");
     assert_eq!(names.len(), 3 * (3 + copied));
-    let made = replay(&few.output.join("manifest.jsonl"), &making(None, None, &place.path().join("made")));
+    let made = remake(&few.output.join("manifest.jsonl"), &making(None, None, &place.path().join("made")));
     assert_eq!(made.unwrap().equal.len(), 3);
 }
 
@@ -219,6 +219,6 @@ fn a_manifest_of_before_is_read() {
         line.to_string() + "\n"
     });
     fs::write(&path, fields.filter(|line| !line.contains("\"line\":\"end\"")).collect::<String>()).unwrap();
-    let made = replay(&path, &making(None, None, &place.path().join("made"))).unwrap();
+    let made = remake(&path, &making(None, None, &place.path().join("made"))).unwrap();
     assert_eq!((made.equal.len(), made.different.len()), (4 * 3, 0));
 }

@@ -39,7 +39,7 @@ mod links {
         let manifest = path("out/manifest.jsonl");
         fs::create_dir(path("again")).unwrap();
         symlink(path("victim"), path("again/images")).unwrap();
-        let replayed = replay(&manifest, &making(None, None, &path("again"))).unwrap();
+        let replayed = remake(&manifest, &making(None, None, &path("again"))).unwrap();
         assert_eq!((replayed.equal.len(), replayed.failed.len()), (0, 12));
         assert_eq!(files(&path("victim")), BTreeMap::new());
     }
@@ -65,13 +65,13 @@ mod links {
         fs::rename(path("fish/images/train/a.png"), path("a.png")).unwrap();
         symlink(path("a.png"), path("fish/images/train/a.png")).unwrap();
         let wrong =
-            |dataset: Option<&Path>| verify(&path("out"), dataset, &ReadOptions::default()).unwrap().wrong;
+            |dataset: Option<&Path>| check(&path("out"), dataset, &ReadOptions::default()).unwrap().wrong;
         assert_eq!(wrong(None), []);
         let found = wrong(Some(&path("fish")));
         assert!(found.len() == 1 && found[0].1.contains("a link that leads out"), "{found:?}");
         let only = Some("images/train/a.png");
-        let replayed = replay(&path("out/manifest.jsonl"), &making(only, None, &path("again"))).unwrap();
-        assert!(replayed.failed[0].1.to_string().contains("a link that leads out"), "{replayed:?}");
+        let replayed = remake(&path("out/manifest.jsonl"), &making(only, None, &path("again"))).unwrap();
+        assert!(replayed.failed[0].to_string().contains("a link that leads out"), "{replayed:?}");
 
         fs::rename(path("out/images"), path("moved")).unwrap();
         symlink(path("moved"), path("out/images")).unwrap();
@@ -86,5 +86,5 @@ fn a_line_without_an_end_takes_no_more_memory_than_is_allowed() {
     fs::create_dir(&out).unwrap();
     fs::write(out.join("manifest.jsonl"), "{".repeat(5_000)).unwrap();
     let tight = ReadOptions { max_memory: 4_000, ..ReadOptions::default() };
-    assert!(matches!(verify(&out, None, &tight), Err(AugmentError::Manifest { line: 1, .. })));
+    assert!(matches!(check(&out, None, &tight), Err(AugmentError::Manifest { line: 1, .. })));
 }

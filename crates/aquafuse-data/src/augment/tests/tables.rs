@@ -17,8 +17,9 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
+use super::gathered::{check, remake};
 use super::{files, job, making, run};
-use crate::augment::{replay, verify};
+
 use crate::dataset::Layout;
 use crate::dataset::tables::{Table, binary, cell, strings};
 use crate::image_file::{ReadOptions, open_file};
@@ -115,11 +116,11 @@ fn tables_are_multiplied_row_by_row_and_keep_every_other_column() {
             }
             at += 1 + variants;
         }
-        assert!(verify(&out, Some(&root), &ReadOptions::default()).unwrap().wrong.is_empty());
+        assert!(check(&out, Some(&root), &ReadOptions::default()).unwrap().wrong.is_empty());
 
         let again = place.path().join("again");
         let only = Some("train-0.parquet/2");
-        let made = replay(&out.join("manifest.jsonl"), &making(only, None, &again)).unwrap();
+        let made = remake(&out.join("manifest.jsonl"), &making(only, None, &again)).unwrap();
         assert_eq!((made.equal.len(), made.failed.len()), (3, 0));
         for (name, bytes) in files(&again) {
             assert!(after.iter().any(|row| row.0.as_ref() == Some(&name) && row.1.as_ref() == Some(&bytes)));
@@ -142,7 +143,7 @@ fn a_manifest_is_a_table_too_and_is_no_data_set() {
     assert_eq!(count, 9);
     let containers = rows[0].column_by_name("container").unwrap().as_string::<i32>();
     assert_eq!(containers.value(0), "train-0.parquet");
-    let about = verify(&out, None, &ReadOptions::default()).unwrap();
+    let about = check(&out, None, &ReadOptions::default()).unwrap();
     assert!(about.wrong.is_empty() && about.unlisted.is_empty(), "{about:?}");
 
     fs::remove_file(out.join("train-0.parquet")).unwrap();

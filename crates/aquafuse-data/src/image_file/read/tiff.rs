@@ -1,5 +1,7 @@
 //! TIFF: 8 and 16 bits, floats from 0 to 1; its first page.
 
+mod jpeg_pieces;
+
 use std::io::{BufRead, Cursor, Read, Seek, SeekFrom};
 
 use ::image::ExtendedColorType;
@@ -11,11 +13,11 @@ use ::tiff::tags::Tag;
 
 use super::super::exif::{self, Exif};
 use super::super::limits::Size;
+use super::super::metadata::Metadata;
 use super::{Decoded, Fault, Pixels, XMP, by_image, size_of};
 
-/// JPEG within TIFF, the old way and the new one: each strip is a file with a size of its own, which the decoder unpacks
-/// whatever the strip's is, and strips may share it.
-const JPEG: std::ops::RangeInclusive<u16> = 6..=7;
+/// JPEG within TIFF as it was before 1995: what it means was never settled.
+const OLD_JPEG: u16 = 6;
 
 /// Strips or tiles of a page: more than those of 16 x 16 in 64 megapixels. Each takes the decoder some microseconds, be it
 /// of one pixel, and all may be one piece of the file.
@@ -34,28 +36,24 @@ pub(crate) fn too_many_pieces(page: &mut ::tiff::decoder::Decoder<impl Read + Se
 }
 
 pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> {
-    let mut fields = ::tiff::decoder::Decoder::new(&mut *reader).map_err(|error| match error {
-        TiffError::UnsupportedError(form) => Fault::Unsupported(
-            format!("a TIFF in a form that is not read ({form})"),
-            "Save it as PNG, or as TIFF in RGB; develop a camera's raw file first",
-        ),
-        other => Fault::Damaged(other.to_string()),
-    })?;
+    let mut fields = ::tiff::decoder::Decoder::new(&mut *reader)?;
     if is_preview(&mut fields) {
         return Err(Fault::Unsupported(
             "a camera's raw file, or another TIFF whose first image is a preview".into(),
             "Develop it first, for example with darktable or RawTherapee, and save it as TIFF, PNG or JPEG",
         ));
     }
-    let compression = fields.find_tag_unsigned::<u16>(Tag::Compression);
-    if compression.is_ok_and(|way| way.is_some_and(|way| JPEG.contains(&way))) {
+    if fields.find_tag_unsigned::<u16>(Tag::Compression).is_ok_and(|way| way == Some(OLD_JPEG)) {
         return Err(Fault::Unsupported(
-            "a TIFF compressed as JPEG".into(),
+            "a TIFF compressed as JPEG in the old way".into(),
             "Save it with LZW, deflate or no compression, or as a JPEG",
         ));
     }
     if let Some(found) = too_many_pieces(&mut fields) {
         return Err(Fault::Unsupported(found, LARGER_PIECES));
+    }
+    if jpeg_pieces::is_jpeg(&mut fields) {
+        return jpeg_pieces::header(&mut fields);
     }
     reader.seek(SeekFrom::Start(0))?;
     let decoder = TiffDecoder::new(reader)?;
@@ -66,6 +64,18 @@ pub(super) fn header(reader: &mut (impl BufRead + Seek)) -> Result<Size, Fault> 
     Ok(Size { beside: size.beside.saturating_add(size.sample.saturating_mul(own)), ..size })
 }
 
+impl From<TiffError> for Fault {
+    fn from(error: TiffError) -> Self {
+        match error {
+            TiffError::UnsupportedError(form) => Self::Unsupported(
+                format!("a TIFF in a form that is not read ({form})"),
+                "Save it as PNG, or as TIFF in RGB; develop a camera's raw file first",
+            ),
+            other => Self::Damaged(other.to_string()),
+        }
+    }
+}
+
 /// Whether the first image of a file is not its image: it says so, or the file has the version of DNG.
 fn is_preview(page: &mut ::tiff::decoder::Decoder<impl Read + Seek>) -> bool {
     const DNG_VERSION: Tag = Tag::Unknown(50706);
@@ -74,7 +84,12 @@ fn is_preview(page: &mut ::tiff::decoder::Decoder<impl Read + Seek>) -> bool {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
-    let mut decoded = by_image(TiffDecoder::new(Cursor::new(bytes))?)?;
+    let is_jpeg = jpeg_pieces::is_jpeg(&mut ::tiff::decoder::Decoder::new(Cursor::new(bytes))?);
+    let mut decoded = if is_jpeg {
+        Decoded { pixels: jpeg_pieces::decode(bytes)?, metadata: Metadata::default(), damage: None }
+    } else {
+        by_image(TiffDecoder::new(Cursor::new(bytes))?)?
+    };
     check_floats(&decoded.pixels)?;
     let metadata = &mut decoded.metadata;
     // XMP is a field as any other, and travels with them.

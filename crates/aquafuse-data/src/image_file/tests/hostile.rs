@@ -1,36 +1,29 @@
 //! Small files that ask for much time or memory.
 
+use super::jpeg_in_tiff::jpeg_in_tiff;
 use super::*;
 
-/// A strip of JPEG is unpacked to its own size, whatever the image's is.
+/// A strip of JPEG has a size of its own, whatever the image's is; compression 6 was never settled.
 #[test]
-fn jpeg_within_tiff_is_refused_for_images_and_for_depth() {
+fn a_strip_of_jpeg_of_another_size_is_refused_before_it_is_decoded() {
     let mut strip = Vec::new();
     JpegEncoder::new(&mut strip).write_image(&[9; 512 * 512], 512, 512, ExtendedColorType::L8).unwrap();
-    let fields: [(u16, u32); 8] = [
-        (256, 8),
-        (257, 8),
-        (258, 8),
-        (259, 7),
-        (262, 1),
-        (273, 8 + 2 + 8 * 12 + 4),
-        (278, 8),
-        (279, strip.len() as u32),
-    ];
-    let mut file = b"II*\0\x08\0\0\0\x08\0".to_vec();
-    for (tag, value) in fields {
-        // One number of 32 bits.
-        file.extend([&tag.to_le_bytes()[..], &[4, 0, 1, 0, 0, 0], &value.to_le_bytes()].concat());
-    }
-    file.extend([0; 4]);
-    file.extend(strip);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tiff");
-    std::fs::write(&path, file).unwrap();
-    let said = ImageFile::read(&path).unwrap_err().to_string();
-    assert!(said.contains("a TIFF compressed as JPEG. Save it with LZW"), "{said}");
-    let said = crate::depth_file::read(&path, aquafuse::depth::SuppliedKind::Metres).unwrap_err().to_string();
-    assert!(said.contains("JPEG compression"), "{said}");
+    for (way, cause) in
+        [(7, "it has 512x512 pixels instead of 8x8"), (6, "as JPEG in the old way. Save it with LZW")]
+    {
+        std::fs::write(
+            &path,
+            jpeg_in_tiff(&[(256, 8), (257, 8), (258, 8), (259, way), (262, 1), (278, 8)], &[&strip], &[]),
+        )
+        .unwrap();
+        let said = ImageFile::read(&path).unwrap_err().to_string();
+        assert!(said.contains(cause), "{said}");
+        let said =
+            crate::depth_file::read(&path, aquafuse::depth::SuppliedKind::Metres).unwrap_err().to_string();
+        assert!(said.contains("JPEG compression"), "{said}");
+    }
 }
 
 /// Pieces may all be the same one of the file, so that a small file makes much work.

@@ -71,6 +71,7 @@ impl From<TiffError> for Fault {
                 format!("a TIFF in a form that is not read ({form})"),
                 "Save it as PNG, or as TIFF in RGB; develop a camera's raw file first",
             ),
+            TiffError::IoError(error) => error.into(),
             other => Self::Damaged(other.to_string()),
         }
     }

@@ -1,0 +1,232 @@
+//! How good depth must be: true depth made worse step by step, as a network's is, and the share of the true change by it.
+
+use std::fmt::Write;
+
+use anyhow::Result;
+use aquafuse::depth::{DepthModel, Supplied, SuppliedKind};
+use aquafuse::formation::RestoreOptions;
+use aquafuse::fusion::{Incidence, Model, Options};
+use aquafuse::image::{Encoded, Image};
+use aquafuse::levels::{LevelsOptions, Setting};
+use aquafuse::metrics::spearman;
+use aquafuse::truth::{Case, Exchange, Trials};
+use aquafuse_data::image_file::{ImageFile, Pixels};
+use aquafuse_data::pipeline::{
+    Analysis, DepthSource, Operation, PixelEncoding, WaterEstimate, analyse_coarse, analyse_in,
+    analyse_supplied,
+};
+use rayon::prelude::*;
+
+use crate::chance::Chance;
+
+const EXCHANGES: usize = 120;
+/// Columns and rows of the image that become one of the map.
+const CELL: usize = 16;
+/// Cells across a segment that is wrong.
+const SEGMENT: usize = 3;
+
+/// Where depth comes from, from the best to what colour says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Depth {
+    /// The truth in metres.
+    Metres,
+    /// 1 / z of the truth, by an unknown scale and shift.
+    Inverse,
+    /// The same at a sixteenth of the columns and rows; `blurred` by its neighbours; with this share of the cells in wrong segments.
+    Coarse { blurred: bool, wrong: f32 },
+    /// A model of colours, by its name.
+    Colour(&'static str),
+}
+
+const ROWS: [(&str, Depth); 11] = [
+    ("true z, in metres", Depth::Metres),
+    ("1 / z, of unknown scale and shift", Depth::Inverse),
+    ("and at 1/16 of the resolution", Depth::Coarse { blurred: false, wrong: 0.0 }),
+    ("and blurred", Depth::Coarse { blurred: true, wrong: 0.0 }),
+    ("and 5 % in wrong segments", Depth::Coarse { blurred: true, wrong: 0.05 }),
+    ("and 10 %", Depth::Coarse { blurred: true, wrong: 0.1 }),
+    ("and 20 %", Depth::Coarse { blurred: true, wrong: 0.2 }),
+    ("and 40 %", Depth::Coarse { blurred: true, wrong: 0.4 }),
+    ("and 80 %", Depth::Coarse { blurred: true, wrong: 0.8 }),
+    ("colour, `eq3`", Depth::Colour("eq3")),
+    ("colour, `ratio`", Depth::Colour("ratio")),
+];
+
+/// What one exchange says of one row.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    /// The rank correlation of the depth with the true one.
+    order: f64,
+    /// Shares of the true change: `physical` to A and to B, `exchange` to B, `restore` to the clear image.
+    shares: [f64; 4],
+}
+
+const HEADING: &str = "| depth | Spearman with true z | `physical`, truth A | `physical`, truth B | `exchange`, truth B | worse than the \
+    content, % | `restore`, clear image | `exchange` beside `physical`, truth B |\n|---|---|---|---|---|---|---|---|\n";
+
+/// The table, and what it says.
+pub(super) fn table() -> Result<String> {
+    let trials = Trials::default();
+    let found: Vec<Vec<Found>> = (0..EXCHANGES)
+        .into_par_iter()
+        .map(|number| {
+            let exchange = trials.exchange::<Encoded>(number);
+            ROWS.iter().map(|(_, depth)| of(&exchange, *depth, number)).collect()
+        })
+        .collect::<Result<_>>()?;
+    let mut text = HEADING.to_owned();
+    let mut wins = Vec::new();
+    for (row, (name, _)) in ROWS.iter().enumerate() {
+        let column =
+            |of: &dyn Fn(&Found) -> f64| -> Vec<f64> { found.iter().map(|all| of(&all[row])).collect() };
+        let share = |k: usize| mean(&column(&|one| one.shares[k]));
+        let worse = column(&|one| f64::from(u8::from(one.shares[2] < 0.0)));
+        let gain = share(2) - share(1);
+        writeln!(
+            text,
+            "| {name} | {:.2} | {:.2} | {:.2} | {:.2} | {:.0} | {:.2} | {gain:+.2} {} |",
+            mean(&column(&|one| one.order)),
+            share(0),
+            share(1),
+            share(2),
+            100.0 * mean(&worse),
+            share(3),
+            bar(gain),
+        )?;
+        wins.push((*name, gain > 0.0));
+    }
+    let last = wins.iter().take_while(|(_, wins)| *wins).last();
+    let said = match last {
+        Some((name, _)) => {
+            format!("`exchange` comes nearer to truth B than `physical` down to the row \"{name}\".")
+        }
+        None => "`exchange` never comes nearer to truth B than `physical`.".to_owned(),
+    };
+    writeln!(text, "\n{said} The last column is the curve: one block is 0.02.")?;
+    Ok(text)
+}
+
+/// A difference of shares as blocks: to the right for more, hollow ones for less.
+fn bar(gain: f64) -> String {
+    let blocks = (gain.abs() / 0.02).round().min(40.0) as usize;
+    if gain < 0.0 { "░" } else { "█" }.repeat(blocks)
+}
+
+fn of(exchange: &Exchange<Encoded>, depth: Depth, number: usize) -> Result<Found> {
+    let content = analysed(&exchange.content, depth, &mut Chance(2 * number as u64))?;
+    let reference = analysed(&exchange.reference, depth, &mut Chance(2 * number as u64 + 1))?.estimate;
+    let image = &exchange.content.image;
+    let share = |operation: &Operation, truth: &Image<f32>| -> Result<f64> {
+        let mut made = Pixels::from(image.to_unit());
+        operation.apply(&mut made, Some(&content))?;
+        let Pixels::Floats(made) = made else { unreachable!("floats stay floats") };
+        let distance = |from: &Image<f32>| {
+            let squares = from.as_raw().iter().zip(truth.as_raw()).map(|(a, b)| f64::from(a - b).powi(2));
+            squares.sum::<f64>().sqrt()
+        };
+        Ok(1.0 - distance(&made.image) / distance(&image.to_unit()))
+    };
+    let fuse = |model| {
+        let all = Incidence::from_degrees(0.0).expect("in range");
+        Operation::Fuse { reference, options: Options::for_model(model).with_incidence(all) }
+    };
+    let no_levels = LevelsOptions::default().with_white(Setting::None).with_exposure(Setting::None);
+    let restore = Operation::Restore {
+        options: RestoreOptions::default(),
+        levels: no_levels,
+        encoding: PixelEncoding::Encoded,
+    };
+    let [a, b] = &exchange.truths;
+    let (physical, whole) = (fuse(Model::Physical), fuse(Model::Exchange));
+    let order = spearman(&content.depth.distances(), &exchange.content.depth.distances());
+    Ok(Found {
+        order: order.unwrap_or(0.0),
+        shares: [
+            share(&physical, a)?,
+            share(&physical, b)?,
+            share(&whole, b)?,
+            share(&restore, &exchange.content.clear)?,
+        ],
+    })
+}
+
+fn analysed(case: &Case<Encoded>, depth: Depth, chance: &mut Chance) -> Result<Analysis<WaterEstimate>> {
+    let image = ImageFile::new(case.image.clone());
+    let encoding = PixelEncoding::Encoded;
+    let (width, height) = case.image.size();
+    let z = case.depth.distances();
+    Ok(match depth {
+        Depth::Metres => {
+            analyse_supplied(encoding, &image, Supplied::new(width, height, z, SuppliedKind::Metres)?)?
+        }
+        Depth::Inverse => {
+            let values = of_unknown_scale(z.iter().map(|z| 1.0 / z).collect(), chance);
+            analyse_supplied(encoding, &image, Supplied::new(width, height, values, SuppliedKind::Inverse)?)?
+        }
+        Depth::Coarse { blurred, wrong } => {
+            let (mut cells, size) = cells(&z, (width, height));
+            if blurred {
+                cells = smoothed(&cells, size);
+            }
+            segments(&mut cells, size, wrong, chance);
+            let values = of_unknown_scale(cells, chance);
+            analyse_coarse(encoding, &image, Supplied::new(size.0, size.1, values, SuppliedKind::Inverse)?)?
+        }
+        Depth::Colour(name) => {
+            let model: DepthModel = name.parse()?;
+            analyse_in(encoding, &image, &DepthSource::Estimated(model.into()))?
+        }
+    })
+}
+
+/// The mean of 1 / z in each cell.
+fn cells(z: &[f32], (width, height): (usize, usize)) -> (Vec<f32>, (usize, usize)) {
+    let (columns, rows) = (width / CELL, height / CELL);
+    let mean = |i: usize| {
+        let (x, y) = (i % columns * CELL, i / columns * CELL);
+        let inside = (y..y + CELL).flat_map(|y| (x..x + CELL).map(move |x| 1.0 / z[y * width + x]));
+        inside.sum::<f32>() / (CELL * CELL) as f32
+    };
+    ((0..columns * rows).map(mean).collect(), (columns, rows))
+}
+
+/// Each cell with its neighbours by 1, 2, 1 across and down.
+fn smoothed(cells: &[f32], (columns, rows): (usize, usize)) -> Vec<f32> {
+    let weighed = |i: usize| {
+        let (x, y) = ((i % columns) as i64, (i / columns) as i64);
+        let near = |v: i64, most: usize| v.clamp(0, most as i64 - 1) as usize;
+        let beside = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        let sum = beside.map(|(dx, dy): (i64, i64)| {
+            let weight = ((2 - dx.abs()) * (2 - dy.abs())) as f32;
+            weight * cells[near(y + dy, rows) * columns + near(x + dx, columns)]
+        });
+        sum.sum::<f32>() / 16.0
+    };
+    (0..cells.len()).map(weighed).collect()
+}
+
+/// Gives squares of cells the value of some other cell, until this share of all is wrong.
+fn segments(cells: &mut [f32], (columns, rows): (usize, usize), share: f32, chance: &mut Chance) {
+    let mut is_wrong = vec![false; cells.len()];
+    while (is_wrong.iter().filter(|wrong| **wrong).count() as f32) < share * cells.len() as f32 {
+        let value = cells[chance.below(cells.len())];
+        let (x, y) = (chance.below(columns), chance.below(rows));
+        for y in y..(y + SEGMENT).min(rows) {
+            for x in x..(x + SEGMENT).min(columns) {
+                (cells[y * columns + x], is_wrong[y * columns + x]) = (value, true);
+            }
+        }
+    }
+}
+
+/// Scaled by a half to two, and shifted by up to a third of the range.
+fn of_unknown_scale(values: Vec<f32>, chance: &mut Chance) -> Vec<f32> {
+    let mut share = || chance.below(1000) as f32 / 1000.0;
+    let range = values.iter().copied().fold(0.0, f32::max);
+    let (scale, shift) = (0.5 + 1.5 * share(), range * share() / 3.0);
+    values.into_iter().map(|value| scale * (value + shift)).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}

@@ -10,6 +10,7 @@ use aquafuse::image::{Encoded, Image};
 use aquafuse::levels::{LevelsOptions, Setting};
 use aquafuse::metrics::spearman;
 use aquafuse::truth::{Case, Exchange, Trials};
+use aquafuse::waterbody::{Estimate, WaterShare};
 use aquafuse_data::image_file::{ImageFile, Pixels};
 use aquafuse_data::pipeline::{
     Analysis, DepthSource, Operation, PixelEncoding, WaterEstimate, analyse_coarse, analyse_in,
@@ -25,32 +26,54 @@ const CELL: usize = 16;
 /// Cells across a segment that is wrong.
 const SEGMENT: usize = 3;
 
-/// Where depth comes from, from the best to what colour says.
+/// Where depth comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Depth {
-    /// The truth in metres.
-    Metres,
-    /// 1 / z of the truth, by an unknown scale and shift.
-    Inverse,
-    /// The same at a sixteenth of the columns and rows; `blurred` by its neighbours; with this share of the cells in wrong segments.
-    Coarse { blurred: bool, wrong: f32 },
+    /// The truth.
+    True(Unit),
+    /// The truth at a sixteenth of the columns and rows; `blurred` by its neighbours; with this share of the cells in wrong segments.
+    Coarse { unit: Unit, blurred: bool, wrong: f32 },
     /// A model of colours, by its name.
     Colour(&'static str),
 }
 
-const ROWS: [(&str, Depth); 11] = [
-    ("true z, in metres", Depth::Metres),
-    ("1 / z, of unknown scale and shift", Depth::Inverse),
-    ("and at 1/16 of the resolution", Depth::Coarse { blurred: false, wrong: 0.0 }),
-    ("and blurred", Depth::Coarse { blurred: true, wrong: 0.0 }),
-    ("and 5 % in wrong segments", Depth::Coarse { blurred: true, wrong: 0.05 }),
-    ("and 10 %", Depth::Coarse { blurred: true, wrong: 0.1 }),
-    ("and 20 %", Depth::Coarse { blurred: true, wrong: 0.2 }),
-    ("and 40 %", Depth::Coarse { blurred: true, wrong: 0.4 }),
-    ("and 80 %", Depth::Coarse { blurred: true, wrong: 0.8 }),
-    ("colour, `eq3`", Depth::Colour("eq3")),
-    ("colour, `ratio`", Depth::Colour("ratio")),
+/// What the numbers of a map are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Unit {
+    Metres,
+    /// 1 / z, by an unknown scale and shift.
+    Inverse,
+}
+
+/// Depth at a sixteenth of the resolution, from the best to the worst.
+const STEPS: [(&str, bool, f32); 7] = [
+    ("and at 1/16 of the resolution", false, 0.0),
+    ("and blurred", true, 0.0),
+    ("and 5 % in wrong segments", true, 0.05),
+    ("and 10 %", true, 0.1),
+    ("and 20 %", true, 0.2),
+    ("and 40 %", true, 0.4),
+    ("and 80 %", true, 0.8),
 ];
+
+/// A row: its name, where depth comes from, and whether the waters are given.
+type Row = (&'static str, Depth, bool);
+
+fn rows() -> Vec<Row> {
+    let ladder = |first: &'static str, unit, is_given| {
+        let steps = STEPS
+            .iter()
+            .map(move |&(name, blurred, wrong)| (name, Depth::Coarse { unit, blurred, wrong }, is_given));
+        [(first, Depth::True(unit), is_given)].into_iter().chain(steps)
+    };
+    let colour = |name, model| (name, Depth::Colour(model), false);
+    let estimated = [("true z, in metres", Depth::True(Unit::Metres), false)].into_iter();
+    estimated
+        .chain(ladder("1 / z, of unknown scale and shift", Unit::Inverse, false))
+        .chain([colour("colour, `eq3`", "eq3"), colour("colour, `ratio`", "ratio")])
+        .chain(ladder("true z, in metres", Unit::Metres, true))
+        .collect()
+}
 
 /// What one exchange says of one row.
 #[derive(Clone, Copy, Debug)]
@@ -61,60 +84,66 @@ struct Found {
     shares: [f64; 4],
 }
 
-const HEADING: &str = "| depth | Spearman with true z | `physical`, truth A | `physical`, truth B | `exchange`, truth B | worse than the \
-    content, % | `restore`, clear image | `exchange` beside `physical`, truth B |\n|---|---|---|---|---|---|---|---|\n";
+const HEADING: &str = "| water | depth | Spearman with true z | `physical`, truth A | `physical`, truth B | `exchange`, truth B | median | \
+    `restore`, clear image | `exchange` nearer to B than `physical`, % of the exchanges |\n|---|---|---|---|---|---|---|---|---|\n";
+/// Percent that a block of the curve is.
+const BLOCK: f64 = 5.0;
 
 /// The table, and what it says.
 pub(super) fn table() -> Result<String> {
-    let trials = Trials::default();
+    let (trials, rows) = (Trials::default(), rows());
     let found: Vec<Vec<Found>> = (0..EXCHANGES)
         .into_par_iter()
         .map(|number| {
             let exchange = trials.exchange::<Encoded>(number);
-            ROWS.iter().map(|(_, depth)| of(&exchange, *depth, number)).collect()
+            rows.iter().map(|row| of(&exchange, row, number)).collect()
         })
         .collect::<Result<_>>()?;
     let mut text = HEADING.to_owned();
     let mut wins = Vec::new();
-    for (row, (name, _)) in ROWS.iter().enumerate() {
-        let column =
-            |of: &dyn Fn(&Found) -> f64| -> Vec<f64> { found.iter().map(|all| of(&all[row])).collect() };
+    for (place, (name, _, is_given)) in rows.iter().enumerate() {
+        let column = |of: &dyn Fn(&Found) -> f64| -> Vec<f64> {
+            let mut values: Vec<f64> = found.iter().map(|all| of(&all[place])).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
         let share = |k: usize| mean(&column(&|one| one.shares[k]));
-        let worse = column(&|one| f64::from(u8::from(one.shares[2] < 0.0)));
-        let gain = share(2) - share(1);
+        let nearer = 100.0 * mean(&column(&|one| f64::from(u8::from(one.shares[2] > one.shares[1]))));
         writeln!(
             text,
-            "| {name} | {:.2} | {:.2} | {:.2} | {:.2} | {:.0} | {:.2} | {gain:+.2} {} |",
+            "| {} | {name} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {nearer:.0} {} |",
+            if *is_given { "given" } else { "estimated" },
             mean(&column(&|one| one.order)),
             share(0),
             share(1),
             share(2),
-            100.0 * mean(&worse),
+            column(&|one| one.shares[2])[EXCHANGES / 2],
             share(3),
-            bar(gain),
+            "█".repeat((nearer / BLOCK).round() as usize),
         )?;
-        wins.push((*name, gain > 0.0));
+        wins.push((*name, *is_given, share(2) > share(1)));
     }
-    let last = wins.iter().take_while(|(_, wins)| *wins).last();
-    let said = match last {
-        Some((name, _)) => {
-            format!("`exchange` comes nearer to truth B than `physical` down to the row \"{name}\".")
+    writeln!(text, "\nOne block is {BLOCK} %.")?;
+    for (is_given, water) in [(false, "estimated"), (true, "given")] {
+        let last =
+            wins.iter().filter(|(_, given, _)| *given == is_given).take_while(|(.., wins)| *wins).last();
+        match last {
+            Some((name, ..)) => writeln!(
+                text,
+                "With water {water}, `exchange` comes nearer to truth B than `physical`, in the mean, down to \"{name}\"."
+            )?,
+            None => writeln!(
+                text,
+                "With water {water}, `exchange` comes no nearer to truth B than `physical`, in the mean, however good depth is."
+            )?,
         }
-        None => "`exchange` never comes nearer to truth B than `physical`.".to_owned(),
-    };
-    writeln!(text, "\n{said} The last column is the curve: one block is 0.02.")?;
+    }
     Ok(text)
 }
 
-/// A difference of shares as blocks: to the right for more, hollow ones for less.
-fn bar(gain: f64) -> String {
-    let blocks = (gain.abs() / 0.02).round().min(40.0) as usize;
-    if gain < 0.0 { "░" } else { "█" }.repeat(blocks)
-}
-
-fn of(exchange: &Exchange<Encoded>, depth: Depth, number: usize) -> Result<Found> {
-    let content = analysed(&exchange.content, depth, &mut Chance(2 * number as u64))?;
-    let reference = analysed(&exchange.reference, depth, &mut Chance(2 * number as u64 + 1))?.estimate;
+fn of(exchange: &Exchange<Encoded>, row: &Row, number: usize) -> Result<Found> {
+    let content = analysed(&exchange.content, row, &mut Chance(2 * number as u64))?;
+    let reference = analysed(&exchange.reference, row, &mut Chance(2 * number as u64 + 1))?.estimate;
     let image = &exchange.content.image;
     let share = |operation: &Operation, truth: &Image<f32>| -> Result<f64> {
         let mut made = Pixels::from(image.to_unit());
@@ -150,41 +179,53 @@ fn of(exchange: &Exchange<Encoded>, depth: Depth, number: usize) -> Result<Found
     })
 }
 
-fn analysed(case: &Case<Encoded>, depth: Depth, chance: &mut Chance) -> Result<Analysis<WaterEstimate>> {
+fn analysed(
+    case: &Case<Encoded>,
+    &(_, depth, is_given): &Row,
+    chance: &mut Chance,
+) -> Result<Analysis<WaterEstimate>> {
     let image = ImageFile::new(case.image.clone());
     let encoding = PixelEncoding::Encoded;
     let (width, height) = case.image.size();
-    let z = case.depth.distances();
-    Ok(match depth {
-        Depth::Metres => {
-            analyse_supplied(encoding, &image, Supplied::new(width, height, z, SuppliedKind::Metres)?)?
+    let inverse: Vec<f32> = case.depth.distances().iter().map(|z| 1.0 / z).collect();
+    let map = |values: Vec<f32>, (width, height), unit, chance: &mut Chance| match unit {
+        Unit::Metres => {
+            Supplied::new(width, height, values.iter().map(|v| 1.0 / v).collect(), SuppliedKind::Metres)
         }
-        Depth::Inverse => {
-            let values = of_unknown_scale(z.iter().map(|z| 1.0 / z).collect(), chance);
-            analyse_supplied(encoding, &image, Supplied::new(width, height, values, SuppliedKind::Inverse)?)?
+        Unit::Inverse => {
+            Supplied::new(width, height, of_unknown_scale(values, chance), SuppliedKind::Inverse)
         }
-        Depth::Coarse { blurred, wrong } => {
-            let (mut cells, size) = cells(&z, (width, height));
+    };
+    let found = match depth {
+        Depth::True(unit) => {
+            analyse_supplied(encoding, &image, map(inverse, (width, height), unit, chance)?)?
+        }
+        Depth::Coarse { unit, blurred, wrong } => {
+            let (mut cells, size) = cells(&inverse, (width, height));
             if blurred {
                 cells = smoothed(&cells, size);
             }
             segments(&mut cells, size, wrong, chance);
-            let values = of_unknown_scale(cells, chance);
-            analyse_coarse(encoding, &image, Supplied::new(size.0, size.1, values, SuppliedKind::Inverse)?)?
+            analyse_coarse(encoding, &image, map(cells, size, unit, chance)?)?
         }
         Depth::Colour(name) => {
             let model: DepthModel = name.parse()?;
             analyse_in(encoding, &image, &DepthSource::Estimated(model.into()))?
         }
+    };
+    let known = || Estimate::given(case.water).into();
+    Ok(match is_given {
+        true => Analysis { estimate: known(), share: WaterShare::none((width, height)), ..found },
+        false => found,
     })
 }
 
 /// The mean of 1 / z in each cell.
-fn cells(z: &[f32], (width, height): (usize, usize)) -> (Vec<f32>, (usize, usize)) {
+fn cells(inverse: &[f32], (width, height): (usize, usize)) -> (Vec<f32>, (usize, usize)) {
     let (columns, rows) = (width / CELL, height / CELL);
     let mean = |i: usize| {
         let (x, y) = (i % columns * CELL, i / columns * CELL);
-        let inside = (y..y + CELL).flat_map(|y| (x..x + CELL).map(move |x| 1.0 / z[y * width + x]));
+        let inside = (y..y + CELL).flat_map(|y| (x..x + CELL).map(move |x| inverse[y * width + x]));
         inside.sum::<f32>() / (CELL * CELL) as f32
     };
     ((0..columns * rows).map(mean).collect(), (columns, rows))

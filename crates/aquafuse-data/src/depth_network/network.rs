@@ -10,6 +10,7 @@ use aquafuse::image::{Image, TopEdge};
 use rten::{Model, RunOptions, ThreadPool, Value};
 
 use super::coarse::{refined, scaled};
+use super::contents;
 use super::preset::{Preset, Unfit};
 use super::tensor::{numbers, size_of, supplied, turned};
 use super::{NetworkOptions, SIDES};
@@ -62,8 +63,8 @@ impl DepthNetwork {
     ///
     /// # Errors
     ///
-    /// [`FileError`] when the file cannot be read, exceeds 2 GiB or the memory, is no ONNX, has an operator that is not supported,
-    /// takes or gives something else than one image and one map, or its names do not settle what its numbers are.
+    /// [`FileError`] when the file cannot be read, exceeds 2 GiB or the memory, is no ONNX, has an operator that is not supported or
+    /// may never end, makes more than 2^28 numbers at once by its constants, keeps weights in another file, takes or gives something else than one image and one map, or its names do not settle what its numbers are.
     pub fn read(path: &Path, options: &NetworkOptions) -> Result<Self, FileError> {
         let (mut file, length) = open_file(path)?;
         if length > MOST_BYTES {
@@ -89,6 +90,7 @@ impl DepthNetwork {
     pub fn from_bytes(path: &Path, bytes: Vec<u8>, options: &NetworkOptions) -> Result<Self, FileError> {
         let unfit = |unfit| unfit_network(path, unfit);
         let foreign = |cause: String| unfit_network(path, (cause, FOREIGN.into()));
+        contents::check(&bytes).map_err(unfit)?;
         let (digest, length) = (sha256(&bytes), bytes.len() as u64);
         let model =
             catch_panic(|| Model::load(bytes)).ok_or_else(|| foreign("its reader panicked".into()))?;

@@ -31,9 +31,9 @@ const NETWORKS: [(&str, &str, bool); 4] = [
 const SCRIPT: &str = "lab/depth_networks/networks.py";
 const SIDE: usize = 518;
 const TURNS: usize = 3;
-/// How far two runtimes may be apart, of a map from 0 to 1.
+/// How far two runtimes may be apart, of the range of the map.
 const SAME: f32 = 1e-4;
-const HEADING: &str = "| network | file, MB | largest difference, map from 0 to 1 | ours, ms | ONNX Runtime, ms | times as long | ours, \
+const HEADING: &str = "| network | file, MB | largest difference, of the range of the map | ours, ms | ONNX Runtime, ms | times as long | ours, \
     reading the file, ms | ours, peak MiB | ONNX Runtime in Python, peak MiB |\n|---|---|---|---|---|---|---|---|---|\n";
 
 pub(crate) fn run() -> Result<()> {
@@ -133,13 +133,15 @@ fn floats(path: &PathBuf) -> Result<Vec<f32>> {
     Ok(bytes.as_chunks::<4>().0.iter().map(|four| f32::from_le_bytes(*four)).collect())
 }
 
-/// The largest difference of two maps, each from 0 to its largest value.
+/// The largest difference of two maps whose scales differ, as a share of their range.
 fn difference(ours: &[f32], theirs: &[f32]) -> Result<f32> {
     ensure!(ours.len() == theirs.len(), "{} numbers beside {}", ours.len(), theirs.len());
     let most = |values: &[f32]| values.iter().copied().fold(0.0, f32::max);
     let [a, b] = [most(ours), most(theirs)];
-    let apart = ours.iter().zip(theirs).map(|(x, y)| (x / a - y / b).abs());
-    let apart = apart.fold(0.0_f32, f32::max);
+    let range = 1.0 - theirs.iter().copied().fold(f32::INFINITY, f32::min) / b;
+    let apart = ours.iter().zip(theirs).map(|(x, y)| (x / a - y / b).abs() / range);
+    // NaN is no number that `max` would keep.
+    let apart = apart.fold(0.0_f32, |most, one| if one > most || one.is_nan() { one } else { most });
     ensure!(apart.is_finite(), "a map holds numbers that are not finite");
     Ok(apart)
 }
@@ -155,9 +157,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn maps_are_compared_from_0_to_their_largest_value() {
-        assert_eq!(difference(&[0.0, 1.0, 2.0], &[0.0, 2.0, 4.0]).unwrap(), 0.0);
-        assert_eq!(difference(&[0.0, 1.0], &[0.5, 1.0]).unwrap(), 0.5);
+    fn maps_are_compared_by_their_range_whatever_their_scale() {
+        assert_eq!(difference(&[0.5, 1.0, 2.0], &[1.0, 2.0, 4.0]).unwrap(), 0.0);
+        // 0.25 of the largest value, whose range is a half of it.
+        assert_eq!(difference(&[0.75, 1.0], &[0.5, 1.0]).unwrap(), 0.5);
         assert!(difference(&[0.0, 1.0], &[1.0]).is_err() && difference(&[f32::NAN], &[1.0]).is_err());
     }
 }

@@ -271,3 +271,27 @@ fn of_unknown_scale(values: Vec<f32>, chance: &mut Chance) -> Vec<f32> {
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blur_keeps_what_is_flat_and_segments_change_the_share_that_is_asked() {
+        let size = (15, 10);
+        assert_eq!(smoothed(&[0.5; 150], size), [0.5; 150]);
+        let before: Vec<f32> = (0..150).map(|i| i as f32).collect();
+        for share in [0.0, 0.1, 0.8] {
+            let mut cells = before.clone();
+            segments(&mut cells, size, share, &mut Chance(3));
+            let changed = cells.iter().zip(&before).filter(|(a, b)| a != b).count() as f32 / 150.0;
+            assert!((changed - share).abs() < 0.07, "{changed} instead of {share}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_scale_keeps_the_order() {
+        let values = of_unknown_scale((0..50).map(|i| i as f32).collect(), &mut Chance(5));
+        assert!(values.windows(2).all(|pair| pair[0] < pair[1]) && values[0] >= 0.0);
+    }
+}

@@ -80,7 +80,7 @@ impl Known {
         Ok(match self {
             Self::Estimated(estimator) => analyse_in(encoding, image, &DepthSource::Estimated(estimator))?,
             Self::Values(map) => analyse_supplied(encoding, image, map)?,
-            Self::OfScene(map) => analyse_coarse(encoding, image, map)?,
+            Self::OfScene(map) => analyse_coarse(encoding, image, &map)?,
         })
     }
 }

@@ -196,7 +196,8 @@ fn network(bytes: &[u8]) {
     for network in read {
         match network {
             Ok(network) if network.memory() <= LIMITS.max_memory => {
-                let pixels = (0..32 * 24 * 3_u32).map(|i| i.wrapping_mul(37) as u8).collect();
+                let values = (0..=u8::MAX).cycle().map(|value| value.wrapping_mul(37));
+                let pixels = values.take(32 * 24 * 3).collect();
                 let image = Image::<u8>::from_raw(32, 24, pixels).expect("a value for each channel");
                 match network.depth(&image, TopEdge::First) {
                     Ok(found) => assert_eq!(found.depth.size(), image.size()),

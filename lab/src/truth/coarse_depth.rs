@@ -206,7 +206,7 @@ fn analysed(
                 cells = smoothed(&cells, size);
             }
             segments(&mut cells, size, wrong, chance);
-            analyse_coarse(encoding, &image, map(cells, size, unit, chance)?)?
+            analyse_coarse(encoding, &image, &map(cells, size, unit, chance)?)?
         }
         Depth::Colour(name) => {
             let model: DepthModel = name.parse()?;

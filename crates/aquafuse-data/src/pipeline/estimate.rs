@@ -288,7 +288,7 @@ pub fn analyse_supplied(
 ///
 /// let grey = Image::<u8>::from_raw(40, 20, vec![90; 40 * 20 * 3])?;
 /// let near_to_far = Supplied::new(4, 2, vec![1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0], SuppliedKind::Metres)?;
-/// let found = analyse_coarse(PixelEncoding::Encoded, &ImageFile::new(grey), near_to_far)?;
+/// let found = analyse_coarse(PixelEncoding::Encoded, &ImageFile::new(grey), &near_to_far)?;
 /// assert_eq!(found.depth.size(), (40, 20));
 /// assert!(found.depth.at(5, 10) < found.depth.at(35, 10));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -296,10 +296,10 @@ pub fn analyse_supplied(
 pub fn analyse_coarse(
     encoding: PixelEncoding,
     image: &ImageFile,
-    map: Supplied,
+    map: &Supplied,
 ) -> Result<Analysis<WaterEstimate>, SuppliedError> {
     let bytes = image.bytes();
-    let found = refined(&map, &scaled(&bytes, map.size()), &bytes, image.top_edge())?;
+    let found = refined(map, &scaled(&bytes, map.size()), &bytes, image.top_edge())?;
     Ok(analyse_found(encoding, image, &bytes, map.kind(), found))
 }
 

@@ -13,6 +13,7 @@ mod hostile;
 mod instructions;
 mod memory;
 mod multiply;
+mod networks;
 mod nodes;
 mod pages;
 mod programs;
@@ -37,7 +38,8 @@ cargo lab COMMAND
 Each command writes its tables into the page that is named.
 
 docs/results.md
-  truth               estimates and fusion on synthetic scenes whose water and depth are known
+  truth [depth]       estimates and fusion on synthetic scenes whose water and depth are known; alone with `depth`, with
+                      true depth made worse as a network's is
   depth               depth from colour compared with measured depth
   water               the veiling light of photographs compared with their open water, marked by eye
   flicker             how much more a sequence changes from frame to frame than its source
@@ -48,6 +50,7 @@ docs/results.md
                       peak memory of a run over 1,000 images of 24 megapixels; and, alone with `runs`, of commands on
                       scenes and of files of a million lines
   multiply [IMAGES]   a dataset of 10,000 small images multiplied; a run killed 50 times and resumed
+  networks            networks of depth with random weights, by the command's runtime and by ONNX Runtime
   nodes               a dataset multiplied on two nodes of Ray, of which one is killed; needs root
   roundtrip           annotations of ten layouts before and after augment, by the readers that people use
   variations          small datasets and scenes of every kind, varied in the ways of users: what is lost without a word
@@ -75,6 +78,7 @@ Checks of `cargo xtask test`
 
 Started by other commands, in a process of their own
   rival INPUT OUTPUT  |  recode FOLDER OUTPUT TIMES  |  copy FOLDER OUTPUT  |  frame-memory FILE
+  network FILE IMAGE OUTPUT
 
 Real images are looked for in the folder AQUAFUSE_TEST_DATA.
 ";
@@ -103,6 +107,7 @@ fn main() -> ExitCode {
 fn run(words: &[&str]) -> Option<Result<()>> {
     Some(match *words {
         ["truth"] => truth::run(),
+        ["truth", "depth"] => truth::coarse_depth(),
         ["depth"] => depth::run(),
         ["water"] => water::run(),
         ["flicker"] => flicker::run(),
@@ -114,6 +119,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["memory", images] => memory::run(images.parse().ok().filter(|&count| count > 0)?),
         ["multiply"] => multiply::run(multiply::IMAGES),
         ["multiply", images] => multiply::run(images.parse().ok().filter(|&count| count >= 10)?),
+        ["networks"] => networks::run(),
         ["nodes"] => nodes::run(),
         ["roundtrip"] => roundtrip::run(),
         ["variations"] => variations::run(),
@@ -135,6 +141,9 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["rival", input, output] => hostile::rival::run(Path::new(input), Path::new(output)),
         ["recode", folder, output, times] => {
             multiply::dataset::recode(Path::new(folder), Path::new(output), times.parse().ok()?)
+        }
+        ["network", file, image, output] => {
+            networks::one(Path::new(file), Path::new(image), Path::new(output))
         }
         ["copy", folder, output] => bench::apart::copy(Path::new(folder), Path::new(output)),
         ["frame-memory", file] => bench::apart::memory(Path::new(file)),

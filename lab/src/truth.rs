@@ -1,5 +1,6 @@
 //! `lab truth`: how right the estimates are on scenes whose truth is known, and how much of the true change is made.
 
+mod coarse_depth;
 mod estimates;
 
 use anyhow::Result;
@@ -15,5 +16,12 @@ pub(crate) fn run() -> Result<()> {
     evaluate::write(&aquafuse, "truth", &["truth"])?;
     evaluate::write(&aquafuse, "truth-linear", &["truth", "--linear"])?;
     evaluate::write(&aquafuse, "truth-lit", &["truth", "--lit"])?;
-    evaluate::write(&aquafuse, "truth-lit-sea", &["truth", "--lit=sea"])
+    evaluate::write(&aquafuse, "truth-lit-sea", &["truth", "--lit=sea"])?;
+    coarse_depth()
+}
+
+/// How good depth must be, alone.
+pub(crate) fn coarse_depth() -> Result<()> {
+    say("Making true depth worse, as a network's is (some minutes)");
+    show_section(RESULTS, "coarse-depth", &coarse_depth::table()?)
 }

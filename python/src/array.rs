@@ -219,7 +219,8 @@ pub(crate) fn check_out(out: Option<&Bound<'_, PyAny>>, taken: &Taken) -> PyResu
     Ok(())
 }
 
-fn array_of<T: Sample + Element>(py: Python<'_>, image: Image<T>) -> PyResult<Bound<'_, PyAny>> {
+/// An image as an array of shape (height, width, 3).
+pub(crate) fn array_of<T: Sample + Element>(py: Python<'_>, image: Image<T>) -> PyResult<Bound<'_, PyAny>> {
     let (width, height) = image.size();
     let array = Array3::from_shape_vec((height, width, 3), image.into_raw());
     let array = array.map_err(|error| Fault::array(error.to_string()))?;

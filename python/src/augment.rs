@@ -20,6 +20,7 @@ use aquafuse_data::run::{self, RunOptions, Summary};
 use aquafuse_data::water_file::WaterFile;
 use pyo3::prelude::*;
 
+use crate::depth::kind_of;
 use crate::error::Fault;
 use crate::settings::{Reading, gain, incidence, kind, scale};
 use crate::threads;
@@ -203,9 +204,11 @@ impl Settings<'_> {
         if let Some(alpha) = self.alpha {
             options = options.with_gain(gain(alpha)?);
         }
+        let estimator = reading.estimator()?;
         let of_map = match self.depth_kind.as_deref() {
             Some("metres" | "millimetres") => DepthKind::Metres,
-            _ => DepthKind::Relative,
+            Some(_) => DepthKind::Relative,
+            None => kind_of(&estimator),
         };
         let instead = self.instead.as_ref().map(|water| self.drawable(water, of_map)).transpose()?;
         let on_doubtful = match (self.on_doubtful.as_str(), instead) {
@@ -229,7 +232,7 @@ impl Settings<'_> {
             alpha: self.alpha_range.unwrap_or((alpha, alpha)),
         };
         let depth = match (&self.depth, self.depth_kind.as_deref()) {
-            (None, None) => DepthPlan::Estimated(reading.depth_model()?.into()),
+            (None, None) => DepthPlan::Estimated(estimator),
             (Some(folder), Some(name)) => {
                 let size = if self.depth_resize { MapSize::Scaled } else { MapSize::Exact };
                 DepthPlan::Maps { folder: folder.clone(), kind: kind(name)?, size }

@@ -117,7 +117,14 @@ impl From<SuppliedError> for Fault {
 
 impl From<FileError> for Fault {
     fn from(error: FileError) -> Self {
-        Self::file(error)
+        match error {
+            // The options have these names here.
+            FileError::UnfitNetwork { .. } => {
+                let said = error.to_string().replace("--depth-model-kind ", "kind=");
+                Self::file(said.replace("--depth-model-kind", "kind").replace("--depth-model-size", "size"))
+            }
+            _ => Self::file(error),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Container, give, plane, take};
 use crate::error::Fault;
+use crate::operations::scene;
 use crate::settings::Reading;
 use crate::threads;
 use crate::water::{Water, reason_names};
@@ -34,8 +35,8 @@ pub(crate) fn inspect(
 ) -> PyResult<Estimate> {
     let (border, depth) = (reading.border()?, reading.depth(depth, depth_kind)?);
     let pixels = take(image)?.pixels;
-    Ok(threads::work(image.py(), || {
-        let image = ImageFile::new(pixels).cut_to_scene(border)?;
+    let (py, (image, depth)) = (image.py(), scene(image.py(), pixels, border, depth)?);
+    Ok(threads::work(py, || {
         let Analysis { depth, depth_source, supplied, share, estimate } =
             depth.analyse(PixelEncoding::Encoded, &image)?;
         let WaterEstimate::Encoded(estimate) = estimate else {

@@ -1,19 +1,18 @@
 //! Fusion with one reference water, image after image.
 
-use aquafuse::depth::{DepthKind, DepthModel};
+use aquafuse::depth::DepthKind;
 use aquafuse::fusion::{Model, Options};
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
-use aquafuse_data::pipeline::{Operation, PixelEncoding, WaterEstimate};
+use aquafuse_data::pipeline::{DepthEstimator, Operation, PixelEncoding, WaterEstimate};
 use aquafuse_data::video::Recipe;
 use pyo3::prelude::*;
 
 use crate::array::{check_out, give, take};
-use crate::depth::Depth;
+use crate::depth::of_colour;
 use crate::error::Fault;
 use crate::operations::apply;
-use crate::settings::{gain, incidence, scale, supplied};
-use crate::threads;
+use crate::settings::{ModelArgument, gain, incidence, scale, supplied};
 use crate::water::{Water, reason_names};
 
 /// How images are fused.
@@ -24,7 +23,7 @@ struct Settings {
     theta: Option<f32>,
     alpha: Option<f32>,
     smooth: String,
-    depth_model: String,
+    depth_model: ModelArgument,
     border: String,
     linear: bool,
     metres_at_one: Option<f32>,
@@ -40,7 +39,7 @@ pub(crate) struct Fuser {
     metric: WaterEstimate,
     options: Options,
     smoothing: Smoothing,
-    depth_model: DepthModel,
+    estimator: DepthEstimator,
     border: Border,
     keep_lightness: bool,
 }
@@ -53,7 +52,7 @@ impl Fuser {
             return Err(Fault::argument("a sequence works on encoded values; leave linear=False"));
         }
         let mut recipe = Recipe::new(Operation::Fuse { reference, options: self.options });
-        recipe.depth_model = self.depth_model;
+        recipe.depth_model = of_colour(&self.estimator, "a sequence")?;
         recipe.smoothing = self.smoothing;
         recipe.border = self.border;
         Ok(recipe)
@@ -94,7 +93,7 @@ impl Fuser {
             metric: water.per(DepthKind::Metres, scale, settings.visibility)?,
             options,
             smoothing: settings.smooth.parse()?,
-            depth_model: crate::settings::depth_model(&settings.depth_model)?,
+            estimator: settings.depth_model.estimator()?,
             border: settings.border.parse()?,
             keep_lightness: settings.keep_lightness,
         })
@@ -118,7 +117,7 @@ impl Fuser {
         if let Some(alpha) = alpha {
             options = options.with_gain(gain(alpha)?);
         }
-        let depth = supplied(depth, depth_kind)?.unwrap_or(Depth::Colour(self.depth_model));
+        let depth = supplied(depth, depth_kind)?.unwrap_or_else(|| self.estimator.clone().into());
         let reference = match depth.kind() {
             DepthKind::Metres => self.metric,
             _ => self.relative,
@@ -129,8 +128,8 @@ impl Fuser {
         };
         let taken = take(image)?;
         check_out(out, &taken)?;
-        let work = || apply(taken.pixels, self.border, depth, &operation, self.smoothing);
-        let (pixels, report) = threads::work(image.py(), work)?;
+        let (pixels, report) =
+            apply(image.py(), taken.pixels, self.border, depth, &operation, self.smoothing)?;
         let quality = report.quality.unwrap_or_default();
         let outcome = report.outcome;
         let report = (

@@ -13,6 +13,7 @@ mod error;
 mod estimate;
 mod fuser;
 mod metrics;
+mod network;
 mod operations;
 mod sequence;
 mod settings;
@@ -38,6 +39,8 @@ mod _native {
     use crate::fuser::Fuser;
     #[pymodule_export]
     use crate::metrics::{depth_rmse, psnr, scores, ssim};
+    #[pymodule_export]
+    use crate::network::DepthNetwork;
     #[pymodule_export]
     use crate::operations::{enhance, restore, simulate};
     #[pymodule_export]

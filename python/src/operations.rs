@@ -1,6 +1,5 @@
 //! One image changed: the same pipeline as that of the command.
 
-use aquafuse::depth::DepthModel;
 use aquafuse::formation::RestoreOptions;
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
@@ -9,7 +8,7 @@ use aquafuse_data::pipeline::{self, Operation, Outcome};
 use pyo3::prelude::*;
 
 use crate::array::{check_out, give, take};
-use crate::depth::Depth;
+use crate::depth::{Depth, Known};
 use crate::error::Fault;
 use crate::settings::{Levels, Reading, scale, supplied};
 use crate::threads;
@@ -23,19 +22,35 @@ pub(crate) struct Report {
 
 /// Applies an operation to the scene of an image.
 pub(crate) fn apply(
+    py: Python<'_>,
     pixels: Pixels,
     border: Border,
     depth: Depth,
     operation: &Operation,
     smoothing: Smoothing,
-) -> Result<(Pixels, Report), Fault> {
-    let mut image = ImageFile::new(pixels).cut_to_scene(border)?;
-    let analyse = || depth.analyse(operation.encoding(), &image);
-    let found = operation.needs_analysis().then(analyse).transpose()?;
-    let outcome = operation.apply(&mut image.pixels, found.as_ref())?;
-    image.pixels = image.pixels.smoothed(smoothing);
-    let quality = found.map(|found| found.estimate.quality());
-    Ok((image.joined().pixels, Report { outcome, quality }))
+) -> PyResult<(Pixels, Report)> {
+    let (mut image, depth) = scene(py, pixels, border, depth)?;
+    let work = || {
+        let analyse = || depth.analyse(operation.encoding(), &image);
+        let found = operation.needs_analysis().then(analyse).transpose()?;
+        let outcome = operation.apply(&mut image.pixels, found.as_ref())?;
+        image.pixels = image.pixels.smoothed(smoothing);
+        let quality = found.map(|found| found.estimate.quality());
+        Ok((image.joined().pixels, Report { outcome, quality }))
+    };
+    Ok(threads::work(py, work)?)
+}
+
+/// The scene of an image, and its depth if that had to be asked for.
+pub(crate) fn scene(
+    py: Python<'_>,
+    pixels: Pixels,
+    border: Border,
+    depth: Depth,
+) -> PyResult<(ImageFile, Known)> {
+    let image = threads::work(py, || Ok(ImageFile::new(pixels).cut_to_scene(border)?))?;
+    let depth = depth.known(py, &image)?;
+    Ok((image, depth))
 }
 
 /// The scene as if seen through air.
@@ -56,7 +71,7 @@ pub(crate) fn restore<'py>(
     let options = RestoreOptions::default().with_max_gain([max_gain; 3]);
     let operation = Operation::Restore { options, levels: levels.options()?, encoding: reading.encoding() };
     let (border, depth) = (reading.border()?, reading.depth(depth, depth_kind)?);
-    run(image, out, move |pixels| apply(pixels, border, depth, &operation, Smoothing::default()))
+    run(image, out, border, depth, &operation)
 }
 
 /// Levels are set; no water is estimated.
@@ -69,18 +84,19 @@ pub(crate) fn enhance<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let border: Border = border.parse().map_err(Fault::from)?;
     let operation = Operation::Enhance { levels: levels.options()? };
-    let depth = Depth::Colour(DepthModel::default());
-    run(image, out, move |pixels| apply(pixels, border, depth, &operation, Smoothing::default()))
+    run(image, out, border, Depth::default(), &operation)
 }
 
 fn run<'py>(
     image: &Bound<'py, PyAny>,
     out: Option<&Bound<'py, PyAny>>,
-    work: impl FnOnce(Pixels) -> Result<(Pixels, Report), Fault> + Send,
+    border: Border,
+    depth: Depth,
+    operation: &Operation,
 ) -> PyResult<Bound<'py, PyAny>> {
     let taken = take(image)?;
     check_out(out, &taken)?;
-    let (pixels, _) = threads::work(image.py(), || work(taken.pixels))?;
+    let (pixels, _) = apply(image.py(), taken.pixels, border, depth, operation, Smoothing::default())?;
     give(image.py(), pixels, taken.container, out)
 }
 
@@ -97,19 +113,20 @@ pub(crate) fn simulate<'py>(
     keep_light: bool,
     out: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let mut taken = take(image)?;
+    let (py, taken) = (image.py(), take(image)?);
     check_out(out, &taken)?;
-    let map = supplied(Some(depth), Some(depth_kind))?;
+    let Some(depth) = supplied(Some(depth), Some(depth_kind))? else {
+        return Err(Fault::argument("simulate needs depth").into());
+    };
     let (water, scale) = (water.get(), scale(metres_at_one)?);
-    let pixels = threads::work(image.py(), || {
-        let Some(depth) = map else { return Err(Fault::argument("simulate needs depth")) };
-        let seen_through = water.per(depth.kind(), scale, visibility)?;
-        let image = ImageFile::new(taken.pixels);
+    let seen_through = water.per(depth.kind(), scale, visibility)?;
+    let (image, depth) = scene(py, taken.pixels, Border::None, depth)?;
+    let pixels = threads::work(py, || {
         let found = depth.analyse(water.encoding(), &image)?;
-        taken.pixels = image.pixels;
+        let mut pixels = image.pixels;
         let light = if keep_light { [1.0; 3] } else { water.light()? };
-        pipeline::simulate(&mut taken.pixels, &found.depth, &seen_through, light)?;
-        Ok(taken.pixels)
+        pipeline::simulate(&mut pixels, &found.depth, &seen_through, light)?;
+        Ok(pixels)
     })?;
-    give(image.py(), pixels, taken.container, out)
+    give(py, pixels, taken.container, out)
 }

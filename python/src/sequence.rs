@@ -11,6 +11,7 @@ use aquafuse_data::video::{ContentWater, FrameReport, Frames, Recipe};
 use pyo3::prelude::*;
 
 use crate::array::{check_out, give, take};
+use crate::depth::of_colour;
 use crate::error::Fault;
 use crate::fuser::Fuser;
 use crate::settings::{Levels, Reading};
@@ -62,7 +63,7 @@ impl Sequence {
         let encoding = PixelEncoding::Encoded;
         let mut recipe = Recipe::new(Operation::Restore { options, levels: levels.options()?, encoding });
         recipe.border = reading.border()?;
-        recipe.depth_model = reading.depth_model()?;
+        recipe.depth_model = of_colour(&reading.estimator()?, "a sequence")?;
         Self::of(recipe, steady_over)
     }
 

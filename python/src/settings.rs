@@ -7,18 +7,19 @@ use aquafuse::fusion::{Gain, Incidence};
 use aquafuse::levels::{LevelsOptions, Setting};
 use aquafuse::scene_area::Border;
 use aquafuse_data::model_file::{self, ModelFile};
-use aquafuse_data::pipeline::PixelEncoding;
+use aquafuse_data::pipeline::{DepthEstimator, PixelEncoding};
 use pyo3::prelude::*;
 
 use crate::array::take_depth;
-use crate::depth::Depth;
+use crate::depth::{Depth, Known};
 use crate::error::Fault;
+use crate::network::{self, DepthNetwork};
 
 /// How depth and water of an image are estimated.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Reading {
-    depth_model: String,
+    depth_model: ModelArgument,
     border: String,
     linear: bool,
 }
@@ -32,32 +33,58 @@ impl Reading {
         encoding(self.linear)
     }
 
-    pub(crate) fn depth_model(&self) -> Result<DepthModel, Fault> {
-        depth_model(&self.depth_model)
+    pub(crate) fn estimator(&self) -> Result<DepthEstimator, Fault> {
+        self.depth_model.estimator()
     }
 
-    /// The depth of an image: an array of a declared kind, or from colour.
+    /// The depth of an image: an array or a callable of a declared kind, or estimated.
     pub(crate) fn depth(&self, given: Option<&Bound<'_, PyAny>>, kind: Option<&str>) -> PyResult<Depth> {
         match supplied(given, kind)? {
             Some(depth) => Ok(depth),
-            None => Ok(Depth::Colour(self.depth_model()?)),
+            None => Ok(self.estimator()?.into()),
         }
     }
 }
 
-/// A depth map and the kind of its values, which need each other.
+/// What estimates depth: a model of colours by its name or file, a network by its file, or one that was read before.
+#[derive(FromPyObject)]
+pub(crate) enum ModelArgument {
+    Network(Py<DepthNetwork>),
+    Named(String),
+}
+
+impl ModelArgument {
+    pub(crate) fn estimator(&self) -> Result<DepthEstimator, Fault> {
+        match self {
+            Self::Network(network) => Ok(DepthEstimator::Network(network.get().0.clone())),
+            Self::Named(name) if is_network(name) => {
+                Python::attach(|py| Ok(DepthEstimator::Network(network::read(py, name.into(), None, None)?)))
+            }
+            Self::Named(name) => Ok(depth_model(name)?.into()),
+        }
+    }
+}
+
+fn is_network(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx"))
+}
+
+/// A depth map, or a callable that gives one, and the kind of its values: they need each other.
 pub(crate) fn supplied(given: Option<&Bound<'_, PyAny>>, kind: Option<&str>) -> PyResult<Option<Depth>> {
     match (given, kind) {
         (None, None) => Ok(None),
+        (Some(callable), Some(kind)) if callable.is_callable() => {
+            Ok(Some(Depth::Called(callable.clone().unbind(), self::kind(kind)?)))
+        }
         (Some(map), Some(kind)) => {
-            Ok(Some(Depth::Values(take_depth(map, self::kind(kind)?)?)))
+            Ok(Some(Depth::Known(Known::Values(take_depth(map, self::kind(kind)?)?))))
         }
         (Some(_), None) => Err(Fault::argument(
-            "an array does not state the kind of its values; add depth_kind=\"metres\", \"millimetres\" or \"relative\" \
+            "depth does not state the kind of its values; add depth_kind=\"metres\", \"millimetres\" or \"relative\" \
              (larger is farther), \"inverse\" (larger is nearer, as from monocular networks) or \"disparity\"",
         )
         .into()),
-        (None, Some(_)) => Err(Fault::argument("depth_kind has no effect without depth; pass depth=ARRAY").into()),
+        (None, Some(_)) => Err(Fault::argument("depth_kind has no effect without depth; pass depth=ARRAY or a callable").into()),
     }
 }
 
@@ -78,7 +105,8 @@ pub(crate) fn depth_model(name: &str) -> Result<DepthModel, Fault> {
     if model_file::check_name(Path::new(name)).is_err() {
         let names = DepthModel::ALL.iter().map(DepthModel::name).collect::<Vec<_>>().join(", ");
         let message = format!(
-            "there is no depth model {name:?}; give one of {names}, or a FILE.toml from `aquafuse fit`"
+            "there is no depth model {name:?}; give one of {names}, a FILE.toml from `aquafuse fit`, or a network \
+             FILE.onnx"
         );
         return Err(Fault::argument(message));
     }

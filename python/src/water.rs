@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 
 use crate::array::take;
 use crate::error::Fault;
+use crate::operations::scene;
 use crate::settings::{Reading, encoding};
 use crate::threads;
 
@@ -120,26 +121,30 @@ impl Water {
     ) -> PyResult<Self> {
         let (border, depth) = (reading.border()?.of_reference(), reading.depth(depth, depth_kind)?);
         let pixels = take(image)?.pixels;
-        let found = threads::work(image.py(), || {
-            let image = ImageFile::new(pixels).cut_to_scene(border)?;
-            depth.analyse(reading.encoding(), &image)
-        })?;
+        let (py, (image, depth)) = (image.py(), scene(image.py(), pixels, border, depth)?);
+        let found = threads::work(py, || depth.analyse(reading.encoding(), &image))?;
         Ok(Self::of_estimate(name, found.depth.kind(), found.estimate))
     }
 
     /// The water of a file: an image, or a *.water.json.
     #[staticmethod]
-    fn of_file(py: Python<'_>, path: PathBuf, reading: Reading) -> PyResult<Self> {
+    fn of_file(
+        py: Python<'_>,
+        path: PathBuf,
+        depth: Option<&Bound<'_, PyAny>>,
+        depth_kind: Option<&str>,
+        reading: Reading,
+    ) -> PyResult<Self> {
         if has_suffix(&path) {
             let file = threads::work(py, || Ok(WaterFile::read(&path, reading.encoding())?))?;
             return Ok(Self { file, preset: None });
         }
-        let (border, depth) = (reading.border()?.of_reference(), reading.depth(None, None)?);
+        let (border, depth) = (reading.border()?.of_reference(), reading.depth(depth, depth_kind)?);
         let name = aquafuse_data::files::display(&path).to_string();
-        let found = threads::work(py, || {
-            let options = ReadOptions { border, ..ReadOptions::default() };
-            depth.analyse(reading.encoding(), &ImageFile::open(&path, &options)?.decode()?)
-        })?;
+        let options = ReadOptions { border, ..ReadOptions::default() };
+        let image = threads::work(py, || Ok(ImageFile::open(&path, &options)?.decode()?))?;
+        let depth = depth.known(py, &image)?;
+        let found = threads::work(py, || depth.analyse(reading.encoding(), &image))?;
         Ok(Self::of_estimate(&name, found.depth.kind(), found.estimate))
     }
 

@@ -12,7 +12,7 @@ use aquafuse::image::TopEdge;
 use aquafuse_data::depth_file;
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use onnx::Network;
-use run::{Run, scene};
+use run::{Run, reef, scene, scenes_folder};
 
 /// Images of the tests are 96 x 64: the side at which 98 x 70 pixels are the nearest multiples of 14.
 const SIDE: &str = "80";
@@ -67,6 +67,132 @@ fn commands_take_a_network_and_name_it() {
     assert_ne!(run.bytes("fused.png"), run.bytes("colour.png"));
     run.ok(&[&["restore", "a.png", "-o", "restored.png"][..], &model].concat());
     run.ok(&[&["water", "extract", "a.png", "-o", "a.water.json"][..], &model].concat());
+}
+
+#[test]
+fn a_photograph_is_fused_with_the_depth_of_a_network() {
+    let data = std::env::var_os("AQUAFUSE_TEST_DATA").map(std::path::PathBuf::from);
+    let photos = data.and_then(|data| std::fs::read_dir(data.join("scenes")).ok());
+    let mut photos: Vec<_> = photos.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    photos.retain(|path| path.extension().is_some_and(|kind| kind == "jpg" || kind == "png"));
+    photos.sort();
+    let [content, water, ..] = photos.as_slice() else {
+        eprintln!("skipped: AQUAFUSE_TEST_DATA names no folder with scenes");
+        return;
+    };
+    let run = Run::new();
+    network(&run);
+    let [content, water] = [content, water].map(|path| path.to_str().unwrap());
+    run.ok(&[
+        "fuse",
+        content,
+        water,
+        "-o",
+        "fused.png",
+        "--depth-model",
+        "net.onnx",
+        "--depth-model-size",
+        "140",
+        "--model",
+        "exchange",
+        "--maps",
+        "maps",
+    ]);
+    let [before, after] = [content.into(), run.path("fused.png")]
+        .map(|path: std::path::PathBuf| ImageFile::read(&path).unwrap());
+    assert_eq!(before.pixels.size(), after.pixels.size());
+    assert_ne!(*before.bytes(), *after.bytes());
+    let depth = std::path::Path::new(content).with_extension("depth.png");
+    let depth = run.path("maps").join(depth.file_name().unwrap());
+    let depth = depth_file::read(&depth, SuppliedKind::Relative).unwrap();
+    assert_eq!(depth.size(), before.pixels.size());
+    let depth = depth.labels(&*before.bytes()).unwrap();
+    // The network calls bright things near, and the map follows the image at its full size.
+    let light = |pixel: &[u8; 3]| pixel.iter().map(|value| f32::from(*value)).sum::<f32>();
+    let bytes = before.bytes();
+    let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
+    let middle = mean(&bytes.pixels().iter().map(light).collect::<Vec<_>>());
+    let (bright, dark): (Vec<_>, Vec<_>) =
+        bytes.pixels().iter().zip(depth).partition(|(pixel, _)| light(pixel) > middle);
+    let [bright, dark] = [bright, dark].map(|half| mean(&half.iter().map(|(_, z)| *z).collect::<Vec<_>>()));
+    assert!(bright + 0.1 < dark, "bright things lie at {bright}, dark ones at {dark}");
+}
+
+#[test]
+fn a_variant_is_made_again_with_the_same_network_alone() {
+    let run = Run::new();
+    network(&run);
+    std::fs::create_dir(run.path("photos")).unwrap();
+    scene(&run.path("photos/a.png"), 1, "blue");
+    let model = ["--depth-model", "net.onnx", "--depth-model-size", SIDE];
+    let made = ["augment", "photos", "preset:jerlov-3C", "-o", "more", "--keep-share", "0"];
+    run.ok(&[&made[..], &model].concat());
+    assert!(run.ok(&["replay", "more", "-o", "again"]).stdout.starts_with("1 variants"));
+
+    // The same numbers by another file: its name alone is not enough.
+    let other = Network {
+        outputs: &["disparity"],
+        nodes: &[("ReduceMean", &["image", "channels"], "disparity", &[("keepdims", 0)])],
+        ..Network::MEAN
+    };
+    std::fs::write(run.path("net.onnx"), other.file()).unwrap();
+    let said = run.fails(1, &["replay", "more", "-o", "third"]).stderr;
+    assert!(said.contains("net.onnx") && !run.path("third/images").exists(), "{said}");
+}
+
+#[test]
+fn a_network_is_scored_beside_the_models_of_colour() {
+    let run = Run::new();
+    network(&run);
+    for folder in ["pairs", "pairs/rgb", "pairs/depth"] {
+        std::fs::create_dir(run.path(folder)).unwrap();
+    }
+    scene(&run.path("pairs/rgb/a.png"), 1, "blue");
+    let model = ["--depth-model", "net.onnx", "--depth-model-size", SIDE];
+    // What the network itself says of the image is known depth here: it must agree with itself.
+    run.ok(&[&["depth", "pairs/rgb/a.png", "-o", "pairs/depth/a.npy"][..], &model].concat());
+    let ask = ["evaluate", "depth", "pairs", "--depth-kind", "relative", "-o", "scores.json"];
+    run.ok(&[&ask[..], &model].concat());
+    let report: serde_json::Value = serde_json::from_slice(&run.bytes("scores.json")).unwrap();
+    let text = report.to_string();
+    assert!(text.contains("net.onnx"), "{text}");
+    let rows = report["items"].as_array().unwrap();
+    let own = rows.iter().find(|row| row["depth"] == "net.onnx").unwrap();
+    assert!(own["spearman"].as_f64().unwrap() > 0.999, "{own}");
+    let said = run.fails(2, &[&ask[..5], &["--depth-model-size", SIDE]].concat()).stderr;
+    assert!(said.contains("--depth-model FILE.onnx"), "{said}");
+}
+
+#[test]
+fn a_scene_takes_a_network_and_a_video_refuses_one_by_name() {
+    let run = Run::new();
+    network(&run);
+    reef(&run);
+    let model = ["--depth-model", "net.onnx", "--depth-model-size", SIDE];
+    let fuse = |output, more: &[&str]| {
+        run.ok(&[&["scene", "fuse", "reef", "preset:jerlov-3C", "-o", output, "--model", "exchange"], more]
+            .concat())
+    };
+    let said = fuse("by_network", &model).stdout;
+    assert!(said.contains("units of the scene"), "{said}");
+    fuse("by_colour", &[]);
+    let image = |folder: &str| run.bytes(&format!("{folder}/images/view_003.png"));
+    assert_ne!(image("by_network"), image("by_colour"));
+
+    std::fs::write(run.path("in.mp4"), b"no video").unwrap();
+    let ask = ["video", "in.mp4", "preset:jerlov-3C", "-o", "out.mp4"];
+    let said = run.fails(2, &[&ask[..], &model].concat()).stderr;
+    assert!(said.contains("net.onnx") && said.contains("--sequence"), "{said}");
+}
+
+#[test]
+fn the_images_of_a_sequence_take_a_network() {
+    let run = Run::new();
+    network(&run);
+    scenes_folder(&run.path("frames"));
+    let model = ["--depth-model", "net.onnx", "--depth-model-size", SIDE];
+    run.ok(&[&["fuse", "frames", "preset:jerlov-3C", "-o", "out", "--sequence"][..], &model].concat());
+    assert!(run.path("out/a.png").is_file());
 }
 
 #[test]

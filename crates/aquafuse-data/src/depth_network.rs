@@ -13,6 +13,9 @@
 //! Any other file needs [`NetworkOptions::kind`], and is given what Depth Anything is. The output is scaled from the size that it
 //! really has.
 
+mod coarse;
+#[cfg(feature = "onnx")]
+mod contents;
 #[cfg(feature = "onnx")]
 mod network;
 #[cfg(feature = "onnx")]
@@ -26,6 +29,7 @@ use std::path::Path;
 #[cfg(not(feature = "onnx"))]
 use crate::files::FileError;
 
+pub(crate) use coarse::{refined, scaled};
 #[cfg(feature = "onnx")]
 pub use network::DepthNetwork;
 

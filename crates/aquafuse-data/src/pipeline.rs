@@ -15,7 +15,8 @@ mod supply;
 pub use encoding::{PixelEncoding, UnknownEncoding, WaterEstimate};
 pub(crate) use encoding::{Space, with_estimate};
 pub use estimate::{
-    Analysis, DepthSource, MapSize, analyse, analyse_in, analyse_supplied, analyse_with_evidence,
+    Analysis, DepthSource, MapSize, analyse, analyse_coarse, analyse_in, analyse_supplied,
+    analyse_with_evidence,
 };
 pub(crate) use estimate::{analyse_in_with_evidence, depth_of};
 pub use estimator::DepthEstimator;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use aquafuse::depth::SuppliedKind;
 use aquafuse::fusion::Options;
-use aquafuse::image::Sample as _;
+use aquafuse::image::{Image, Sample as _, TopEdge};
 use aquafuse::scene_area::Border;
 
 use crate::augment::try_coco;
@@ -17,6 +17,7 @@ use crate::augment::try_manifest;
 use crate::batch;
 use crate::dataset::{try_shards, try_tables, try_voc, try_yolo};
 use crate::depth_file;
+use crate::depth_network::{DepthNetwork, NetworkKind, NetworkOptions};
 use crate::files::FileError;
 use crate::image_file::{Format, ImageFile, Pixels, ReadOptions, try_exif};
 use crate::model_file::ModelFile;
@@ -53,6 +54,8 @@ pub const WEBP: Target = Target { name: "webp", run: |bytes| image(Format::WebP,
 pub const DEPTH_COLMAP: Target = Target { name: "depth-colmap", run: |bytes| depth(b"", bytes) };
 /// Depth maps as OpenEXR.
 pub const DEPTH_EXR: Target = Target { name: "depth-exr", run: |bytes| depth(b"\x76\x2f\x31\x01", bytes) };
+/// Networks of depth as ONNX.
+pub const DEPTH_NETWORK: Target = Target { name: "depth-network", run: network };
 /// Depth maps as NPY.
 pub const DEPTH_NPY: Target = Target { name: "depth-npy", run: |bytes| depth(b"\x93NUMPY", bytes) };
 /// Depth maps as PFM.
@@ -87,7 +90,7 @@ pub const VIDEO_Y4M: Target = Target { name: "video-y4m", run: try_y4m };
 pub const WATER_FILE: Target = Target { name: "water-file", run: water };
 
 /// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
-pub const ALL: [Target; 24] = [
+pub const ALL: [Target; 25] = [
     BMP,
     EXIF,
     GIF,
@@ -97,6 +100,7 @@ pub const ALL: [Target; 24] = [
     WEBP,
     DEPTH_COLMAP,
     DEPTH_EXR,
+    DEPTH_NETWORK,
     DEPTH_NPY,
     DEPTH_PFM,
     DEPTH_PNG,
@@ -179,6 +183,29 @@ fn depth(magic: &[u8], bytes: &[u8]) {
     for kind in [SuppliedKind::Metres, SuppliedKind::Inverse] {
         if let Err(error) = depth_file::from_bytes(Path::new(NAME), bytes, kind) {
             check_error(&error);
+        }
+    }
+}
+
+fn network(bytes: &[u8]) {
+    let kind = Some(NetworkKind::Inverse);
+    // A network of a fixed size takes no other.
+    let read = [Some(28), None].map(|side| {
+        DepthNetwork::from_bytes(Path::new(NAME), bytes.to_vec(), &NetworkOptions { kind, side })
+    });
+    for network in read {
+        match network {
+            Ok(network) if network.memory() <= LIMITS.max_memory => {
+                let values = (0..=u8::MAX).cycle().map(|value| value.wrapping_mul(37));
+                let pixels = values.take(32 * 24 * 3).collect();
+                let image = Image::<u8>::from_raw(32, 24, pixels).expect("a value for each channel");
+                match network.depth(&image, TopEdge::First) {
+                    Ok(found) => assert_eq!(found.depth.size(), image.size()),
+                    Err(error) => check_error(&error),
+                }
+            }
+            Ok(_) => {}
+            Err(error) => check_error(&error),
         }
     }
 }

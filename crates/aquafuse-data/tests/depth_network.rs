@@ -7,7 +7,7 @@ mod onnx;
 use aquafuse::depth::{DepthKind, Supplied, SuppliedKind};
 use aquafuse::image::{Image, TopEdge};
 use aquafuse_data::depth_network::{DepthNetwork, NetworkKind, NetworkOptions};
-use onnx::{FLOAT, INT64, Network};
+use onnx::{FLOAT, INT64, Network, protobuf};
 
 const WIDTH: usize = 56;
 const HEIGHT: usize = 42;
@@ -247,5 +247,45 @@ fn what_is_no_network_is_refused_by_name() {
     for file in cases {
         let said = read(file, &NetworkOptions::default()).unwrap_err();
         assert!(said.contains("net.onnx") && said.contains("ONNX"), "{said}");
+    }
+}
+
+#[test]
+fn what_nothing_bounds_is_refused_before_it_is_read() {
+    let unending = Network { nodes: &[("Loop", &["image"], "depth", &[])], constants: &[], ..Network::MEAN };
+    let said = refused(&unending, &options(None));
+    assert!(said.contains("the operator Loop, which may never end"), "{said}");
+
+    let side = 1e5;
+    for (operator, place) in [("Expand", 1), ("Tile", 1), ("ConstantOfShape", 0)] {
+        let inputs = ["mean", "size"];
+        let nodes = [
+            ("ReduceMean", &["image", "channels"][..], "mean", &[("keepdims", 1)][..]),
+            (operator, &inputs[1 - place..], "depth", &[]),
+        ];
+        let constants =
+            [("channels", INT64, &[1][..], &[1.0][..]), ("size", INT64, &[4], &[1.0, 1.0, side, side])];
+        let said =
+            refused(&Network { nodes: &nodes, constants: &constants, ..Network::MEAN }, &options(None));
+        assert!(said.contains(&format!("its operator {operator} makes 10000000000 numbers")), "{said}");
+    }
+
+    let few = [("channels", INT64, &[1 << 40][..], &[1.0][..])];
+    let said = refused(&Network { constants: &few, ..Network::MEAN }, &options(None));
+    assert!(said.contains("its constant `channels` has 1099511627776 values in 8 bytes"), "{said}");
+
+    let elsewhere = protobuf::field(7, &protobuf::field(5, &protobuf::field(13, b"weights.bin")));
+    let nested = (0..20)
+        .fold(Vec::new(), |inside, _| protobuf::field(1, &protobuf::field(5, &protobuf::field(6, &inside))));
+    let file = Network::MEAN.file();
+    let cut = file[..file.len() - 9].to_vec();
+    for (file, expected) in [
+        (elsewhere, "its weights are in another file"),
+        (protobuf::field(7, &nested), "lie in one another more than 8 deep"),
+        (cut, "it is cut short"),
+        (Vec::new(), "it holds no graph"),
+    ] {
+        let said = read(file, &options(None)).unwrap_err();
+        assert!(said.contains(expected) && said.contains("ONNX"), "{said}");
     }
 }

@@ -15,14 +15,14 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use aquafuse::depth::{DepthMap, DepthModel};
+use aquafuse::depth::DepthMap;
 use aquafuse::waterbody::WaterShare;
 use aquafuse_data::batch::{Item, RECORD, Recipe, Record, State};
 use aquafuse_data::files::{
     FileError, display, holds_files, make_folder, place_of, remove_stale_parts, write_bytes,
 };
 use aquafuse_data::image_file::{Format, ImageFile, ReadOptions, WriteOptions};
-use aquafuse_data::pipeline::{Analysis, DepthSource, OperationError};
+use aquafuse_data::pipeline::{Analysis, DepthEstimator, DepthSource, OperationError};
 use aquafuse_data::run::{self, Budget, Event, RunOptions, Stopped, Summary};
 use aquafuse_data::water_file::Numbers;
 use serde_json::json;
@@ -38,8 +38,8 @@ const KEPT: u64 = 2;
 /// Bytes a pixel of a depth map in units of the scene, and of estimating a water by it: distances, those nearer than the
 /// horizon, and their steps.
 const DEPTH_IN_SCENE: u64 = 16;
-/// Bytes a pixel of a relative depth map.
-const RELATIVE_DEPTH: u64 = 2;
+/// Bytes a pixel of a relative depth map: in steps from colour, in floats from a network.
+const RELATIVE_DEPTH: [u64; 2] = [2, 4];
 
 /// The files of a COLMAP or NeRF model.
 const MODEL: [&str; 8] = [
@@ -60,8 +60,8 @@ pub struct Request<'a> {
     pub scene: &'a Path,
     /// The folder of the new scene; made if it is missing.
     pub output: &'a Path,
-    /// The depth model.
-    pub depth_model: DepthModel,
+    /// What estimates depth: a model of colours, or a network.
+    pub depth_model: &'a DepthEstimator,
     /// Further inputs, which no output may replace.
     pub inputs: &'a [&'a Path],
     /// How its files are read.
@@ -78,7 +78,7 @@ pub struct Plan {
     cameras: Cameras,
     items: Vec<Item>,
     unused: Unused,
-    depth_model: DepthModel,
+    depth_model: DepthEstimator,
     scene: PathBuf,
     output: PathBuf,
     overwrite: bool,
@@ -157,7 +157,7 @@ impl Plan {
         let items = cameras.images.iter().map(|one| Item {
             input: images.join(&one.name),
             output: into.join(&one.name),
-            depth: DepthSource::Estimated(depth_model.into()),
+            depth: DepthSource::Estimated(depth_model.clone()),
         });
         let items: Vec<Item> = items.collect();
         // What is read, and what is written: the images, and the model beside them.
@@ -173,7 +173,7 @@ impl Plan {
         if !overwrite && !is_recorded && holds_files(output, &[]) {
             return Err(FuseError::Filled { folder: output.to_owned() });
         }
-        let (scene, output) = (scene.to_owned(), output.to_owned());
+        let (scene, output, depth_model) = (scene.to_owned(), output.to_owned(), depth_model.clone());
         Ok(Self { cameras, items, unused, depth_model, scene, output, overwrite })
     }
 
@@ -239,11 +239,16 @@ impl Plan {
 
     /// What each image takes of the budget, by its header, and whether it stays decoded between the stages.
     fn needs(&self, options: &RunOptions) -> Result<Vec<Need>, FileError> {
+        let relative_depth = match self.depth_model {
+            DepthEstimator::Colour(_) => RELATIVE_DEPTH[0],
+            DepthEstimator::Network(_) => RELATIVE_DEPTH[1],
+        };
         let need = |item: &Item| {
             let opened = ImageFile::open(&item.input, &options.reading)?;
             let format = Format::written(&item.output).unwrap_or(Format::Png);
-            let beside = opened.pixels().saturating_mul(DEPTH_IN_SCENE);
-            let depth = opened.pixels().saturating_mul(RELATIVE_DEPTH);
+            let estimator = self.depth_model.memory(opened.pixels());
+            let beside = opened.pixels().saturating_mul(DEPTH_IN_SCENE).saturating_add(estimator);
+            let depth = opened.pixels().saturating_mul(relative_depth);
             Ok(Need {
                 work: opened.memory_until_written(format, beside)?,
                 kept: opened.memory_of_pixels().saturating_add(depth),
@@ -390,7 +395,7 @@ impl Work<'_> {
         }
         let image = ImageFile::open(&item.input, &self.options.reading)?.decode()?;
         self.options.stop.check(&item.output)?;
-        let depth = image.pixels.depth(&self.plan.depth_model, image.top_edge());
+        let (depth, _) = self.plan.depth_model.depth(&image, &image.bytes())?;
         Ok((image, depth))
     }
 

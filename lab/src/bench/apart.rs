@@ -35,7 +35,7 @@ pub(crate) fn memory(file: &Path) -> Result<()> {
 }
 
 /// What the system says of this process's memory.
-fn kilobytes(line: &str) -> Result<f64> {
+pub(crate) fn kilobytes(line: &str) -> Result<f64> {
     let status = std::fs::read_to_string("/proc/self/status")?;
     let said = status.lines().find_map(|said| said.strip_prefix(line)).context("the system does not say")?;
     Ok(said.trim().trim_end_matches(" kB").parse()?)

@@ -22,6 +22,7 @@ from aquafuse._augment import Event, Summary, augment
 from aquafuse._errors import AquaFuseError, ArgumentError, ArrayError, FileError, InternalError, RunError
 from aquafuse._estimate import Estimate, inspect
 from aquafuse._fuser import Fuser, Report, fuse
+from aquafuse._network import DepthNetwork
 from aquafuse._operations import depth, enhance, restore, simulate
 from aquafuse._sequence import FrameReport, Sequence
 from aquafuse._water import Water
@@ -30,6 +31,7 @@ __all__ = [
     "AquaFuseError",
     "ArgumentError",
     "ArrayError",
+    "DepthNetwork",
     "Estimate",
     "Event",
     "FileError",

@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple
 from aquafuse import _native
 from aquafuse._draws import has_sea, library
 from aquafuse._errors import ArgumentError
+from aquafuse._network import DepthModel, shared_model
 from aquafuse._options import Border, DepthKind, Model, Smoothing, reading
 from aquafuse._water import SEA, as_water
 
@@ -104,7 +105,7 @@ def augment(
     theta: float | None = None,
     alpha: float | None = None,
     smooth: Smoothing = "none",
-    depth_model: str = "eq3",
+    depth_model: DepthModel = "eq3",
     border: Border = "auto",
     linear: bool = False,
     metres_at_one: float | None = None,
@@ -141,7 +142,7 @@ def augment(
         quality: JPEG quality, 1 to 100.
         threads: Number of threads; by default one for each core.
         max_errors: Stop when more images than this have failed.
-        depth: A folder of depth maps with the same stems.
+        depth: A folder of depth maps with the same stems. A network is ``depth_model``.
         depth_kind: What the values of those maps are.
         depth_resize: Accept maps of another size and the same proportions.
         on_event: Called with an :class:`Event` for each image, in this thread.
@@ -165,6 +166,13 @@ def augment(
         raise ArgumentError("keep_originals copies all originals; leave keep_share out, or keep_originals")
     if keep_share is not None and not 0.0 <= keep_share <= 1.0:
         raise ArgumentError(f"keep_share is {keep_share}; give a number from 0 to 1")
+    if callable(depth):
+        raise ArgumentError(
+            "augment runs in threads of its own and calls nothing for depth; pass depth_model=\"FILE.onnx\", or write maps "
+            "first and pass their folder as depth"
+        )
+    # Once for all waters and images.
+    depth_model = shared_model(depth_model)
     how = reading(depth_model, border, linear)
     named = [_named(name, depth_model, border, linear) for name in library(_texts(waters))]
     instead = _named(on_doubtful, depth_model, border, linear) if on_doubtful.startswith("preset:") else None
@@ -218,7 +226,7 @@ def _texts(waters: Sequence[str | os.PathLike[str]] | str) -> list[str]:
     return [waters] if isinstance(waters, str) else [os.fspath(name) for name in waters]
 
 
-def _named(name: str, depth_model: str, border: Border, linear: bool) -> tuple[str, _native.Water, str | None]:
+def _named(name: str, depth_model: DepthModel, border: Border, linear: bool) -> tuple[str, _native.Water, str | None]:
     """A water by its name, and its file if it has one."""
     water = as_water(name, depth_model=depth_model, border=border, linear=linear)
     path = None if name.startswith(("preset:", SEA)) else str(Path(name))

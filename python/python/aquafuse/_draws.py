@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 from aquafuse import _native
 from aquafuse._errors import ArgumentError
 from aquafuse._fuser import Fuser
+from aquafuse._network import DepthModel, shared_model
 from aquafuse._options import Border, Model, Smoothing
 from aquafuse._water import SEA, Water
 
@@ -100,7 +101,7 @@ class WaterSampler:
         share: float = 1.0,
         seed: int = 0,
         smooth: Smoothing = "none",
-        depth_model: str = "eq3",
+        depth_model: DepthModel = "eq3",
         border: Border = "auto",
         linear: bool = False,
     ) -> None:
@@ -112,7 +113,8 @@ class WaterSampler:
         self.share = share
         self._seed = seed
         self._draws = self._make_draws()
-        self._model, self._smooth, self._depth_model, self._border, self._linear = model, smooth, depth_model, border, linear
+        self._model, self._smooth, self._border, self._linear = model, smooth, border, linear
+        self._depth_model = shared_model(depth_model)
         self.fusers = [self._make_fuser(water) for water in library(waters)]
         # As `aquafuse augment`: every second water is one of the sea if there are others.
         self._choices = len(self.fusers) + (max(1, len(self.fusers)) if has_sea(waters) else 0)

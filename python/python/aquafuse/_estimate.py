@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal, final
 
 from aquafuse import _native
-from aquafuse._options import Border, DepthKind, Verdict, reading
+from aquafuse._network import DepthModel
+from aquafuse._options import Border, Depth, DepthKind, Verdict, reading
 from aquafuse._water import Interval, Water
 
 # The command starts without numpy, which takes longer to import than a small image takes to fuse.
@@ -103,9 +104,9 @@ class Estimate:
 def inspect(
     image: Any,
     *,
-    depth: Any = None,
+    depth: Depth = None,
     depth_kind: DepthKind | None = None,
-    depth_model: str = "eq3",
+    depth_model: DepthModel = "eq3",
     border: Border = "auto",
     name: str = "array",
 ) -> Estimate:
@@ -113,14 +114,15 @@ def inspect(
 
     Args:
         image: An array of shape (height, width, 3) and dtype uint8, uint16 or float32 (0 to 1).
-        depth: Depth of the image, of shape (height, width); by default it is estimated from colour.
-        depth_kind: What the values of ``depth`` are; required with it.
-        depth_model: ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout`` or FILE.toml of ``aquafuse fit``.
+        depth: As in :func:`fuse`.
+        depth_kind: As in :func:`fuse`.
+        depth_model: As in :class:`Fuser`.
         border: What surrounds the scene: ``auto``, ``none`` or (top, right, bottom, left).
         name: How the water names its source.
 
     Raises:
         ArrayError: The image or its depth has a wrong shape, dtype or value.
+        FileError: A network cannot be read, or gives no depth.
 
     >>> from aquafuse import example, inspect
     >>> found = inspect(example.reef())

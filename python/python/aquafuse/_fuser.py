@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar, final
 
 from aquafuse import _native
-from aquafuse._options import Border, DepthKind, Model, Smoothing, Verdict, border_text
+from aquafuse._errors import ArgumentError
+from aquafuse._network import DepthModel, native_model, shared_model
+from aquafuse._options import Border, Depth, DepthKind, Model, Smoothing, Verdict, border_text
 from aquafuse._water import Water, WaterSource, as_water
 
 ImageT = TypeVar("ImageT")
@@ -39,7 +42,10 @@ class Fuser:
         theta: Angle of incidence in degrees, 0 (all) to 90 (no change). Default: 0; 45 for ``aquafuse``.
         alpha: Gain on the colour of the water, 0 or more. Default: 1.
         smooth: ``none`` or ``bilateral``.
-        depth_model: How depth is estimated from colour: ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout`` or FILE.toml.
+        depth: A callable that gives the depth of each image, and of ``water`` if that is an image; as in :func:`fuse`.
+        depth_kind: What the values of its maps are; required with it.
+        depth_model: How depth is estimated otherwise: from colour by ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout`` or
+            FILE.toml of ``aquafuse fit``; or by a network, FILE.onnx or a :class:`DepthNetwork`.
         border: What surrounds the scene and is left as it is: ``auto``, ``none`` or (top, right, bottom, left).
         linear: Work in linear light instead of encoded values.
         metres_at_one: Distance in metres of relative depth 1, where a water per metre meets relative depth.
@@ -47,9 +53,9 @@ class Fuser:
 
     Raises:
         ArgumentError: An option has a value that it cannot have.
-        FileError: The file of the water cannot be read.
+        FileError: The file of the water or of a network cannot be read.
 
-    A fuser pickles, so it can be sent to worker processes. It may be used by several threads at once.
+    A fuser pickles if its callable does, so it can be sent to worker processes. It may be used by several threads at once.
 
     >>> from aquafuse import Fuser, example
     >>> fuser = Fuser("preset:jerlov-3C", theta=30)
@@ -70,13 +76,21 @@ class Fuser:
         theta: float | None = None,
         alpha: float | None = None,
         smooth: Smoothing = "none",
-        depth_model: str = "eq3",
+        depth: Callable[[Any], Any] | None = None,
+        depth_kind: DepthKind | None = None,
+        depth_model: DepthModel = "eq3",
         border: Border = "auto",
         linear: bool = False,
         metres_at_one: float | None = None,
         visibility: float | None = None,
     ) -> None:
-        found = as_water(water, depth_model=depth_model, border=border, linear=linear)
+        if depth is not None and not callable(depth):
+            raise ArgumentError("an array is the depth of one image; pass it to fuse(image, depth=...), or pass a callable")
+        # The same for the water and for all images.
+        depth_model = shared_model(depth_model)
+        found = as_water(
+            water, depth=depth, depth_kind=depth_kind, depth_model=depth_model, border=border, linear=linear
+        )
         self._set(
             found,
             {
@@ -84,19 +98,22 @@ class Fuser:
                 "theta": theta,
                 "alpha": alpha,
                 "smooth": smooth,
-                "depth_model": str(depth_model),
+                "depth_model": depth_model,
                 "border": border_text(border),
                 "linear": linear,
                 "metres_at_one": metres_at_one,
                 "visibility": visibility,
                 "keep_lightness": False,
+                "depth": depth,
+                "depth_kind": depth_kind,
             },
         )
 
     def _set(self, water: Water, settings: dict[str, Any]) -> None:
         self._water = water
         self._settings = settings
-        self._fuser = _native.Fuser(water._water, settings)  # pyright: ignore[reportPrivateUsage]
+        native = settings | {"depth_model": native_model(settings["depth_model"])}
+        self._fuser = _native.Fuser(water._water, native)  # pyright: ignore[reportPrivateUsage]
 
     @classmethod
     def _of(cls, water: Water, settings: dict[str, Any]) -> Fuser:
@@ -113,26 +130,28 @@ class Fuser:
         self,
         image: ImageT,
         *,
-        depth: Any = None,
+        depth: Depth = None,
         depth_kind: DepthKind | None = None,
         theta: float | None = None,
         alpha: float | None = None,
         out: ImageT | None = None,
     ) -> ImageT:
         """The image in the water; as :func:`fuse`, with ``theta`` and ``alpha`` for this image alone."""
-        return self._fuser.fuse(image, depth, depth_kind, theta, alpha, out)[0]
+        return self.fuse_with_report(image, depth=depth, depth_kind=depth_kind, theta=theta, alpha=alpha, out=out)[0]
 
     def fuse_with_report(
         self,
         image: ImageT,
         *,
-        depth: Any = None,
+        depth: Depth = None,
         depth_kind: DepthKind | None = None,
         theta: float | None = None,
         alpha: float | None = None,
         out: ImageT | None = None,
     ) -> tuple[ImageT, Report]:
         """As :meth:`fuse`, with what was done."""
+        if depth is None and depth_kind is None:
+            depth, depth_kind = self._settings["depth"], self._settings["depth_kind"]
         fused, report = self._fuser.fuse(image, depth, depth_kind, theta, alpha, out)
         return fused, Report(*report)
 
@@ -148,14 +167,14 @@ def fuse(
     image: ImageT,
     water: WaterSource,
     *,
-    depth: Any = None,
+    depth: Depth = None,
     depth_kind: DepthKind | None = None,
     out: ImageT | None = None,
     model: Model = "physical",
     theta: float | None = None,
     alpha: float | None = None,
     smooth: Smoothing = "none",
-    depth_model: str = "eq3",
+    depth_model: DepthModel = "eq3",
     border: Border = "auto",
     linear: bool = False,
     metres_at_one: float | None = None,
@@ -168,6 +187,9 @@ def fuse(
             torch on the CPU of shape (3, height, width).
         water: A :class:`Water`, ``"preset:NAME"``, the path of an image or of a ``*.water.json``, or an image.
         depth: Depth of the image, of shape (height, width) and a float or unsigned dtype; by default it is estimated from colour.
+            Or a callable that estimates it: it is called in this thread with the scene, an array of shape (height, width, 3) and
+            dtype uint8 without borders, and gives a map of any size (an array or a tensor), which the scene refines. It gives
+            the depth of ``water`` too, if that is an image.
         depth_kind: What the values of ``depth`` are; required with it. Larger is farther in ``metres``, ``millimetres`` and
             ``relative`` (0 to 1), nearer in ``inverse`` (monocular networks) and ``disparity``.
         out: Where the result goes, of the same shape and dtype; it may be ``image`` itself.
@@ -197,6 +219,8 @@ def fuse(
         theta=theta,
         alpha=alpha,
         smooth=smooth,
+        depth=depth if callable(depth) else None,
+        depth_kind=depth_kind if callable(depth) else None,
         depth_model=depth_model,
         border=border,
         linear=linear,

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from aquafuse import _native
 from aquafuse._errors import ArgumentError
 from aquafuse._fuser import Fuser, ImageT
-from aquafuse._options import Border, DepthKind, Model, Setting, border_text, levels, reading
+from aquafuse._network import DepthModel, native_model, shared_model
+from aquafuse._options import Border, Depth, DepthKind, Model, Setting, border_text, levels, reading
 from aquafuse._water import WaterSource, as_water
 
 # The command starts without numpy, which takes longer to import than a small image takes to fuse.
@@ -16,38 +17,39 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-def depth(image: Any, *, model: str = "eq3") -> npt.NDArray[np.float32]:
-    """Estimates depth from colour: relative, 0 at the camera, at most 1.
+def depth(image: Any, *, model: DepthModel = "eq3") -> npt.NDArray[np.float32]:
+    """Estimates depth: from colour relative, 0 at the camera, at most 1; by a network of kind ``metric`` in metres.
 
     Args:
         image: An array of shape (height, width, 3) and dtype uint8, uint16 or float32 (0 to 1).
-        model: ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout`` or FILE.toml of ``aquafuse fit``.
+        model: As ``depth_model`` of :class:`Fuser`.
 
     Returns:
         An array of shape (height, width). It is a guess: do not pass it back as measured depth.
 
     Raises:
         ArrayError: The image has a wrong shape or dtype.
+        FileError: A network cannot be read, or gives no depth.
 
     >>> from aquafuse import depth, example
     >>> z = depth(example.reef())
     >>> z.shape, bool(0 <= z.min() <= z.max() <= 1)
     ((96, 128), True)
     """
-    return _native.estimate_depth(image, str(model))
+    return _native.estimate_depth(image, native_model(model))
 
 
 def restore(
     image: ImageT,
     *,
-    depth: Any = None,
+    depth: Depth = None,
     depth_kind: DepthKind | None = None,
     out: ImageT | None = None,
     max_gain: float = 2.0,
     white: Setting = "auto",
     exposure: Setting = "auto",
     strength: float = 1.0,
-    depth_model: str = "eq3",
+    depth_model: DepthModel = "eq3",
     border: Border = "auto",
     linear: bool = False,
 ) -> ImageT:
@@ -88,12 +90,12 @@ def enhance(
     exposure: Setting = "auto",
     strength: float = 1.0,
     border: Border = "auto",
-    depth: Any = None,
+    depth: Depth = None,
     depth_kind: DepthKind | None = None,
     model: Model = "physical",
     theta: float = 0.0,
     alpha: float = 0.5,
-    depth_model: str = "eq3",
+    depth_model: DepthModel = "eq3",
     linear: bool = False,
     metres_at_one: float | None = None,
     visibility: float | None = None,
@@ -116,7 +118,16 @@ def enhance(
         if depth is not None or depth_kind is not None:
             raise ArgumentError("depth has no effect without a clear water; pass clear=WATER")
         return _native.enhance(image, border_text(border), levels(white, exposure, strength), out)
-    water = as_water(clear, depth_model=depth_model, border=border, linear=linear)
+    depth_model = shared_model(depth_model)
+    called = depth if callable(depth) else None
+    water = as_water(
+        clear,
+        depth=called,
+        depth_kind=None if called is None else depth_kind,
+        depth_model=depth_model,
+        border=border,
+        linear=linear,
+    )
     fuser = Fuser._of(  # pyright: ignore[reportPrivateUsage]
         water,
         {
@@ -124,12 +135,14 @@ def enhance(
             "theta": theta,
             "alpha": alpha,
             "smooth": "none",
-            "depth_model": str(depth_model),
+            "depth_model": depth_model,
             "border": border_text(border),
             "linear": linear,
             "metres_at_one": metres_at_one,
             "visibility": visibility,
             "keep_lightness": True,
+            "depth": None,
+            "depth_kind": None,
         },
     )
     return fuser.fuse(image, depth=depth, depth_kind=depth_kind, out=out)
@@ -137,7 +150,7 @@ def enhance(
 
 def simulate(
     image: ImageT,
-    depth: Any,
+    depth: Depth,
     water: WaterSource,
     *,
     depth_kind: DepthKind,
@@ -151,7 +164,7 @@ def simulate(
 
     Args:
         image: As in :func:`fuse`.
-        depth: Its depth, of shape (height, width).
+        depth: Its depth, as in :func:`fuse`.
         water: As in :func:`fuse`. A preset also lights the scene by the daylight that reaches it.
         depth_kind: What the values of ``depth`` are.
         out: As in :func:`fuse`.

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeAlias, TypedDict
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
+
+from aquafuse._network import DepthModel, native_model
+
+if TYPE_CHECKING:
+    from aquafuse import _native
 
 Model: TypeAlias = Literal["physical", "relight", "aquafuse", "exchange"]
 DepthKind: TypeAlias = Literal["metres", "millimetres", "relative", "inverse", "disparity"]
 Smoothing: TypeAlias = Literal["none", "bilateral"]
 Setting: TypeAlias = Literal["auto", "none"]
 Verdict: TypeAlias = Literal["good", "doubtful", "failed"]
+Depth: TypeAlias = Any | Callable[[Any], Any]
+"""A map of shape (height, width), or a callable that gives one for a scene."""
 Border: TypeAlias = Literal["auto", "none"] | tuple[int, int, int, int] | None
 
 
 class Reading(TypedDict):
     """How depth and water of an image are estimated."""
 
-    depth_model: str
+    depth_model: str | _native.DepthNetwork
     border: str
     linear: bool
 
@@ -29,9 +37,9 @@ def border_text(border: Border) -> str:
     return ",".join(str(side) for side in border)
 
 
-def reading(depth_model: str, border: Border, linear: bool) -> Reading:
+def reading(depth_model: DepthModel, border: Border, linear: bool) -> Reading:
     """Checks nothing: the compiled part does."""
-    return {"depth_model": str(depth_model), "border": border_text(border), "linear": linear}
+    return {"depth_model": native_model(depth_model), "border": border_text(border), "linear": linear}
 
 
 def levels(white: Setting, exposure: Setting, strength: float) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, final
 
 from aquafuse import _native
 from aquafuse._fuser import Fuser, ImageT
+from aquafuse._network import DepthModel
 from aquafuse._options import Border, Model, Setting, Smoothing, Verdict, border_text, levels, reading
 from aquafuse._water import WaterSource, as_water
 
@@ -27,7 +28,8 @@ class Sequence:
 
     Each frame would have an estimate of its own, and a video would flicker. Here water and levels are means over about
     ``steady_over`` frames; at a cut they begin again. No frame is delayed. Frames are arrays as in :func:`aquafuse.fuse`, all of one
-    dtype; depth is estimated from colour.
+    dtype; depth is estimated from colour,
+    not by a network.
 
     Args:
         water: As in :class:`aquafuse.Fuser`, with the options after it.
@@ -60,7 +62,7 @@ class Sequence:
         theta: float | None = None,
         alpha: float | None = None,
         smooth: Smoothing = "none",
-        depth_model: str = "eq3",
+        depth_model: DepthModel = "eq3",
         border: Border = "auto",
         metres_at_one: float | None = None,
         visibility: float | None = None,
@@ -90,7 +92,7 @@ class Sequence:
         exposure: Setting = "auto",
         strength: float = 1.0,
         steady_over: int = STEADY_OVER,
-        depth_model: str = "eq3",
+        depth_model: DepthModel = "eq3",
         border: Border = "auto",
     ) -> Sequence:
         """A sequence whose frames are restored, as by :func:`aquafuse.restore`.

@@ -9,7 +9,8 @@ from typing import Any, Literal, TypeAlias, cast, final
 
 from aquafuse import _native
 from aquafuse._errors import ArgumentError, FileError
-from aquafuse._options import Border, DepthKind, Verdict, reading
+from aquafuse._network import DepthModel
+from aquafuse._options import Border, Depth, DepthKind, Verdict, reading
 
 Rgb: TypeAlias = tuple[float, float, float]
 Interval: TypeAlias = tuple[float, float]
@@ -47,9 +48,9 @@ class Water:
         cls,
         image: Any,
         *,
-        depth: Any = None,
+        depth: Depth = None,
         depth_kind: DepthKind | None = None,
-        depth_model: str = "eq3",
+        depth_model: DepthModel = "eq3",
         border: Border = "auto",
         linear: bool = False,
         name: str = "array",
@@ -58,9 +59,9 @@ class Water:
 
         Args:
             image: An array of shape (height, width, 3) and dtype uint8, uint16 or float32 (0 to 1).
-            depth: Depth of the image, of shape (height, width); by default it is estimated from colour.
-            depth_kind: What the values of ``depth`` are; required with it.
-            depth_model: ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout`` or FILE.toml of ``aquafuse fit``.
+            depth: As in :func:`aquafuse.fuse`.
+            depth_kind: As in :func:`aquafuse.fuse`.
+            depth_model: As in :class:`aquafuse.Fuser`.
             border: What surrounds the scene; rows and columns in numbers are then found instead.
             linear: Work in linear light instead of encoded values.
             name: How the water names its source.
@@ -81,17 +82,19 @@ class Water:
         cls,
         path: str | os.PathLike[str],
         *,
-        depth_model: str = "eq3",
+        depth: Depth = None,
+        depth_kind: DepthKind | None = None,
+        depth_model: DepthModel = "eq3",
         border: Border = "auto",
         linear: bool = False,
     ) -> Water:
-        """The water of a file: an image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a ``*.water.json``.
+        """The water of a file: an image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a ``*.water.json``. Options as for :meth:`from_image`.
 
         Raises:
             FileError: The file cannot be read, or is neither.
         """
         settings = reading(depth_model, border, linear)
-        return cls._of(_native.Water.of_file(os.fspath(path), settings))
+        return cls._of(_native.Water.of_file(os.fspath(path), depth, depth_kind, settings))
 
     @classmethod
     def preset(cls, name: str, *, below_surface: float = 5.0, camera: Camera = "daylight", linear: bool = False) -> Water:
@@ -282,7 +285,15 @@ WaterSource: TypeAlias = Water | str | os.PathLike[str] | Any
 SEA = "sea:"
 
 
-def as_water(source: WaterSource, *, depth_model: str = "eq3", border: Border = "auto", linear: bool = False) -> Water:
+def as_water(
+    source: WaterSource,
+    *,
+    depth: Depth = None,
+    depth_kind: DepthKind | None = None,
+    depth_model: DepthModel = "eq3",
+    border: Border = "auto",
+    linear: bool = False,
+) -> Water:
     """A water, ``preset:NAME``, ``sea:NUMBER``, the path of an image or of a ``*.water.json``, or an image, as a water."""
     if isinstance(source, Water):
         return source
@@ -297,5 +308,9 @@ def as_water(source: WaterSource, *, depth_model: str = "eq3", border: Border = 
         path = Path(cast("str | os.PathLike[str]", source))
         if str(path) in Water.presets() and not path.exists():
             raise FileError(f"there is no file {path}; did you mean preset:{path}?")
-        return Water.open(path, depth_model=depth_model, border=border, linear=linear)
-    return Water.from_image(source, depth_model=depth_model, border=border, linear=linear)
+        return Water.open(
+            path, depth=depth, depth_kind=depth_kind, depth_model=depth_model, border=border, linear=linear
+        )
+    return Water.from_image(
+        source, depth=depth, depth_kind=depth_kind, depth_model=depth_model, border=border, linear=linear
+    )

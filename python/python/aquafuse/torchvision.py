@@ -23,6 +23,7 @@ from torchvision.transforms import v2
 
 from aquafuse._draws import PRESETS, Drawn, Key, WaterSampler
 from aquafuse._errors import ArrayError
+from aquafuse._network import DepthModel
 from aquafuse._options import Border, Model, Smoothing
 
 __all__ = ["Key", "WaterFusion"]
@@ -66,7 +67,7 @@ class WaterFusion(v2.Transform):
         share: float = 1.0,
         seed: int = 0,
         smooth: Smoothing = "none",
-        depth_model: str = "eq3",
+        depth_model: DepthModel = "eq3",
         border: Border = "auto",
         linear: bool = False,
     ) -> None:

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use aquafuse::depth::DepthModel;
 use aquafuse_data::depth_network::{DepthNetwork, NetworkKind, NetworkOptions, SIDES};
+use aquafuse_data::files::display;
 use aquafuse_data::model_file::{self, ModelFile};
 use aquafuse_data::pipeline::DepthEstimator;
 use clap::Args;
@@ -25,6 +26,23 @@ pub(crate) struct DepthModelArg {
     /// as Depth Anything V2; its map is used as one of --depth is, once the image has refined it. Nothing is ever downloaded.
     #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model)]
     depth_model: Named,
+    #[command(flatten)]
+    network: NetworkArgs,
+}
+
+/// Several models, beside those that are always there.
+#[derive(Args)]
+pub(crate) struct DepthModelsArg {
+    /// Also score this model, a FILE.toml from `fit`, or a network of depth, FILE.onnx. May be repeated.
+    #[arg(long = "depth-model", value_name = "FILE", value_parser = model)]
+    depth_model: Vec<Named>,
+    #[command(flatten)]
+    network: NetworkArgs,
+}
+
+/// How a network is used, where its file does not settle it.
+#[derive(Args)]
+struct NetworkArgs {
     /// What the numbers of FILE.onnx are: inverse (larger is nearer), metric (metres) or relative (larger is farther, 0 at the
     /// camera) [default: by the names of its inputs and outputs].
     #[arg(long, value_name = "KIND", value_parser = kind())]
@@ -37,25 +55,56 @@ pub(crate) struct DepthModelArg {
 /// A model as it was named.
 #[derive(Clone, Debug)]
 enum Named {
-    Colour(DepthModel),
+    /// By its name, or from a file.
+    Colour(PathBuf, DepthModel),
     Network(PathBuf),
+}
+
+impl Named {
+    fn name(&self) -> String {
+        let (Self::Colour(name, _) | Self::Network(name)) = self;
+        display(name).to_string()
+    }
 }
 
 impl DepthModelArg {
     /// The model; a network is read from its file.
     pub(crate) fn get(&self) -> Result<DepthEstimator, Failure> {
-        let (kind, side) = (self.depth_model_kind, self.depth_model_size);
-        match &self.depth_model {
-            Named::Colour(_) if kind.is_some() || side.is_some() => Err(Failure::usage(anyhow!(
+        self.network.check([&self.depth_model])?;
+        self.network.read(&self.depth_model)
+    }
+}
+
+impl DepthModelsArg {
+    /// The models by their names; networks are read from their files.
+    pub(crate) fn get(&self) -> Result<Vec<(String, DepthEstimator)>, Failure> {
+        self.network.check(&self.depth_model)?;
+        let read = |named: &Named| Ok((named.name(), self.network.read(named)?));
+        self.depth_model.iter().map(read).collect()
+    }
+}
+
+impl NetworkArgs {
+    /// Refuses options about networks where none is named.
+    fn check<'a>(&self, models: impl IntoIterator<Item = &'a Named>) -> Result<(), Failure> {
+        let is_asked = self.depth_model_kind.is_some() || self.depth_model_size.is_some();
+        let is_network = |named: &Named| matches!(named, Named::Network(_));
+        match is_asked && !models.into_iter().any(is_network) {
+            true => Err(Failure::usage(anyhow!(
                 "--depth-model-kind and --depth-model-size are about a network; add --depth-model FILE.onnx"
             ))),
-            Named::Colour(model) => Ok((*model).into()),
-            Named::Network(path) => {
-                let network =
-                    DepthNetwork::read(path, &NetworkOptions { kind, side }).map_err(Failure::usage)?;
-                Ok(DepthEstimator::Network(network))
-            }
+            false => Ok(()),
         }
+    }
+
+    fn read(&self, named: &Named) -> Result<DepthEstimator, Failure> {
+        let options = NetworkOptions { kind: self.depth_model_kind, side: self.depth_model_size };
+        Ok(match named {
+            Named::Colour(_, model) => (*model).into(),
+            Named::Network(path) => {
+                DepthEstimator::Network(DepthNetwork::read(path, &options).map_err(Failure::usage)?)
+            }
+        })
     }
 }
 
@@ -64,7 +113,8 @@ pub(crate) fn of_colour(estimator: DepthEstimator, what: &str) -> Result<DepthMo
     match estimator {
         DepthEstimator::Colour(model) => Ok(model),
         DepthEstimator::Network(network) => Err(Failure::usage(anyhow!(
-            "{what} takes depth from colour only, not from the network {}; leave --depth-model out",
+            "{what} takes depth from colour only, not from the network {}; leave --depth-model out, or change its frames as \
+             images of a sequence: `aquafuse fuse FRAMES WATER -o DIR --sequence`",
             network.name()
         ))),
     }
@@ -77,7 +127,7 @@ fn kind() -> impl TypedValueParser<Value = NetworkKind> {
 
 fn model(name: &str) -> anyhow::Result<Named> {
     if let Ok(model) = name.parse() {
-        return Ok(Named::Colour(model));
+        return Ok(Named::Colour(name.into(), model));
     }
     let path = Path::new(name);
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx")) {
@@ -89,5 +139,5 @@ fn model(name: &str) -> anyhow::Result<Named> {
             "unknown depth model; give one of {names}, a FILE.toml from `aquafuse fit`, or a network FILE.onnx"
         ));
     }
-    Ok(Named::Colour(DepthModel::Eq3(ModelFile::read(path)?.eq3)))
+    Ok(Named::Colour(path.to_owned(), DepthModel::Eq3(ModelFile::read(path)?.eq3)))
 }

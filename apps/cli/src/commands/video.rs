@@ -4,7 +4,7 @@ mod summary;
 
 use std::path::PathBuf;
 
-use aquafuse::depth::DepthKind;
+use aquafuse::depth::{DepthKind, DepthModel};
 use aquafuse::stream::Steady;
 use aquafuse_data::pipeline::{Operation, PixelEncoding, WaterEstimate};
 use aquafuse_data::video::{
@@ -17,7 +17,7 @@ use clap::{ArgGroup, Args};
 use crate::args::border::BorderArgument;
 use crate::args::common::Common;
 use crate::args::depth_model::of_colour;
-use crate::args::fusion::SettingsArgs;
+use crate::args::fusion::{Settings, SettingsArgs};
 use crate::args::levels::LevelsArguments;
 use crate::args::max_gain::MaxGain;
 use crate::args::water::{WaterArguments, WaterSource};
@@ -36,7 +36,7 @@ A damaged video is written as far as it can be decoded, and the exit code is 1 (
 
 `-` is a stream of YUV4MPEG2 on standard input and output, or of raw frames with --raw.
 
-Depth is estimated from colour; depth maps, --linear and fusion with a clear image (`enhance IMAGE
+Depth is estimated from colour; networks, depth maps, --linear and fusion with a clear image (`enhance IMAGE
 CLEAR`) are for images: see `fuse --sequence`.
 
 Examples:
@@ -127,9 +127,11 @@ impl Video {
         let options = common.run_options();
         let water = self.water.as_deref().map(WaterSource::parse).transpose()?;
         let request = self.request(water.as_ref())?;
+        let mut settings = self.settings.get()?;
+        let depth_model = of_colour(std::mem::take(&mut settings.depth_model), "video")?;
         // Whether the output may be written is known before an image is read.
         let plan = Plan::new(&request, &options)?;
-        let (recipe, heading) = self.recipe(water.as_ref(), common)?;
+        let (recipe, heading) = self.recipe(water.as_ref(), &settings, depth_model, common)?;
         let notes = plan.notes();
         if !common.quiet {
             notes.iter().for_each(output::complain);
@@ -195,9 +197,13 @@ impl Video {
     }
 
     /// What is done to each frame, and a line about the reference.
-    fn recipe(&self, water: Option<&WaterSource>, common: &Common) -> Result<(Recipe, String), Failure> {
-        let settings = self.settings.get()?;
-        let depth_model = of_colour(settings.depth_model, "video")?;
+    fn recipe(
+        &self,
+        water: Option<&WaterSource>,
+        settings: &Settings,
+        depth_model: DepthModel,
+        common: &Common,
+    ) -> Result<(Recipe, String), Failure> {
         let mut heading = String::new();
         let operation = match water {
             None if self.restore => Operation::Restore {

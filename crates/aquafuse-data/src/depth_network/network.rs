@@ -9,8 +9,10 @@ use aquafuse::depth::{SuppliedDepth, SuppliedError};
 use aquafuse::image::{Image, TopEdge};
 use rten::{Model, RunOptions, ThreadPool, Value};
 
+use super::coarse::{refined, scaled};
+use super::contents;
 use super::preset::{Preset, Unfit};
-use super::tensor::{numbers, scaled, size_of, supplied, turned};
+use super::tensor::{numbers, size_of, supplied, turned};
 use super::{NetworkOptions, SIDES};
 use crate::files::{FileError, catch_panic, display, is_memory, one_line, sha256};
 use crate::image_file::open_file;
@@ -27,8 +29,6 @@ struct Loaded {
     model: Model,
     preset: Preset,
     options: NetworkOptions,
-    /// One thread: images are shared out already, and sums then do not depend on how many there are.
-    alone: Arc<ThreadPool>,
 }
 
 /// The longest file that ONNX allows.
@@ -63,8 +63,8 @@ impl DepthNetwork {
     ///
     /// # Errors
     ///
-    /// [`FileError`] when the file cannot be read, exceeds 2 GiB or the memory, is no ONNX, has an operator that is not supported,
-    /// takes or gives something else than one image and one map, or its names do not settle what its numbers are.
+    /// [`FileError`] when the file cannot be read, exceeds 2 GiB or the memory, is no ONNX, has an operator that is not supported or
+    /// may never end, makes more than 2^28 numbers at once by its constants, keeps weights in another file, takes or gives something else than one image and one map, or its names do not settle what its numbers are.
     pub fn read(path: &Path, options: &NetworkOptions) -> Result<Self, FileError> {
         let (mut file, length) = open_file(path)?;
         if length > MOST_BYTES {
@@ -90,6 +90,7 @@ impl DepthNetwork {
     pub fn from_bytes(path: &Path, bytes: Vec<u8>, options: &NetworkOptions) -> Result<Self, FileError> {
         let unfit = |unfit| unfit_network(path, unfit);
         let foreign = |cause: String| unfit_network(path, (cause, FOREIGN.into()));
+        contents::check(&bytes).map_err(unfit)?;
         let (digest, length) = (sha256(&bytes), bytes.len() as u64);
         let model =
             catch_panic(|| Model::load(bytes)).ok_or_else(|| foreign("its reader panicked".into()))?;
@@ -108,18 +109,8 @@ impl DepthNetwork {
         }
         let short: String = digest.chars().take(12).collect();
         let name = format!("{} (sha256 {short}, {})", display(path), preset.kind.name());
-        let alone = Arc::new(ThreadPool::with_num_threads(1));
-        let loaded = Loaded {
-            path: path.to_owned(),
-            sha256: digest,
-            name,
-            length,
-            model,
-            preset,
-            options: *options,
-            alone,
-        };
-        Ok(Self(Arc::new(loaded)))
+        let (path, sha256, options) = (path.to_owned(), digest, *options);
+        Ok(Self(Arc::new(Loaded { path, sha256, name, length, model, preset, options })))
     }
 
     /// Its name in reports: the file, the beginning of its SHA-256, and what its numbers are taken as.
@@ -170,21 +161,22 @@ impl DepthNetwork {
         let (values, size) = turned(&output.0, size, top, true);
         let map = supplied(values, size, preset.kind).map_err(unfit)?;
         let small = if size == stored { small } else { scaled(image, size) };
-        let mut found = map.seen_with(&small, top).map_err(|error| {
+        refined(&map, &small, image, top).map_err(|error| {
             let remedy = match error {
                 SuppliedError::TooFewValid { .. } => "Check --depth-model-kind",
                 _ => "Check that it is a network of depth",
             };
             unfit((error.to_string(), remedy.into()))
-        })?;
-        found.depth = found.depth.refined_by(image);
-        Ok(found)
+        })
     }
 
     /// The numbers of the output, and its shape.
     fn run(&self, input: Value) -> Result<(Vec<f32>, Vec<usize>), Unfit> {
         let Preset { input: node, output, .. } = self.0.preset;
-        let options = RunOptions::default().with_thread_pool(Some(self.0.alone.clone()));
+        // One thread: images are shared out already, and sums then do not depend on how many there are. It is made for this run
+        // alone: a process that was forked has none of the threads of its parent.
+        let alone = Arc::new(ThreadPool::with_num_threads(1));
+        let options = RunOptions::default().with_thread_pool(Some(alone));
         let run = || self.0.model.run_n(vec![(node, input.into())], [output], Some(options));
         let remedy =
             || "Check with another program that it takes images, or give --depth-model-size".to_owned();

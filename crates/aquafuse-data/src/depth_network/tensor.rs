@@ -1,9 +1,7 @@
 //! An image as numbers for a network, and a network's numbers as a depth map.
 
 use aquafuse::depth::{Supplied, SuppliedKind};
-use aquafuse::image::{Image, TopEdge};
-use image::RgbImage;
-use image::imageops::{self, FilterType};
+use aquafuse::image::TopEdge;
 
 use super::NetworkKind;
 use super::preset::{Colours, Unfit};
@@ -11,18 +9,6 @@ use super::preset::{Colours, Unfit};
 /// Mean and deviation of red, green and blue, from 0 to 1, over the photographs of ImageNet.
 const MEAN: [f32; 3] = [0.485, 0.456, 0.406];
 const DEVIATION: [f32; 3] = [0.229, 0.224, 0.225];
-
-/// An image scaled to these columns and rows, bicubic.
-pub(super) fn scaled(image: &Image<u8>, (width, height): (usize, usize)) -> Image<u8> {
-    if image.size() == (width, height) {
-        return image.clone();
-    }
-    let side = |side: usize| u32::try_from(side).expect("sides of images are below 2^28");
-    let whole = RgbImage::from_raw(side(image.width()), side(image.height()), image.as_raw().to_vec());
-    let whole = whole.expect("three bytes a pixel");
-    let scaled = imageops::resize(&whole, side(width), side(height), FilterType::CatmullRom);
-    Image::from_raw(width, height, scaled.into_raw()).expect("three bytes a pixel")
-}
 
 /// Turns rows of values so that the edge `top` is the first row; `back` undoes it.
 pub(super) fn turned<T: Copy>(

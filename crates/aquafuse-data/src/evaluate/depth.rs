@@ -1,8 +1,8 @@
-//! How right depth is: that of each model from colour, and maps from elsewhere, against depth that is known.
+//! How right depth is: that of each model from colour, of networks, and maps from elsewhere, against depth that is known.
 
 mod agreement;
 
-use aquafuse::depth::{DepthModel, SuppliedKind};
+use aquafuse::depth::SuppliedKind;
 use aquafuse::image::TopEdge;
 use serde_json::json;
 
@@ -11,9 +11,11 @@ use super::report::{Cell, Items, ItemsRow, Row, Score, Shown, Table};
 use super::statistics::summarise;
 use super::{EvaluateError, Failed, Listener, Report};
 use crate::depth_file::{self, DepthFolder};
+use crate::depth_network::NetworkKind;
 use crate::files::FileError;
 use crate::image_file::{Format, ImageFile};
 use crate::pairs::Pair;
+use crate::pipeline::DepthEstimator;
 use crate::run::{Budget, Event, RunOptions};
 use agreement::{Agreement, Unit};
 
@@ -24,8 +26,8 @@ pub struct Depth {
     pub pairs: Vec<Pair>,
     /// The kind of the known depth.
     pub kind: SuppliedKind,
-    /// Depth models, by name.
-    pub models: Vec<(String, DepthModel)>,
+    /// Depth models of colours, and networks, by name.
+    pub models: Vec<(String, DepthEstimator)>,
     /// Other depth maps.
     pub maps: Vec<Maps>,
     /// Random seed of the bootstrap.
@@ -111,7 +113,8 @@ impl Depth {
 
     fn compare(&self, pair: &Pair, budget: &Budget) -> Result<(Found, Vec<Failed>), EvaluateError> {
         let opened = ImageFile::open(&pair.rgb, &self.run_options.reading)?;
-        let beside = opened.pixels().saturating_mul(COMPARED);
+        let estimators = self.models.iter().map(|(_, model)| model.memory(opened.pixels()));
+        let beside = opened.pixels().saturating_mul(COMPARED).saturating_add(estimators.max().unwrap_or(0));
         let _room = budget.reserve_for(&opened, Format::Png, beside)?;
         let image = opened.decode()?;
         let (top, size) = (image.top_edge(), image.pixels.size());
@@ -123,15 +126,21 @@ impl Depth {
         };
         let known = read(&pair.depth, self.kind)?;
         let unit = Unit::of(self.kind);
-        let mut found: Found = self
-            .models
-            .iter()
-            .map(|(_, model)| {
-                Agreement::of(&image.pixels.depth(model, top).distances(), Unit::Shifted, &known, unit)
-            })
-            .collect();
-        found.push(Agreement::of(&rows(size, top), Unit::Shifted, &known, unit));
         let mut failed = Vec::new();
+        let mut found = Found::new();
+        for (name, model) in &self.models {
+            match model.depth(&image, &bytes) {
+                Ok((depth, _)) => {
+                    found.push(Agreement::of(&depth.distances(), unit_of(model), &known, unit));
+                }
+                Err(error) => {
+                    found.push(None);
+                    failed
+                        .push(Failed::new(&format!("{} by {name}", pair.name), &EvaluateError::from(error)));
+                }
+            }
+        }
+        found.push(Agreement::of(&rows(size, top), Unit::Shifted, &known, unit));
         for maps in &self.maps {
             let values = maps
                 .folder
@@ -191,6 +200,16 @@ impl Depth {
             rows: self.pairs.iter().zip(found).flat_map(of_pair).collect(),
         }
     }
+}
+
+/// What is left open in the distances that a model gives.
+fn unit_of(model: &DepthEstimator) -> Unit {
+    let DepthEstimator::Network(network) = model else { return Unit::Shifted };
+    Unit::of(match network.kind() {
+        NetworkKind::Inverse => SuppliedKind::Inverse,
+        NetworkKind::Metric => SuppliedKind::Metres,
+        NetworkKind::Relative => SuppliedKind::Relative,
+    })
 }
 
 /// The height of each pixel in the upright image.

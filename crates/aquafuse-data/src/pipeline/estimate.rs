@@ -9,6 +9,7 @@ use aquafuse::waterbody::{self, Estimate, EstimateOptions, Evidence, Reason, Wat
 use super::encoding::{PixelEncoding, Space, WaterEstimate};
 use super::{DepthEstimator, SUPPLIED};
 use crate::depth_file;
+use crate::depth_network::{refined, scaled};
 use crate::files::{FileError, Step, count};
 use crate::image_file::ImageFile;
 
@@ -265,19 +266,63 @@ pub fn analyse_supplied(
     image: &ImageFile,
     map: Supplied,
 ) -> Result<Analysis<WaterEstimate>, SuppliedError> {
-    let source = DepthSource::Supplied { path: PathBuf::new(), kind: map.kind(), size: MapSize::Exact };
     let bytes = image.bytes();
-    let SuppliedDepth { depth, report, .. } = supplied_depth(image, &bytes, map)?;
-    Ok(match encoding {
+    let kind = map.kind();
+    Ok(analyse_found(encoding, image, &bytes, kind, supplied_depth(image, &bytes, map)?))
+}
+
+/// As [`analyse_supplied`], with depth that another program estimated from the scene ([`ImageFile::bytes`]): the map may have any
+/// size, covers the scene as a whole, and is refined by it as that of a network is.
+///
+/// # Errors
+///
+/// [`SuppliedError`] when the map does not fit its kind.
+///
+/// # Examples
+///
+/// ```
+/// use aquafuse::depth::{Supplied, SuppliedKind};
+/// use aquafuse::image::Image;
+/// use aquafuse_data::image_file::ImageFile;
+/// use aquafuse_data::pipeline::{PixelEncoding, analyse_coarse};
+///
+/// let grey = Image::<u8>::from_raw(40, 20, vec![90; 40 * 20 * 3])?;
+/// let near_to_far = Supplied::new(4, 2, vec![1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0], SuppliedKind::Metres)?;
+/// let found = analyse_coarse(PixelEncoding::Encoded, &ImageFile::new(grey), &near_to_far)?;
+/// assert_eq!(found.depth.size(), (40, 20));
+/// assert!(found.depth.at(5, 10) < found.depth.at(35, 10));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn analyse_coarse(
+    encoding: PixelEncoding,
+    image: &ImageFile,
+    map: &Supplied,
+) -> Result<Analysis<WaterEstimate>, SuppliedError> {
+    let bytes = image.bytes();
+    let found = refined(map, &scaled(&bytes, map.size()), &bytes, image.top_edge())?;
+    Ok(analyse_found(encoding, image, &bytes, map.kind(), found))
+}
+
+/// The water at a depth that came from memory.
+fn analyse_found(
+    encoding: PixelEncoding,
+    image: &ImageFile,
+    bytes: &Image<u8>,
+    kind: SuppliedKind,
+    SuppliedDepth { depth, report, .. }: SuppliedDepth,
+) -> Analysis<WaterEstimate> {
+    let source = DepthSource::Supplied { path: PathBuf::new(), kind, size: MapSize::Exact };
+    let found = (depth, Some(report));
+    match encoding {
         PixelEncoding::Encoded => {
             let estimate = |bytes: &Image<u8>, depth: &DepthMap| estimated(image, bytes, depth);
-            wrapped::<Encoded>(analyse_at(&bytes, (depth, Some(report)), &source, estimate).0)
+            wrapped::<Encoded>(analyse_at(bytes, found, &source, estimate).0)
         }
         PixelEncoding::Linear => {
             let estimate = |bytes: &Image<u8>, depth: &DepthMap| estimated(image, bytes, depth);
-            wrapped::<Linear>(analyse_at(&bytes, (depth, Some(report)), &source, estimate).0)
+            wrapped::<Linear>(analyse_at(bytes, found, &source, estimate).0)
         }
-    })
+    }
 }
 
 /// Obtains depth, then the water by `estimate`, which may return more than the estimate.

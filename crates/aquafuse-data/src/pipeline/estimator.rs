@@ -40,7 +40,7 @@ impl DepthEstimator {
     }
 
     /// Bytes that it takes beside an image of so many pixels.
-    pub(crate) fn memory(&self, pixels: u64) -> u64 {
+    pub fn memory(&self, pixels: u64) -> u64 {
         match self {
             Self::Colour(_) => 0,
             Self::Network(network) => pixels.saturating_mul(SUPPLIED).saturating_add(network.memory()),

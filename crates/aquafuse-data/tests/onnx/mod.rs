@@ -1,7 +1,7 @@
 //! Small networks as ONNX, written field by field.
 
 #[path = "../protobuf/mod.rs"]
-mod protobuf;
+pub(crate) mod protobuf;
 
 use protobuf::{field, number};
 

@@ -26,7 +26,7 @@ fn recipe() -> Recipe {
 
 fn plan(folder: &TempDir, output: &str) -> Plan {
     let (scene, output) = (folder.path().join("reef"), folder.path().join(output));
-    let depth_model = DepthModel::default();
+    let depth_model = &DepthEstimator::default();
     Plan::new(&Request {
         scene: &scene,
         output: &output,
@@ -99,7 +99,7 @@ fn a_folder_with_other_files_is_refused_before_anything_is_written() {
     let request = Request {
         scene: &folder.path().join("reef"),
         output: &output,
-        depth_model: DepthModel::default(),
+        depth_model: &DepthEstimator::default(),
         inputs: &[],
         reading: &ReadOptions::default(),
         skip_missing: false,
@@ -115,7 +115,7 @@ fn no_input_is_written_whatever_its_folder_is_called() {
     let (scene, water) = (folder.path().join("reef"), folder.path().join("new/images/water.png"));
     std::fs::create_dir_all(water.parent().unwrap()).unwrap();
     let ask = |output: &Path, inputs: &[&Path]| {
-        let depth_model = DepthModel::default();
+        let depth_model = &DepthEstimator::default();
         Plan::new(&Request {
             scene: &scene,
             output,

@@ -1,4 +1,4 @@
-//! `aquafuse evaluate depth`: depth from colour, and other depth maps, against known depth.
+//! `aquafuse evaluate depth`: depth from colour, depth by networks, and other depth maps, against known depth.
 
 use std::path::PathBuf;
 
@@ -6,12 +6,12 @@ use anyhow::anyhow;
 use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse_data::depth_file::DepthFolder;
 use aquafuse_data::evaluate::{Depth, Listener, Maps};
-use aquafuse_data::files::display;
-use aquafuse_data::model_file::ModelFile;
+use aquafuse_data::pipeline::DepthEstimator;
 use clap::Args;
 
 use crate::args::common::Common;
 use crate::args::depth::kind;
+use crate::args::depth_model::DepthModelsArg;
 use crate::args::evaluation::ReportArguments;
 use crate::args::pairs::list_pairs;
 use crate::failure::Failure;
@@ -23,7 +23,9 @@ relative depth has neither. Maps of kind `inverse` (monocular networks) are fitt
 Examples:
   aquafuse evaluate depth pairs/ --depth-kind metres -o depth.html
   aquafuse evaluate depth pairs/ --depth-kind metres --maps net=inverse:net/ --depth-model my.toml
-                                                     also scores network maps and a model of `fit`";
+                                                     also scores network maps and a model of `fit`
+  aquafuse evaluate depth pairs/ --depth-kind metres --depth-model depth_anything_v2_vits.onnx
+                                                     also scores a network of your own";
 
 /// Score depth from colour, and other depth maps, against known depth.
 ///
@@ -37,9 +39,8 @@ pub(crate) struct DepthEvaluationArguments {
     /// Kind of the values of the maps in `depth`, as in `fuse`.
     #[arg(long, value_name = "KIND", value_parser = kind())]
     depth_kind: SuppliedKind,
-    /// Also score this model, a FILE.toml from `fit`. May be repeated.
-    #[arg(long, value_name = "FILE.toml")]
-    depth_model: Vec<PathBuf>,
+    #[command(flatten)]
+    depth_models: DepthModelsArg,
     /// Also score the maps in DIR with the same stems, whose values are of KIND (as in --depth-kind). May be repeated.
     #[arg(long, value_name = "NAME=KIND:DIR", value_parser = maps)]
     maps: Vec<Supplied>,
@@ -86,14 +87,9 @@ impl DepthEvaluationArguments {
         self.report.run(common, |listener: Listener<'_>| depth.run(listener), |_| {})
     }
 
-    fn models(&self) -> Result<Vec<(String, DepthModel)>, Failure> {
-        let mut models: Vec<_> =
-            DepthModel::ALL.iter().copied().map(|model| (format!("`{}`", model.name()), model)).collect();
-        for path in &self.depth_model {
-            let file = ModelFile::read(path).map_err(Failure::usage)?;
-            models.push((display(path).to_string(), DepthModel::Eq3(file.eq3)));
-        }
-        Ok(models)
+    fn models(&self) -> Result<Vec<(String, DepthEstimator)>, Failure> {
+        let ours = DepthModel::ALL.iter().map(|model| (format!("`{}`", model.name()), (*model).into()));
+        Ok(ours.chain(self.depth_models.get()?).collect())
     }
 
     fn supplied(&self) -> Result<Vec<Maps>, Failure> {

@@ -10,7 +10,6 @@ use aquafuse_scene::fuse::{FuseError, Fused, Plan, Request};
 use clap::Args;
 
 use crate::args::common::Common;
-use crate::args::depth_model::of_colour;
 use crate::args::fusion::{Settings, SettingsArgs};
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
@@ -49,17 +48,16 @@ pub(crate) struct Fuse {
 impl Fuse {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         let Settings { depth_model, options, smoothing, .. } = self.settings.get()?;
-        let depth_model = of_colour(depth_model, "a scene")?;
         self.waters.refuse_unread(options.model)?;
         let water = WaterSource::parse(&self.water)?;
         super::say_model(&self.scene, common);
-        let (scene, output) = (&self.scene, &self.output);
+        let (scene, output, depth_model) = (&self.scene, &self.output, &depth_model);
         let inputs = [self.water.as_path()];
         let (inputs, skip_missing, overwrite) = (&inputs[..], self.skip_missing, self.overwrite);
         let reading = &common.reading.options();
         let plan =
             Plan::new(&Request { scene, output, depth_model, inputs, reading, skip_missing, overwrite })?;
-        let file = self.waters.read(&water, &depth_model.into(), PixelEncoding::Encoded, &common.reading)?;
+        let file = self.waters.read(&water, depth_model, PixelEncoding::Encoded, &common.reading)?;
         let reference = self.waters.per(DepthKind::Metres, &file)?;
         let recipe = Recipe { smoothing, ..Recipe::new(Operation::Fuse { reference, options }) };
 

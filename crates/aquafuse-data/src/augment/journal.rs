@@ -123,7 +123,7 @@ impl Journal {
             Ok(Scanned { header: was, body, .. }) if was.makes_as(header) => body,
             Ok(_) if overwrite => {
                 let was =
-                    Manifest::of(&file, most_line).and_then(|mut was| was.show(|part| remove(folder, part)));
+                    Manifest::of(&file, most_line).and_then(|mut was| was.show(|part| remove(folder, &part)));
                 was.map_err(|error| error.of(&path))?;
                 lines.clear();
                 0
@@ -295,7 +295,7 @@ fn other_settings(folder: &Path, was: &Header, is: &Header) -> AugmentError {
 }
 
 /// Removes what a part of a manifest lists.
-fn remove(folder: &Path, part: Part<'_>) {
+fn remove(folder: &Path, part: &Part<'_>) {
     let listed: Vec<Listed<'_>> = match part {
         Part::Entry(_, entry) => entry.listed().collect(),
         Part::Index(written) => vec![written.listed()],

@@ -12,6 +12,8 @@ mod layout;
 mod map;
 mod median;
 mod model;
+#[cfg(feature = "network")]
+mod network;
 mod refine;
 mod scale;
 mod supplied;

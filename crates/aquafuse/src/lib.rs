@@ -68,6 +68,9 @@
 //!   the same to the bit.
 //! - `threads` (default): several cores for large images, by bands of rows. Without it no thread is started; the results are the
 //!   same to the bit.
+//! - `network`: a tiny network that was trained on synthetic scenes alone says where open water is and what is farther, if it is
+//!   asked: [`WaterMap`](waterbody::WaterMap), [`DepthModel`](depth::DepthModel). It computes on the processor and needs no other
+//!   crate.
 //! - `serde`: `Serialize` and `Deserialize` for the types that describe water and depth; what is read is checked.
 //! - `image`: views of the crate `image`'s buffers (`RgbImage`, 16 bits, floats), and images for it.
 //! - `ndarray`: views of arrays of shape (height, width, 3).
@@ -85,8 +88,8 @@
 //!
 //! # Out of scope
 //!
-//! Files, folders and the command line (see the crate `aquafuse-data` and the `aquafuse` command); neural
-//! networks; forward scattering (blur); several light sources.
+//! Files, folders and the command line (see the crate `aquafuse-data` and the `aquafuse` command); networks
+//! that make images; forward scattering (blur); several light sources.
 
 #![cfg_attr(not(feature = "simd"), forbid(unsafe_code))]
 
@@ -102,6 +105,8 @@ mod integration;
 pub mod levels;
 pub mod metrics;
 mod names;
+#[cfg(feature = "network")]
+pub mod network;
 mod packed;
 #[doc(hidden)]
 pub mod random;

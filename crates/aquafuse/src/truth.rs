@@ -40,7 +40,7 @@ pub const OPEN_WATER: f32 = render::FAR;
 pub const HALF_VIEW: f32 = render::HALF_VIEW;
 
 /// The position and gaze of a camera, for more than one image of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Metres to the right of, above and ahead of where the place's own camera stands.
     pub moved: [f32; 3],
@@ -48,6 +48,16 @@ pub struct Pose {
     pub yaw: f32,
     /// How far it looks down, radians.
     pub pitch: f32,
+    /// How far it is rolled clockwise about its line of sight, radians.
+    pub roll: f32,
+    /// The tangent of half the angle that its image is wide, > 0; [`HALF_VIEW`] by default.
+    pub half_view: f32,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self { moved: [0.0; 3], yaw: 0.0, pitch: 0.0, roll: 0.0, half_view: HALF_VIEW }
+    }
 }
 
 /// What kind of place it is, and where the camera looks.
@@ -205,6 +215,30 @@ mod tests {
         };
         let (near, far) = (depth(0.5), depth(1.0));
         assert!(near < 20.0 && (far - near - 0.5).abs() < 0.02, "{near} {far}");
+    }
+
+    #[test]
+    fn a_camera_rolled_by_half_a_turn_sees_the_place_upside_down() {
+        let of = |roll: f32| Scene::from(View::default(), 5, &Pose { roll, ..Pose::default() }, SMALL).depth;
+        let (level, rolled) = (of(0.0), of(std::f32::consts::PI));
+        // The ray of a pixel's middle is that of the opposite pixel's middle.
+        let alike = (0..40).flat_map(|y| (0..60).map(move |x| (x, y))).filter(|&(x, y)| {
+            let (own, other) = (level.at(x, y), rolled.at(59 - x, 39 - y));
+            (own - other).abs() < 0.02 * own
+        });
+        assert!(alike.count() > 60 * 40 * 97 / 100);
+    }
+
+    #[test]
+    fn a_narrow_view_is_the_middle_of_a_wide_one() {
+        let half = Pose { half_view: 0.5 * HALF_VIEW, ..Pose::default() };
+        let wide = Scene::from(View::default(), 5, &Pose::default(), Size { width: 120, height: 80 }).depth;
+        let narrow = Scene::from(View::default(), 5, &half, SMALL).depth;
+        let alike = (0..40).flat_map(|y| (0..60).map(move |x| (x, y))).filter(|&(x, y)| {
+            let (own, other) = (narrow.at(x, y), wide.at(30 + x, 20 + y));
+            (own - other).abs() < 0.02 * own
+        });
+        assert!(alike.count() > 60 * 40 * 97 / 100);
     }
 
     #[test]

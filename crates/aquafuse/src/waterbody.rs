@@ -20,6 +20,7 @@ mod statistics;
 mod thumbnail;
 mod unit;
 mod veiling_light;
+mod water_map;
 
 pub use attenuation::{Attenuation, AttenuationError};
 pub use backscatter::BackscatterMethod;
@@ -30,6 +31,7 @@ pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use share::{WaterShare, water_share};
 pub(crate) use share::{sureness, water_share_by};
 pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
+pub use water_map::WaterMap;
 
 use crate::bands;
 use crate::depth::{DepthMap, DepthModel, Quantised};
@@ -152,6 +154,8 @@ pub struct EstimateOptions {
     pub veiling_light: VeilingLightMethod,
     /// How the growth of backscatter is estimated. Default: from the dark envelope.
     pub backscatter: BackscatterMethod,
+    /// What says where open water is. Default: rules.
+    pub water_map: WaterMap,
 }
 
 impl EstimateOptions {
@@ -177,6 +181,12 @@ impl EstimateOptions {
     #[must_use]
     pub fn with_backscatter(self, backscatter: BackscatterMethod) -> Self {
         Self { backscatter, ..self }
+    }
+
+    /// The same with another map of open water.
+    #[must_use]
+    pub fn with_water_map(self, water_map: WaterMap) -> Self {
+        Self { water_map, ..self }
     }
 }
 
@@ -332,7 +342,7 @@ fn look<E: Encoding>(
         || Statistics::<E>::gather(image, quantised),
         || match options.veiling_light {
             VeilingLightMethod::OpenWater => {
-                Some(Region::of(Cells::new(whole.image, whole.levels), given, options.top))
+                Some(Region::by(options, Cells::new(whole.image, whole.levels), whole.image, given))
             }
             VeilingLightMethod::Published => None,
         },

@@ -23,7 +23,7 @@ struct Shot {
 fn passed(seed: u64, count: u16) -> Vec<Scene> {
     let scene = |frame: u16| {
         let t = f32::from(frame) / f32::from(count - 1);
-        let pose = Pose { moved: [0.6 * t, 0.0, 0.8 * t], yaw: 0.15 * t, pitch: 0.15 };
+        let pose = Pose { moved: [0.6 * t, 0.0, 0.8 * t], yaw: 0.15 * t, pitch: 0.15, ..Pose::default() };
         Scene::from(View::default(), seed, &pose, SIZE)
     };
     (0..count).map(scene).collect()

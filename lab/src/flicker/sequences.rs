@@ -55,7 +55,7 @@ fn synthetic() -> Result<Sequence> {
     let (mut frames, mut truth) = (Vec::new(), Vec::new());
     for frame in 0..FRAMES {
         let t = f32::from(frame) / f32::from(FRAMES - 1);
-        let pose = Pose { moved: [0.6 * t, 0.0, 0.8 * t], yaw: 0.15 * t, pitch: 0.15 };
+        let pose = Pose { moved: [0.6 * t, 0.0, 0.8 * t], yaw: 0.15 * t, pitch: 0.15, ..Pose::default() };
         let scene = Scene::from(View::default(), 5, &pose, SIZE);
         let light = 1.0 - 0.25 * (std::f32::consts::PI * t).sin();
         let lit = |image: &Image<f32>| {

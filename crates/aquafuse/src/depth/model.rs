@@ -6,14 +6,16 @@ use std::sync::OnceLock;
 use super::map::Buffers;
 
 use super::tables::{Square, Tables};
+#[cfg(feature = "network")]
+use super::network;
 use super::{DARK, DepthMap, Eq3, layout, median, refine};
 use crate::image::{ImageRef, Sample, TopEdge};
 
 /// A depth model: from colour to relative depth.
 ///
 /// All read **encoded** values and give z in `[0, 1]`, 0 near, and fail where red is dead:
-/// everything then looks far. All but `Layout` read `R` and `M = max(G, B)` of one pixel, and never rise with R
-/// nor fall with M; `Layout` reads the whole image, and no such law holds for a pixel of it.
+/// everything then looks far. All but `Layout` and `Network` read `R` and `M = max(G, B)` of one pixel, and never rise with R
+/// nor fall with M; those two read the whole image, and no such law holds for a pixel of it.
 ///
 /// | model | depth | use it |
 /// |---|---|---|
@@ -23,6 +25,7 @@ use crate::image::{ImageRef, Sample, TopEdge};
 /// | [`Ulap`](Self::Ulap) | a line | to compare with |
 /// | [`UDepth`](Self::UDepth) | a line | to compare with |
 /// | [`Layout`](Self::Layout) | height in the image, corrected by colour | only where the camera looked ahead and was held level |
+/// | `Network`, with the feature `network` | what a tiny network of our own sees in the whole image | where colour says little: red is dead, or things differ in colour |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DepthModel {
@@ -46,6 +49,11 @@ pub enum DepthModel {
     /// **Wrong for a rolled camera and for one that looks down or up**: it takes for granted that what is
     /// higher in the image is farther. [`DepthModel::estimate_oriented`] takes the edge that is the top.
     Layout,
+    /// Distances by the network of this crate, trained on synthetic scenes alone: [`Sight`](crate::network::Sight).
+    ///
+    /// z is the distance of things over the farthest of them, times .8, and goes to 1 with the share of open water.
+    #[cfg(feature = "network")]
+    Network,
 }
 
 impl Default for DepthModel {
@@ -56,8 +64,16 @@ impl Default for DepthModel {
 
 impl DepthModel {
     /// All models with our coefficients, in the order of the table above.
-    pub const ALL: &'static [Self] =
-        &[Self::Eq3(Eq3::OURS), Self::Eq3Median, Self::Ratio, Self::Ulap, Self::UDepth, Self::Layout];
+    pub const ALL: &'static [Self] = &[
+        Self::Eq3(Eq3::OURS),
+        Self::Eq3Median,
+        Self::Ratio,
+        Self::Ulap,
+        Self::UDepth,
+        Self::Layout,
+        #[cfg(feature = "network")]
+        Self::Network,
+    ];
 
     /// The name used on the command line and in reports; Eq. 3 with other coefficients than ours is `fitted`,
     /// which the command line calls by its file.
@@ -70,6 +86,8 @@ impl DepthModel {
             Self::Ulap => "ulap",
             Self::UDepth => "udepth",
             Self::Layout => "layout",
+            #[cfg(feature = "network")]
+            Self::Network => "network",
         }
     }
 
@@ -142,7 +160,7 @@ impl DepthModel {
                 _ => refine::in_steps(image, &refine::fit(image, fill), buffers),
             }
         } else {
-            let levels = layout::levels(image, top);
+            let levels = self.levels(image, top);
             let fill = |y, row: &mut [u8]| row.copy_from_slice(&levels[y * width..][..width]);
             refine::in_steps(image, &refine::fit(image, fill), buffers)
         };
@@ -168,6 +186,10 @@ impl DepthModel {
     }
 
     fn levels<T: Sample>(&self, image: ImageRef<'_, T>, top: TopEdge) -> Vec<u8> {
+        #[cfg(feature = "network")]
+        if matches!(self, Self::Network) {
+            return network::levels(image, top);
+        }
         let Some(square) = self.square() else { return layout::levels(image, top) };
         let mut levels = vec![0; image.width() * image.height()];
         for (pixels, levels) in image.rows().zip(levels.chunks_exact_mut(image.width())) {
@@ -199,6 +221,8 @@ impl DepthModel {
                 Tables::of_terms(|red| 0.536_463_68 - 0.495_989_83 * red, |max| 0.388_751_34 * max)
             }
             Self::Layout => return None,
+            #[cfg(feature = "network")]
+            Self::Network => return None,
         })
     }
 }

@@ -12,7 +12,7 @@ use crate::image::{Encoding, Linear};
 pub(super) const FAR: f32 = 100.0;
 /// Nothing is looked for beyond; towards it the floor fades into the dark.
 const HORIZON: f32 = 26.0;
-/// Tangent of half the horizontal field of view (70°).
+/// Tangent of half the horizontal field of view (70°), unless a pose has another.
 pub(super) const HALF_VIEW: f32 = 0.70;
 /// Rays a pixel, placed on a turned grid; the first one gives the depth.
 const RAYS: [[f32; 2]; 3] = [[0.5, 0.5], [0.17, 0.78], [0.83, 0.22]];
@@ -66,8 +66,10 @@ fn film(light: f32) -> f32 {
 
 fn camera_ray(place: &Place, pose: &Pose, size: Size, x: f32, y: f32) -> Ray {
     let (width, height) = (size.width as f32, size.height as f32);
-    let right = (2.0 * x / width - 1.0) * HALF_VIEW;
-    let up = (1.0 - 2.0 * y / height) * HALF_VIEW * height / width;
+    let right = (2.0 * x / width - 1.0) * pose.half_view;
+    let up = (1.0 - 2.0 * y / height) * pose.half_view * height / width;
+    let (sin, cos) = pose.roll.sin_cos();
+    let (right, up) = (right * cos - up * sin, up * cos + right * sin);
     let (sin, cos) = pose.pitch.sin_cos();
     let level = vec3(right, up * cos - sin, up * sin + cos);
     let (sin, cos) = pose.yaw.sin_cos();

@@ -4,9 +4,13 @@
 //! water: it is smooth, high up in the image, far by the depth map, not darker than the rest, and no glare. What is
 //! bluish-green counts by depth from colour alone: amber or milky water is found too.
 
+#[cfg(feature = "network")]
+mod by_network;
+
 use super::cells::Cells;
+use super::{EstimateOptions, WaterMap};
 use crate::grid::mean_around;
-use crate::image::TopEdge;
+use crate::image::{ImageRef, TopEdge};
 
 /// Weights of the evidence: of smoothness (−ln of a deviation), height (0 bottom, 1 top), depth (in deviations from the
 /// image's mean; from colour and given), brightness (likewise), darkness, and glare. They were chosen on 90 photographs whose
@@ -47,6 +51,8 @@ pub(super) struct Region {
     pub(super) cells: Cells,
     /// What speaks for water in each cell.
     pub(super) evidence: Vec<f32>,
+    /// The logit of the share of water in each cell, where a network says it.
+    pub(super) logits: Option<Vec<f32>>,
     /// The middle evidence of the region.
     pub(super) typical: f32,
     /// Its colour, in `[0, 1]`.
@@ -61,46 +67,64 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// The region of the image in cells; `given` depth is not from colour.
+    /// The region of an image by the map of water that is asked for; `given` depth is not from colour.
+    pub(super) fn by(options: &EstimateOptions, cells: Cells, image: ImageRef<'_, u8>, given: bool) -> Self {
+        match options.water_map {
+            WaterMap::Rules => {
+                let _ = image;
+                Self::of(cells, given, options.top)
+            }
+            #[cfg(feature = "network")]
+            WaterMap::Network => Self::by_network(cells, image, options.top),
+        }
+    }
+
+    /// The region of the image in cells, by rules.
     pub(super) fn of(cells: Cells, given: bool, top: TopEdge) -> Self {
         let rough = roughness(&cells);
         let grey: Vec<f32> = cells.all().iter().map(|cell| grey(&unit(&cell.mean))).collect();
         let evidence = evidence(&cells, &rough, &grey, given, top);
-        let count = |share: f32, of: usize| ((share * of as f32).ceil() as usize).clamp(1, of);
-        let members = count(SHARE, evidence.len());
-        let least = largest(members, &evidence);
-        let surest = largest(count(SEED, members), &evidence);
-        let inside: Vec<usize> = (0..evidence.len()).filter(|&cell| evidence[cell] >= least).collect();
-        let colour_of = |cells: &[usize], all: &Cells| -> [f32; 3] {
-            std::array::from_fn(|c| {
-                median(cells.iter().map(|&cell| all.all()[cell].mean[c]).collect()) / 255.0
-            })
-        };
-        let mut read: Vec<usize> = inside.iter().copied().filter(|&cell| evidence[cell] >= surest).collect();
-        let mut colour = colour_of(&read, &cells);
-        let near = |colour: &[f32; 3], is_near: &dyn Fn([f32; 3]) -> bool| -> Vec<usize> {
-            let off = |&cell: &usize| {
-                let own = unit(&cells.all()[cell].mean);
-                is_near(std::array::from_fn(|c| (own[c] - colour[c]).abs()))
-            };
-            inside.iter().copied().filter(off).collect()
-        };
-        let within = |[r, g, b]: [f32; 3]| r * r + g * g + b * b < NEAR * NEAR;
-        let all_within = |off: [f32; 3]| off.iter().all(|off| *off < READ / 255.0);
-        for round in 0..=ROUNDS {
-            let closer = if round < ROUNDS { near(&colour, &within) } else { near(&colour, &all_within) };
-            if closer.is_empty() {
-                break;
-            }
-            read = closer;
-            colour = colour_of(&read, &cells);
-        }
+        let (inside, read, colour) = far_colour(&cells, &evidence, SHARE);
         let middle = colour_of(&inside, &cells);
         let of_region = median(inside.iter().map(|&cell| rough[cell]).collect());
         let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
         let seen = likelihood(of_region, median(rough), &colour, median(grey), given);
-        Self { cells, evidence, typical, colour, read, middle, inside, seen }
+        Self { cells, evidence, logits: None, typical, colour, read, middle, inside, seen }
     }
+}
+
+/// This share of the cells, those of the largest evidence; those of them whose colour is read, and that colour.
+fn far_colour(cells: &Cells, evidence: &[f32], share: f32) -> (Vec<usize>, Vec<usize>, [f32; 3]) {
+    let count = |share: f32, of: usize| ((share * of as f32).ceil() as usize).clamp(1, of);
+    let members = count(share, evidence.len());
+    let least = largest(members, evidence);
+    let surest = largest(count(SEED, members), evidence);
+    let inside: Vec<usize> = (0..evidence.len()).filter(|&cell| evidence[cell] >= least).collect();
+    let mut read: Vec<usize> = inside.iter().copied().filter(|&cell| evidence[cell] >= surest).collect();
+    let mut colour = colour_of(&read, cells);
+    let near = |colour: &[f32; 3], is_near: &dyn Fn([f32; 3]) -> bool| -> Vec<usize> {
+        let off = |&cell: &usize| {
+            let own = unit(&cells.all()[cell].mean);
+            is_near(std::array::from_fn(|c| (own[c] - colour[c]).abs()))
+        };
+        inside.iter().copied().filter(off).collect()
+    };
+    let within = |[r, g, b]: [f32; 3]| r * r + g * g + b * b < NEAR * NEAR;
+    let all_within = |off: [f32; 3]| off.iter().all(|off| *off < READ / 255.0);
+    for round in 0..=ROUNDS {
+        let closer = if round < ROUNDS { near(&colour, &within) } else { near(&colour, &all_within) };
+        if closer.is_empty() {
+            break;
+        }
+        read = closer;
+        colour = colour_of(&read, cells);
+    }
+    (inside, read, colour)
+}
+
+/// The median colour of cells, in `[0, 1]`.
+fn colour_of(cells: &[usize], all: &Cells) -> [f32; 3] {
+    std::array::from_fn(|c| median(cells.iter().map(|&cell| all.all()[cell].mean[c]).collect()) / 255.0)
 }
 
 impl Region {

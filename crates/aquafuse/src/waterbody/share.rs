@@ -90,7 +90,7 @@ pub(crate) fn water_share_by(
         return Ok(WaterShare::none(image.size()));
     }
     let cells = Cells::new(image, &depth.quantised().levels);
-    let region = Region::of(cells, depth.model().is_none(), options.top);
+    let region = Region::by(options, cells, image, depth.model().is_none());
     let (veil, sure) = water(region.seen);
     Ok(WaterShare::of(image.size(), &region, veil, sure))
 }
@@ -212,8 +212,11 @@ impl Work for ToShares<'_> {
     }
 }
 
-/// How much of a cell is water: by evidence, or else by its colour.
+/// How much of a cell is water: by evidence, or else by its colour; or by what a network sees there.
 fn share_of_cell(region: &Region, cell: usize, colour: &[f32; 3], veil: &[f32; 3]) -> f32 {
+    if let Some(logits) = &region.logits {
+        return by_network(logits[cell], colour, veil);
+    }
     let by_evidence = (1.0 - (region.typical - region.evidence[cell]) / REACH).clamp(0.0, 1.0);
     let length = veil.iter().map(|value| value * value).sum::<f32>().sqrt().max(1e-3);
     let off: [f32; 3] = std::array::from_fn(|c| colour[c] - veil[c]);
@@ -221,4 +224,17 @@ fn share_of_cell(region: &Region, cell: usize, colour: &[f32; 3], veil: &[f32; 3
     let across = (off.iter().map(|off| off * off).sum::<f32>() - along * along).max(0.0);
     let alike = (-across / (ACROSS * ACROSS) - (along / ALONG).powi(2)).exp();
     MOST * (1.0 - (1.0 - by_evidence) * (1.0 - BY_COLOUR * alike))
+}
+
+/// How near to the water's colour a cell is that is like it.
+const ALIKE: f32 = 0.12;
+/// So far what the network says of a cell counts where the cell is like the water.
+const OF_ALIKE: f32 = 0.25;
+
+/// How much of a cell is water by a network's logit: `.97 max(l p^.25, p)`, l its likeness to the water.
+fn by_network(logit: f32, colour: &[f32; 3], veil: &[f32; 3]) -> f32 {
+    let p = (1.0 + (-logit).exp()).recip();
+    let off = (0..3).map(|c| (colour[c] - veil[c]).powi(2)).sum::<f32>();
+    let alike = (-off / (ALIKE * ALIKE)).exp();
+    MOST * p.max(alike * p.powf(OF_ALIKE))
 }

@@ -23,6 +23,7 @@ mod runner;
 mod scene;
 mod soak;
 mod synthetic;
+mod train_network;
 mod truth;
 mod variations;
 mod water;
@@ -70,6 +71,9 @@ BENCHMARKS.md
 
 Files
   corpus              makes the files of fuzz/corpus again; needs `--features parquet`
+  train-network [OPTION...]
+                      the network of the core, trained on synthetic scenes alone (two hours on one core; the same command
+                      continues a run that was stopped): its weights, and a fixture that the tests compute again
   instructions        counts the instructions of each kernel by valgrind, into benches/instructions.tsv
 
 Checks of `cargo xtask test`
@@ -135,6 +139,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
             bench::run(parts)
         }
         ["corpus"] => corpus::run(),
+        ["train-network", ref options @ ..] => train_network::run(options),
         ["instructions"] => instructions::renew(),
         ["arm64"] => arm64::run(),
         ["guards"] => guards(),

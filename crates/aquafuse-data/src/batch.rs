@@ -152,6 +152,7 @@ impl Recipe {
             "upright": upright,
             "lenient": reading.lenient,
             "border": reading.border.to_string(),
+            "water_map": reading.water_map.name(),
             "quality": quality,
         });
         if let (Some(frames), Some(settings)) = (steady_over, fingerprint.as_object_mut()) {

@@ -13,6 +13,7 @@ mod write;
 use std::path::Path;
 
 use aquafuse::image::{Image, TopEdge};
+use aquafuse::waterbody::WaterMap;
 
 use crate::files::{FileError, Staged};
 
@@ -41,6 +42,7 @@ pub struct ImageFile {
     pub damage: Option<String>,
     /// The whole image, if the pixels are but its scene.
     whole: Option<std::sync::Arc<scene::Whole>>,
+    water_map: WaterMap,
 }
 
 /// How to write.
@@ -61,7 +63,18 @@ impl Default for WriteOptions {
 impl ImageFile {
     /// An image that did not come from a file.
     pub fn new(pixels: impl Into<Pixels>) -> Self {
-        Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None, whole: None }
+        Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None, whole: None, water_map: WaterMap::default() }
+    }
+
+    /// The same with another map of open water.
+    #[must_use]
+    pub fn with_water_map(self, water_map: WaterMap) -> Self {
+        Self { water_map, ..self }
+    }
+
+    /// What says where it shows open water.
+    pub fn water_map(&self) -> WaterMap {
+        self.water_map
     }
 
     /// Reads a PNG, JPEG, TIFF, WebP, BMP or GIF file, detected by its content, within the default limits.

@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 
 use aquafuse::scene_area::Border;
+use aquafuse::waterbody::WaterMap;
 use aquafuse_data::pipeline::PixelEncoding;
 use aquafuse_data::run::RunOptions;
 use clap::Args;
@@ -31,6 +32,12 @@ impl Common {
     /// The same, with images cut to their scene.
     pub(crate) fn with_border(mut self, border: Border) -> Self {
         self.reading.border = border;
+        self
+    }
+
+    /// The same, with another map of open water.
+    pub(crate) fn with_water_map(mut self, water_map: WaterMap) -> Self {
+        self.reading.water_map = water_map;
         self
     }
 

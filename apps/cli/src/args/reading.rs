@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 use aquafuse::scene_area::Border;
+use aquafuse::waterbody::WaterMap;
 use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use clap::Args;
 
@@ -25,12 +26,15 @@ pub(crate) struct Reading {
     /// What is cut off around a scene: nothing, unless a command has `--border`.
     #[arg(skip = Border::None)]
     pub(crate) border: Border,
+    /// What says where open water is: rules, unless a command has `--water-map`.
+    #[arg(skip)]
+    pub(crate) water_map: WaterMap,
 }
 
 impl Reading {
     pub(crate) fn options(&self) -> ReadOptions {
-        let Self { max_pixels, max_memory, lenient, border } = *self;
-        let default = ReadOptions { max_memory, lenient, border, ..ReadOptions::default() };
+        let Self { max_pixels, max_memory, lenient, border, water_map } = *self;
+        let default = ReadOptions { max_memory, lenient, border, water_map, ..ReadOptions::default() };
         match max_pixels {
             Some(max_pixels) => ReadOptions { max_pixels, max_pixels_per_byte: u64::MAX, ..default },
             None => default,

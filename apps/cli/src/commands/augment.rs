@@ -71,7 +71,7 @@ Examples:
 
 /// Multiply a dataset: put every image into other waters and keep its annotations.
 #[derive(Args)]
-#[command(after_help = HELP, group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
+#[command(after_help = HELP, group = ArgGroup::new("area").args(["border", "water_map"]).multiple(true).conflicts_with("as_published"))]
 pub(crate) struct Augment {
     /// The folder of the dataset.
     dataset: PathBuf,

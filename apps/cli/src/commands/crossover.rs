@@ -21,7 +21,7 @@ use crate::report::water::veiling_light;
 ///
 /// Writes DIR/A__B.png, the scene of A in the water of B, and DIR/B__A.png (named without extensions).
 #[derive(Args)]
-#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/", group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
+#[command(after_help = "Example:\n  aquafuse crossover reef.jpg harbour.jpg -o crossed/", group = ArgGroup::new("area").args(["border", "water_map"]).multiple(true).conflicts_with("as_published"))]
 pub(crate) struct Crossover {
     /// The first image.
     a: PathBuf,

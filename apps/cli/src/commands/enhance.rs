@@ -73,6 +73,7 @@ impl Enhance {
                 "command": "enhance",
                 "levels": levels,
                 "border": common.reading.border.to_string(),
+                "water_map": common.reading.water_map.name(),
             }),
         };
         batch::run(&plan, &self.recipe(Operation::Enhance { levels }), words, &self.batch, common)
@@ -98,6 +99,7 @@ impl Enhance {
                 "alpha": options.gain.get(),
                 "depth_model": depth_model.name(),
                 "border": common.reading.border.to_string(),
+                "water_map": common.reading.water_map.name(),
                 "water": water.name(),
                 "waterbody": Numbers::from(&reference),
             }),

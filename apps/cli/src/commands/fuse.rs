@@ -27,7 +27,7 @@ use crate::report::water::veiling_light;
 ///
 /// To continue a run over a folder that was stopped, repeat the command: finished images are skipped.
 #[derive(Args)]
-#[command(after_help = fusion::HELP, group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
+#[command(after_help = fusion::HELP, group = ArgGroup::new("area").args(["border", "water_map"]).multiple(true).conflicts_with("as_published"))]
 pub(crate) struct Fuse {
     /// The scene: an image (PNG, JPEG, TIFF, WebP, BMP, GIF) or a folder of images (not GIF; subfolders with
     /// --recursive). There may be several, as *.jpg.
@@ -82,6 +82,7 @@ impl Fuse {
                 "smooth": smoothing.name(),
                 "depth_model": depth_model.name(),
                 "border": common.reading.border.to_string(),
+                "water_map": common.reading.water_map.name(),
                 "water": water.name(),
                 "water_depth": map.map(|(path, kind)| json!({
                     "file": display(path).to_string(),

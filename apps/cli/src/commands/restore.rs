@@ -62,6 +62,7 @@ impl Restore {
             "levels": levels,
             "depth_model": depth_model.name(),
             "border": common.reading.border.to_string(),
+            "water_map": common.reading.water_map.name(),
         });
         batch::run(&plan, &recipe, Words { heading: String::new(), settings }, &self.batch, common)
     }

@@ -56,7 +56,7 @@ Examples:
         .multiple(true)
         .conflicts_with("clear"),
     group = ArgGroup::new("levels").args(["white", "exposure", "strength"]).multiple(true).requires("clear"),
-    group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"),
+    group = ArgGroup::new("area").args(["border", "water_map"]).multiple(true).conflicts_with("as_published"),
 )]
 pub(crate) struct Video {
     /// The video: any file that ffmpeg reads, or - for standard input.
@@ -225,6 +225,7 @@ impl Video {
             depth_model,
             smoothing: settings.smoothing,
             border: common.reading.border,
+            water_map: common.reading.water_map,
             steady_over: self.steady_over.into(),
             content_water: self.content_water()?,
             flicker: self.flicker,

@@ -39,6 +39,7 @@ impl Augmentation {
             quality: recipe.quality,
             lenient: self.run_options.reading.lenient,
             border: self.run_options.reading.border.to_string(),
+            water_map: self.run_options.reading.water_map.name().to_owned(),
         };
         let instead = match &recipe.on_doubtful {
             OnDoubtful::Instead(water) => Some(water.stored()),

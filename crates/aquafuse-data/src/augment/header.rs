@@ -2,6 +2,7 @@
 
 use aquafuse::fusion::{Gain, Incidence};
 use aquafuse::scene_area::Border;
+use aquafuse::waterbody::WaterMap;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -59,6 +60,9 @@ pub(super) struct Settings {
     /// Manifests of earlier versions have none: every pixel was taken for scene.
     #[serde(default = "no_border")]
     pub(super) border: String,
+    /// Manifests of earlier versions have none: open water was found by rules.
+    #[serde(default = "by_rules")]
+    pub(super) water_map: String,
 }
 
 fn all_splits() -> String {
@@ -67,6 +71,10 @@ fn all_splits() -> String {
 
 fn no_border() -> String {
     Border::None.to_string()
+}
+
+fn by_rules() -> String {
+    WaterMap::Rules.to_string()
 }
 
 /// A limit of the gain, at least 1.

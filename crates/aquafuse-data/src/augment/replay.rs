@@ -70,7 +70,8 @@ pub fn replay(
     let settings = &header.settings;
     let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
     let border = settings.border.parse().map_err(|_| unknown())?;
-    let reading = ReadOptions { lenient: settings.lenient, border, ..reading };
+    let water_map = settings.water_map.parse().map_err(|_| unknown())?;
+    let reading = ReadOptions { lenient: settings.lenient, border, water_map, ..reading };
     let mut remaker = Remaker {
         manifest,
         root: dataset.map_or_else(|| PathBuf::from(&header.dataset), Path::to_owned),

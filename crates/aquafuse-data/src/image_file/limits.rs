@@ -3,6 +3,7 @@
 use std::num::Saturating;
 
 use aquafuse::scene_area::Border;
+use aquafuse::waterbody::WaterMap;
 
 use super::Format;
 
@@ -23,6 +24,8 @@ pub struct ReadOptions {
     /// ([`ImageFile::cut_to_scene`](super::ImageFile::cut_to_scene)). Default: nothing, as for masks and other images that
     /// must keep their size.
     pub border: Border,
+    /// What says where an image shows open water. Default: rules.
+    pub water_map: WaterMap,
 }
 
 impl Default for ReadOptions {
@@ -33,6 +36,7 @@ impl Default for ReadOptions {
             max_memory: 2 << 30,
             lenient: false,
             border: Border::None,
+            water_map: WaterMap::default(),
         }
     }
 }

@@ -271,7 +271,7 @@ impl Opened {
         }
         let image = self.decoded(see).map_err(|fault| fault.named(&self.path))?;
         let unfit = |error| FileError::UnfitBorder { path: self.path.clone(), error };
-        image.cut_to_scene(self.options.border).map_err(unfit)
+        image.with_water_map(self.options.water_map).cut_to_scene(self.options.border).map_err(unfit)
     }
 
     /// Memory that its pixels take once decoded, in bytes.
@@ -314,7 +314,7 @@ fn decode(format: Format, bytes: &[u8], lenient: bool) -> Result<ImageFile, Faul
     });
     let Decoded { pixels, metadata, damage } =
         decoded.unwrap_or_else(|| Err(Fault::Damaged("the decoder panicked on it".into())))?;
-    Ok(ImageFile { pixels, metadata, damage, whole: None })
+    Ok(ImageFile { metadata, damage, ..ImageFile::new(pixels) })
 }
 
 /// Size and kind of pixels from a decoder of `image`.

@@ -56,14 +56,14 @@ impl ImageFile {
             Pixels::Words(layers) => Pixels::Words(cut(layers, &area)),
             Pixels::Floats(layers) => Pixels::Floats(cut(layers, &area)),
         };
-        let Self { pixels, metadata, damage, .. } = whole;
-        Ok(Self { pixels: scene, metadata, damage, whole: Some(Arc::new(Whole { area, pixels })) })
+        let Self { pixels, metadata, damage, whole: _, water_map } = whole;
+        Ok(Self { pixels: scene, metadata, damage, whole: Some(Arc::new(Whole { area, pixels })), water_map })
     }
 
     /// The whole image again, with the scene as it is now. An image that was not cut is returned as it is.
     #[must_use]
     pub fn joined(self) -> Self {
-        let Self { pixels, metadata, damage, whole } = self;
+        let Self { pixels, metadata, damage, whole, water_map } = self;
         let pixels = match whole.map(Arc::unwrap_or_clone) {
             None => pixels,
             Some(Whole { area, pixels: mut all }) => {
@@ -76,7 +76,7 @@ impl ImageFile {
                 all
             }
         };
-        Self { pixels, metadata, damage, whole: None }
+        Self { pixels, metadata, damage, whole: None, water_map }
     }
 
     /// Which part of the whole image the pixels are; `None` if they are all of it.

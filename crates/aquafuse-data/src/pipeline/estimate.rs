@@ -353,5 +353,5 @@ fn analyse_at<E: Encoding, M>(
 }
 
 fn options(image: &ImageFile) -> EstimateOptions {
-    EstimateOptions::default().with_top(image.top_edge())
+    EstimateOptions::default().with_top(image.top_edge()).with_water_map(image.water_map())
 }

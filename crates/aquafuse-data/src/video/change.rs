@@ -6,7 +6,7 @@ use aquafuse::metrics::Flicker;
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
 use aquafuse::stream::Steady;
-use aquafuse::waterbody::{Estimate, Quality, Verdict};
+use aquafuse::waterbody::{Estimate, Quality, Verdict, WaterMap};
 
 use super::frames::{FrameReport, Frames};
 use super::{Codec, Frame, Shape, VideoError};
@@ -23,6 +23,8 @@ pub struct Recipe {
     pub smoothing: Smoothing,
     /// What surrounds the scene. Default: it is found.
     pub border: Border,
+    /// What says where open water is. Default: rules.
+    pub water_map: WaterMap,
     /// Water and levels are means over about so many frames ([`Steady`]). Default: 8. 1: each frame is by itself.
     pub steady_over: usize,
     /// The water of the frames. Default: estimated.
@@ -57,6 +59,7 @@ impl Recipe {
             depth_model: DepthModel::default(),
             smoothing: Smoothing::default(),
             border: Border::default(),
+            water_map: WaterMap::default(),
             steady_over: Steady::FRAMES,
             content_water: ContentWater::default(),
             flicker: false,

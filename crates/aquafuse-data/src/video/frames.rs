@@ -5,7 +5,7 @@ use aquafuse::fuser::Options;
 use aquafuse::fusion::Clipping;
 use aquafuse::image::{Encoded, ImageError, ImageMut, Sample};
 use aquafuse::stream::{EnhanceStream, RestoreStream, Stream};
-use aquafuse::waterbody::Quality;
+use aquafuse::waterbody::{EstimateOptions, Quality};
 
 use super::change::{ContentWater, Recipe};
 use super::error::VideoError;
@@ -73,6 +73,7 @@ impl Recipe {
                     .restoration(*options)
                     .levels(*levels)
                     .depth_model(self.depth_model)
+                    .estimate(EstimateOptions::default().with_water_map(self.water_map))
                     .border(self.border)
                     .steady_over(self.steady_over),
             )),
@@ -88,6 +89,7 @@ impl Recipe {
         let Operation::Fuse { reference, options } = &self.operation else { return None };
         let options = Options::default()
             .with_depth_model(self.depth_model)
+            .with_estimate(EstimateOptions::default().with_water_map(self.water_map))
             .with_fusion(*options)
             .with_smoothing(self.smoothing)
             .with_border(self.border);

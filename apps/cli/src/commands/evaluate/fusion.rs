@@ -45,7 +45,7 @@ Examples:
 
 /// Score fused images against their contents: the tables of the paper on your images.
 #[derive(Args)]
-#[command(after_help = HELP, group = ArgGroup::new("area").args(["border"]).conflicts_with("as_published"))]
+#[command(after_help = HELP, group = ArgGroup::new("area").args(["border", "water_map"]).multiple(true).conflicts_with("as_published"))]
 pub(crate) struct FusionArguments {
     /// A folder of content images.
     #[arg(long, value_name = "DIR")]

@@ -60,4 +60,3 @@ fn train(options: &[&str], folder: &Path) -> Result<()> {
     export.arg(folder).arg(&best).args([WEIGHTS, FIXTURE]);
     run_program(export)
 }
-

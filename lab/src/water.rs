@@ -80,7 +80,9 @@ fn rows(photographs: &[&Photograph], part: &str) -> Result<String> {
         Ok(())
     };
     let network = EstimateOptions::default().with_water_map(WaterMap::Network);
-    add("the far region by rules (default)", &|name| row(name, photographs, ours(EstimateOptions::default())))?;
+    add("the far region by rules (default)", &|name| {
+        row(name, photographs, ours(EstimateOptions::default()))
+    })?;
     add("the far region by the network", &|name| row(name, photographs, ours(network)))?;
     if part.is_empty() {
         let published = EstimateOptions::as_published();

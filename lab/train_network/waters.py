@@ -68,7 +68,9 @@ def gathered(places, chance):
     # Of the second place no floor that would hide all of the first.
     nearer &= scaled < chance.ln_between(1.5, 30.0)
     clear, z = torch.where(nearer, other, clear), torch.where(nearer, scaled, z)
-    for _ in range(2):
+    # What is farther than this is not there: things that float in open water, with no floor.
+    z = torch.where((z > chance.ln_between(1.2, 6.0)) & (chance.happens(0.2) > 0), torch.full_like(z, 100.0), z)
+    for _ in range(3):
         clear, z = bodied(clear, z, chance)
     return clear, z
 
@@ -126,7 +128,7 @@ def formed(clear, z, waters, chance):
     farthest = torch.quantile(things.flatten(1), 0.97, dim=1).view(-1, 1, 1, 1).clamp(min=0.3)
     # Where the floor is seen fading into the dark, water must hide that.
     least = torch.where((things > FADED).flatten(1).any(1).view(-1, 1, 1, 1), 2.0 / FADED, 0.0)
-    thick = torch.maximum(chance.ln_between(0.3, 5.0) / farthest, least)
+    thick = torch.maximum(chance.ln_between(0.3, 4.0) / farthest, least)
     tau = thick * torch.where(z < 99, z, torch.full_like(z, 1e4))
     left = torch.exp(-beta_b * tau)
     # Light fades with depth: brighter water above; and a sun's glow.
@@ -161,7 +163,7 @@ def photographed(light, chance):
     """Encoded values in [0, 1] of linear light, by a camera that is drawn."""
     size = light.shape[2:]
     light = over(light, chance.happens(0.3), blurred(light, chance.between(0.4, 1.3)))
-    haze = chance.happens(0.3) * chance.between(0, 0.35)
+    haze = chance.happens(0.25) * chance.between(0, 0.3)
     light = light * (1 - haze) + haze * light.mean((2, 3), keepdim=True) * torch.exp(chance.normal(0.2, 3))
     light = light + chance.happens(0.15) * snow(size, chance) * light.amax((2, 3), keepdim=True)
     light = light * torch.exp(chance.normal(0.2, 3) * chance.happens(0.6))
@@ -230,8 +232,8 @@ def batch(places, waters, seed, count):
     width, height = SHAPES[int(chance.below(len(SHAPES), 1))]
     clear, z = gathered(places, chance)
     light, left = formed(clear, z, waters, chance)
-    # What lets less than a hundredth through is water to any eye; from eight hundredths on it is a thing.
-    share = ((0.08 - left) / 0.07).clamp(0, 1)
+    # What lets less than a thirtieth through is water to any eye; from a quarter on it is a thing.
+    share = (torch.log(0.25 / left.clamp(min=1e-9)) / math.log(0.25 / 0.03)).clamp(0, 1)
     # A part of each, in the proportions of the shape.
     fits = min(WIDTH / width, HEIGHT / height)
     part = chance.between(0.55, 1.0)
@@ -243,7 +245,7 @@ def batch(places, waters, seed, count):
     share = F.grid_sample(share, grid, align_corners=False, padding_mode="border")
     z = F.grid_sample(z, grid, mode="nearest", align_corners=False, padding_mode="border")
     image = photographed(light, chance)
-    noise = torch.randn(image.shape, generator=chance.of) * chance.between(0, 5 / 255) * chance.happens(0.8)
+    noise = torch.randn(image.shape, generator=chance.of) * chance.between(0, 4 / 255) * chance.happens(0.7)
     image = image + noise
     image = over(image, chance.happens(0.35), compressed(image, chance))
     known = torch.ones_like(z)

@@ -221,7 +221,7 @@ fn every_command_takes_the_depth_model_it_is_told() {
     scene(&run.path("content.png"), 1, "turbid");
     scene(&run.path("water.png"), 2, "green");
     let mut outputs = Vec::new();
-    for model in ["eq3", "eq3-median", "ratio", "ulap", "udepth", "layout"] {
+    for model in ["eq3", "eq3-median", "ratio", "ulap", "udepth", "layout", "network"] {
         let depth = format!("z_{model}.png");
         run.ok(&["depth", "content.png", "-o", &depth, "--depth-model", model]);
         let fused = format!("f_{model}.png");
@@ -235,6 +235,30 @@ fn every_command_takes_the_depth_model_it_is_told() {
         assert!(outputs[..i].iter().all(|other| other.0 != one.0 && other.1 != one.1));
     }
     run.fails(2, &["inspect", "content.png", "--depth-model", "guess"]);
+}
+
+#[test]
+fn the_map_of_open_water_is_chosen_recorded_and_no_part_of_the_published_settings() {
+    let run = Run::new();
+    scene(&run.path("content.png"), 1, "turbid");
+    scene(&run.path("water.png"), 2, "green");
+    let fuse = |map: &str| {
+        let output = format!("f_{map}.png");
+        let report = format!("f_{map}.json");
+        run.ok(&["fuse", "content.png", "water.png", "-o", &output, "--water-map", map, "--report", &report]);
+        let report: serde_json::Value = serde_json::from_slice(&run.bytes(&report)).unwrap();
+        assert_eq!(report["settings"]["water_map"], map);
+        run.bytes(&output)
+    };
+    let (rules, network) = (fuse("rules"), fuse("network"));
+    assert_ne!(rules, network);
+    run.ok(&["fuse", "content.png", "water.png", "-o", "default.png"]);
+    assert_eq!(run.bytes("default.png"), rules);
+    run.fails(
+        2,
+        &["fuse", "content.png", "water.png", "-o", "p.png", "--as-published", "--water-map", "network"],
+    );
+    run.fails(2, &["fuse", "content.png", "water.png", "-o", "p.png", "--water-map", "guess"]);
 }
 
 #[test]

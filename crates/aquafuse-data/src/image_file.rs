@@ -63,7 +63,13 @@ impl Default for WriteOptions {
 impl ImageFile {
     /// An image that did not come from a file.
     pub fn new(pixels: impl Into<Pixels>) -> Self {
-        Self { pixels: pixels.into(), metadata: Metadata::default(), damage: None, whole: None, water_map: WaterMap::default() }
+        Self {
+            pixels: pixels.into(),
+            metadata: Metadata::default(),
+            damage: None,
+            whole: None,
+            water_map: WaterMap::default(),
+        }
     }
 
     /// The same with another map of open water.

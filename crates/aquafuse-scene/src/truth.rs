@@ -61,7 +61,12 @@ pub fn views(seed: u64, size: Size, count: usize, finer: usize) -> Vec<TruthView
         let back = -0.4 + 0.25 * (1.7 * column as f32).cos();
         let level = (AHEAD - back).hypot(side);
         let target = -AHEAD * DOWN.tan();
-        Pose { moved: [side, up, back], yaw: (-side).atan2(AHEAD - back), pitch: (up - target).atan2(level), ..Pose::default() }
+        Pose {
+            moved: [side, up, back],
+            yaw: (-side).atan2(AHEAD - back),
+            pitch: (up - target).atan2(level),
+            ..Pose::default()
+        }
     };
     let view = |i: usize| {
         let (pose, fine) = (pose(i), Size { width: size.width * finer, height: size.height * finer });

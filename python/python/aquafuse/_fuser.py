@@ -44,8 +44,8 @@ class Fuser:
         smooth: ``none`` or ``bilateral``.
         depth: A callable that gives the depth of each image, and of ``water`` if that is an image; as in :func:`fuse`.
         depth_kind: What the values of its maps are; required with it.
-        depth_model: How depth is estimated otherwise: from colour by ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout`` or
-            FILE.toml of ``aquafuse fit``; or by a network, FILE.onnx or a :class:`DepthNetwork`.
+        depth_model: How depth is estimated otherwise: from colour by ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout``,
+            ``network`` or FILE.toml of ``aquafuse fit``; or by a network, FILE.onnx or a :class:`DepthNetwork`.
         border: What surrounds the scene and is left as it is: ``auto``, ``none`` or (top, right, bottom, left).
         linear: Work in linear light instead of encoded values.
         metres_at_one: Distance in metres of relative depth 1, where a water per metre meets relative depth.

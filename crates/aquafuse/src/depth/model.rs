@@ -5,9 +5,9 @@ use std::sync::OnceLock;
 
 use super::map::Buffers;
 
-use super::tables::{Square, Tables};
 #[cfg(feature = "network")]
 use super::network;
+use super::tables::{Square, Tables};
 use super::{DARK, DepthMap, Eq3, layout, median, refine};
 use crate::image::{ImageRef, Sample, TopEdge};
 

@@ -1,6 +1,7 @@
 //! The small image that the network sees, its top edge up, and maps turned back.
 
 use crate::image::{ImageRef, TopEdge};
+use crate::simd::{self, Work};
 
 /// About as many pixels as the network sees, of the image's proportions, in steps of sides that can be halved four times.
 const AREA: f64 = 128.0 * 96.0;
@@ -8,7 +9,7 @@ const STEP: usize = 16;
 /// Steps along a side at least and at most: of a narrower strip it sees a distorted image.
 const STEPS: [f64; 2] = [4.0, 12.0];
 /// Rows of the image that are read for a row of what the network sees.
-const ROWS: usize = 6;
+const ROWS: usize = 4;
 
 /// Bytes of red, green and blue, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,31 +54,51 @@ fn row(image: ImageRef<'_, u8>, y: usize, (columns, rows): (usize, usize)) -> Ve
     let from = y * height / rows;
     let to = ((y + 1) * height).div_ceil(rows).max(from + 1);
     let step = ((to - from) / ROWS).max(1);
-    let mut sums = vec![[0_u64; 3]; columns];
+    let mut down = vec![0_u32; 3 * width];
     let mut weight = 0;
     for source in (from + (step - 1) / 2..to).step_by(step) {
         // Rows at the border of two rectangles count in both, each by its part.
         let part = ((source + 1) * rows).min((y + 1) * height) - (source * rows).max(y * height);
         weight += part as u64;
-        let pixels = image.row(source);
-        for (x, sums) in sums.iter_mut().enumerate() {
-            let (first, last) = (x * width / columns, ((x + 1) * width).div_ceil(columns));
-            let part_of = |column: usize| {
-                (((column + 1) * columns).min((x + 1) * width) - (column * columns).max(x * width)) as u64
-            };
-            let inner = &pixels[first + 1..last.max(first + 2) - 1];
-            let mut inside = [0_u32; 3];
-            inner.iter().for_each(|pixel| (0..3).for_each(|c| inside[c] += u32::from(pixel[c])));
-            let ends = [first, last - 1];
-            let ends = &ends[..if last - first > 1 { 2 } else { 1 }];
-            for c in 0..3 {
-                let of_ends: u64 = ends.iter().map(|&end| part_of(end) * u64::from(pixels[end][c])).sum();
-                sums[c] += part as u64 * (of_ends + columns as u64 * u64::from(inside[c]));
-            }
+        let values = image.row(source).as_flattened();
+        simd::widest(AddRow { sums: &mut down, values, part: part as u32 });
+    }
+    let down = down.as_chunks::<3>().0;
+    let scale = 1.0 / (255.0 * weight as f64 * width as f64);
+    let mean = |x: usize| {
+        let (first, last) = (x * width / columns, ((x + 1) * width).div_ceil(columns));
+        let part =
+            |column: usize| ((column + 1) * columns).min((x + 1) * width) - (column * columns).max(x * width);
+        let mut sums = [0_u64; 3];
+        for inner in &down[first + 1..last.max(first + 2) - 1] {
+            (0..3).for_each(|c| sums[c] += u64::from(inner[c]));
+        }
+        let ends = [first, last - 1];
+        let mut sums = sums.map(|sum| sum * columns as u64);
+        for &end in &ends[..if last - first > 1 { 2 } else { 1 }] {
+            (0..3).for_each(|c| sums[c] += part(end) as u64 * u64::from(down[end][c]));
+        }
+        sums.map(|sum| (sum as f64 * scale) as f32)
+    };
+    (0..columns).map(mean).collect()
+}
+
+/// Adds a part of each value of a row.
+struct AddRow<'a> {
+    sums: &'a mut [u32],
+    values: &'a [u8],
+    part: u32,
+}
+
+impl Work for AddRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (sum, value) in self.sums.iter_mut().zip(self.values) {
+            *sum += self.part * u32::from(*value);
         }
     }
-    let scale = 1.0 / (255.0 * weight as f64 * width as f64);
-    sums.iter().map(|sums| sums.map(|sum| (sum as f64 * scale) as f32)).collect()
 }
 
 /// How rows of values of an image are turned until its top edge is the first row.

@@ -7,8 +7,9 @@ use crate::simd::{self, Level, Work};
 
 /// Channels that are summed side by side.
 const LANES: usize = 8;
-/// Pixels of a row that share the weights once they are loaded.
-const PIXELS: usize = 4;
+/// Pixels of a row that share the weights once they are loaded: as many as registers hold sums of, with vectors of four and of eight.
+const FEW: usize = 4;
+const MANY: usize = 8;
 /// What is added to a variance that is divided by.
 const LEAST_VARIANCE: f32 = 1e-5;
 
@@ -68,18 +69,22 @@ impl Convolution {
     /// The maps it makes of others; beyond their border they are 0.
     pub(super) fn of(&self, input: &Maps, level: Level) -> Maps {
         let mut output = Maps::new(input.width, input.height, self.to);
-        simd::widest_by(level, Convolve { by: self, input, output: &mut output });
+        match level {
+            Level::Plain => simd::widest_by(level, Convolve::<FEW> { by: self, input, output: &mut output }),
+            _ => simd::widest_by(level, Convolve::<MANY> { by: self, input, output: &mut output }),
+        }
         output
     }
 }
 
-struct Convolve<'a> {
+/// By so many pixels at once; sums do not depend on it.
+struct Convolve<'a, const PIXELS: usize> {
     by: &'a Convolution,
     input: &'a Maps,
     output: &'a mut Maps,
 }
 
-impl Work for Convolve<'_> {
+impl<const PIXELS: usize> Work for Convolve<'_, PIXELS> {
     type Output = ();
 
     #[inline(always)]
@@ -94,6 +99,11 @@ impl Work for Convolve<'_> {
                     store(&sums, output, x, y, index);
                     x += PIXELS;
                 }
+                while PIXELS > FEW && x + FEW <= input.width {
+                    let sums = sums::<FEW>(by, weights, input, x, y);
+                    store(&sums, output, x, y, index);
+                    x += FEW;
+                }
                 for x in x..input.width {
                     let sums = sums::<1>(by, weights, input, x, y);
                     store(&sums, output, x, y, index);
@@ -105,24 +115,24 @@ impl Work for Convolve<'_> {
 
 /// Eight channels of the result at so many pixels from column `x` on.
 #[inline(always)]
-fn sums<const MANY: usize>(
+fn sums<const PIXELS: usize>(
     by: &Convolution,
     weights: &[[f32; LANES]],
     input: &Maps,
     x: usize,
     y: usize,
-) -> [[f32; LANES]; MANY] {
+) -> [[f32; LANES]; PIXELS] {
     let (from, reach) = (by.from, by.side / 2);
-    let mut sums = [[0.0_f32; LANES]; MANY];
+    let mut sums = [[0.0_f32; LANES]; PIXELS];
     for dy in 0..by.side {
         let row = ((y + 1 + dy - reach) * (input.width + 2) + x + 1 - reach) * from;
         for dx in 0..by.side {
             let weights = &weights[(dy * by.side + dx) * from..][..from];
-            let pixels: [&[f32]; MANY] =
+            let pixels: [&[f32]; PIXELS] =
                 std::array::from_fn(|pixel| &input.values[row + (pixel + dx) * from..][..from]);
             for channel in 0..from {
                 let weights = &weights[channel];
-                for pixel in 0..MANY {
+                for pixel in 0..PIXELS {
                     let value = pixels[pixel][channel];
                     for lane in 0..LANES {
                         sums[pixel][lane] += value * weights[lane];
@@ -135,8 +145,8 @@ fn sums<const MANY: usize>(
 }
 
 #[inline(always)]
-fn store<const MANY: usize>(
-    sums: &[[f32; LANES]; MANY],
+fn store<const PIXELS: usize>(
+    sums: &[[f32; LANES]; PIXELS],
     output: &mut Maps,
     x: usize,
     y: usize,

@@ -24,7 +24,10 @@ fn it_computes_what_it_was_trained_as() {
     for (place, channel) in (0..places).flat_map(|place| (0..OUTPUTS).map(move |channel| (place, channel))) {
         let own = maps.row(place / (width / 2))[place % (width / 2) * OUTPUTS + channel];
         let theirs = expected[channel * places + place];
-        assert!((own - theirs).abs() < 2e-3 * (1.0 + theirs.abs()), "{place} {channel}: {own} is not {theirs}");
+        assert!(
+            (own - theirs).abs() < 2e-3 * (1.0 + theirs.abs()),
+            "{place} {channel}: {own} is not {theirs}"
+        );
         spread = spread.max((theirs - expected[channel * places]).abs());
     }
     assert!(spread > 1.0, "a fixture that is flat proves nothing");
@@ -74,7 +77,11 @@ fn an_image_stored_on_its_side_is_seen_as_it_is_upright() {
 fn shares_between_borders_are_means() {
     let sight = Sight { size: (4, 2), water: vec![0, 65535, 0, 65535, 65535, 0, 0, 0], ln_z: vec![0; 8] };
     let part = |columns: &[usize], rows: &[usize]| -> Vec<f32> {
-        sight.logits_between(columns, rows).into_iter().map(|logit| (logit - RANGE[0]) / (RANGE[1] - RANGE[0])).collect()
+        sight
+            .logits_between(columns, rows)
+            .into_iter()
+            .map(|logit| (logit - RANGE[0]) / (RANGE[1] - RANGE[0]))
+            .collect()
     };
     let are = |found: Vec<f32>, wanted: &[f32]| {
         assert_eq!(found.len(), wanted.len());

@@ -39,7 +39,9 @@ impl Weights {
         let [a, b, c, d] = WIDTHS;
         let weights = Self {
             stem: file.layer(INPUTS, a),
-            down: [(a, b), (b, c), (c, d)].map(|(from, to)| [file.layer(from, to), file.layer(to, to)]).into(),
+            down: [(a, b), (b, c), (c, d)]
+                .map(|(from, to)| [file.layer(from, to), file.layer(to, to)])
+                .into(),
             narrow: [(d, c), (c, b), (b, a)].map(|(from, to)| file.convolution(from, to, 1)).into(),
             up: [c, b, a].map(|width| file.layer(width, width)).into(),
             head: file.convolution(a, OUTPUTS, 1),

@@ -51,8 +51,9 @@ pub(super) struct Region {
     pub(super) cells: Cells,
     /// What speaks for water in each cell.
     pub(super) evidence: Vec<f32>,
-    /// The logit of the share of water in each cell, where a network says it.
+    /// The logit of the share of water in each cell, where a network says it; and whether rules say nothing then.
     pub(super) logits: Option<Vec<f32>>,
+    pub(super) alone: bool,
     /// The middle evidence of the region.
     pub(super) typical: f32,
     /// Its colour, in `[0, 1]`.
@@ -76,6 +77,8 @@ impl Region {
             }
             #[cfg(feature = "network")]
             WaterMap::Network => Self::by_network(cells, image, options.top),
+            #[cfg(feature = "network")]
+            WaterMap::Both => Self::by_both(cells, image, given, options.top),
         }
     }
 
@@ -89,7 +92,7 @@ impl Region {
         let of_region = median(inside.iter().map(|&cell| rough[cell]).collect());
         let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
         let seen = likelihood(of_region, median(rough), &colour, median(grey), given);
-        Self { cells, evidence, logits: None, typical, colour, read, middle, inside, seen }
+        Self { cells, evidence, logits: None, alone: false, typical, colour, read, middle, inside, seen }
     }
 }
 

@@ -212,11 +212,13 @@ impl Work for ToShares<'_> {
     }
 }
 
-/// How much of a cell is water: by evidence, or else by its colour; or by what a network sees there.
+/// How much of a cell is water: by evidence, or else by its colour; or by what a network sees there, or by either.
 fn share_of_cell(region: &Region, cell: usize, colour: &[f32; 3], veil: &[f32; 3]) -> f32 {
-    if let Some(logits) = &region.logits {
-        return by_network(logits[cell], colour, veil);
-    }
+    let network = region.logits.as_ref().map_or(0.0, |logits| by_network(logits[cell], colour, veil));
+    if region.alone { network } else { by_rules(region, cell, colour, veil).max(network) }
+}
+
+fn by_rules(region: &Region, cell: usize, colour: &[f32; 3], veil: &[f32; 3]) -> f32 {
     let by_evidence = (1.0 - (region.typical - region.evidence[cell]) / REACH).clamp(0.0, 1.0);
     let length = veil.iter().map(|value| value * value).sum::<f32>().sqrt().max(1e-3);
     let off: [f32; 3] = std::array::from_fn(|c| colour[c] - veil[c]);
@@ -228,13 +230,13 @@ fn share_of_cell(region: &Region, cell: usize, colour: &[f32; 3], veil: &[f32; 3
 
 /// How near to the water's colour a cell is that is like it.
 const ALIKE: f32 = 0.12;
-/// So far what the network says of a cell counts where the cell is like the water.
-const OF_ALIKE: f32 = 0.25;
+/// The power of what the network says, where a cell is like the water: unsure cells then count nearly whole.
+const UNSURE: f32 = 0.25;
 
-/// How much of a cell is water by a network's logit: `.97 max(l p^.25, p)`, l its likeness to the water.
+/// How much of a cell is water by a network's logit: `.98 max(l p^.25, p)`, l its likeness to the water.
 fn by_network(logit: f32, colour: &[f32; 3], veil: &[f32; 3]) -> f32 {
     let p = (1.0 + (-logit).exp()).recip();
     let off = (0..3).map(|c| (colour[c] - veil[c]).powi(2)).sum::<f32>();
     let alike = (-off / (ALIKE * ALIKE)).exp();
-    MOST * p.max(alike * p.powf(OF_ALIKE))
+    MOST * p.max(alike * p.powf(UNSURE))
 }

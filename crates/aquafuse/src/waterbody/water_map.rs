@@ -6,7 +6,8 @@
 /// | map | looks at | use it |
 /// |---|---|---|
 /// | [`Rules`](Self::Rules) | smoothness, height in the image, depth, brightness | explained in one page: the default |
-/// | `Network`, with the feature `network` | the image as a whole, 128 x 96 pixels of it | where smooth things or close views mislead rules |
+/// | `Network`, with the feature `network` | the image as a whole, 128 x 96 pixels of it | to see what it says alone |
+/// | `Both`, with the feature `network` | both; where and whether by their odds together, the share of a pixel by either | where smooth things or close views mislead rules |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
@@ -17,6 +18,9 @@ pub enum WaterMap {
     /// The network of this crate, trained on synthetic scenes alone: [`Sight`](crate::network::Sight).
     #[cfg(feature = "network")]
     Network,
+    /// Rules and the network together.
+    #[cfg(feature = "network")]
+    Both,
 }
 
 impl WaterMap {
@@ -25,6 +29,8 @@ impl WaterMap {
         Self::Rules,
         #[cfg(feature = "network")]
         Self::Network,
+        #[cfg(feature = "network")]
+        Self::Both,
     ];
 
     /// The name used on the command line and in reports.
@@ -33,6 +39,8 @@ impl WaterMap {
             Self::Rules => "rules",
             #[cfg(feature = "network")]
             Self::Network => "network",
+            #[cfg(feature = "network")]
+            Self::Both => "both",
         }
     }
 }

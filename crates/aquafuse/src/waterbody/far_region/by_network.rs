@@ -1,4 +1,4 @@
-//! The far region as a network sees it.
+//! The far region as a network sees it, alone or together with rules.
 
 use super::{Region, colour_of, far_colour, median};
 use crate::image::{ImageRef, TopEdge};
@@ -7,19 +7,49 @@ use crate::waterbody::cells::Cells;
 
 /// Share of the image that the region is.
 const SHARE: f32 = 0.1;
-/// What the surest places hold of water where open water is as likely in view as not, and how fast likelihood grows with it.
+/// What the surest places hold of water where open water is as likely in view as not, and how fast ln of its odds grows with it.
 const EVEN: f32 = 0.7;
 const STEEP: f32 = 12.0;
+/// What a network's logit counts beside the evidence of rules, and ln of its odds beside theirs. Chosen on each second marked
+/// photograph.
+const OF_LOGIT: f32 = 0.1;
+const OF_ODDS: f32 = 0.25;
+/// Odds of rules are taken to be no farther from even than those of one in ten thousand.
+const LEAST: f32 = 1e-4;
 
 impl Region {
     /// The region of the image in cells, by a network.
     pub(in crate::waterbody) fn by_network(cells: Cells, image: ImageRef<'_, u8>, top: TopEdge) -> Self {
         let sight = Sight::of(image, top);
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
-        let (inside, read, colour) = far_colour(&cells, &logits, SHARE);
-        let typical = median(inside.iter().map(|&cell| logits[cell]).collect());
-        let seen = (1.0 + (-STEEP * (sight.surest() - EVEN)).exp()).recip();
-        let middle = colour_of(&inside, &cells);
-        Self { cells, evidence: logits.clone(), logits: Some(logits), typical, colour, read, middle, inside, seen }
+        Self::seen(cells, logits.clone(), logits, true, odds(&sight))
     }
+
+    /// The region of the image in cells, by rules and a network.
+    pub(in crate::waterbody) fn by_both(
+        cells: Cells,
+        image: ImageRef<'_, u8>,
+        given: bool,
+        top: TopEdge,
+    ) -> Self {
+        let sight = Sight::of(image, top);
+        let Self { cells, evidence, seen, .. } = Self::of(cells, given, top);
+        let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
+        let both = evidence.iter().zip(&logits).map(|(rule, logit)| rule + OF_LOGIT * logit).collect();
+        let by_rules = seen.clamp(LEAST, 1.0 - LEAST);
+        Self::seen(cells, both, logits, false, (by_rules / (1.0 - by_rules)).ln() + OF_ODDS * odds(&sight))
+    }
+
+    fn seen(cells: Cells, evidence: Vec<f32>, logits: Vec<f32>, alone: bool, odds: f32) -> Self {
+        let (inside, read, colour) = far_colour(&cells, &evidence, SHARE);
+        let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
+        let middle = colour_of(&inside, &cells);
+        let seen = (1.0 + (-odds).exp()).recip();
+        Self { cells, evidence, logits: Some(logits), alone, typical, colour, read, middle, inside, seen }
+    }
+}
+
+/// ln of the odds that open water is in view.
+fn odds(sight: &Sight) -> f32 {
+    STEEP * (sight.surest() - EVEN)
 }

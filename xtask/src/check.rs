@@ -17,6 +17,7 @@ const FEATURES: [&[&str]; 5] = [
     &["--features", "threads"],
     &["--features", "serde", "--all-targets"],
     &["--features", "image,ndarray"],
+    &["--features", "network", "--all-targets"],
 ];
 
 /// What was skipped, a line each.

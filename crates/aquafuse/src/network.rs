@@ -4,7 +4,7 @@
 //! It looks at about 128 x 96 pixels of an image and says only *where* water is and what is farther; what an image then becomes is
 //! computed in closed form. The same weights give the same bits on every thread and by all vector instructions.
 //!
-//! [`WaterMap::Network`](crate::waterbody::WaterMap::Network) reads the share of water,
+//! [`WaterMap::Network`](crate::waterbody::WaterMap::Network) and [`WaterMap::Both`](crate::waterbody::WaterMap::Both) read the share of water,
 //! [`DepthModel::Network`](crate::depth::DepthModel::Network) the distances.
 
 mod input;
@@ -24,7 +24,7 @@ use weights::{INPUTS, OUTPUTS, Weights};
 const RANGE: [f32; 2] = [-12.0, 12.0];
 /// Steps of either over its range: sums of whole numbers do not depend on their order.
 const STEPS: f32 = 65535.0;
-/// Calling it two works on an image so large that a second thread pays.
+/// Of so many values two threads share the work: that of the network is as much, whatever the image.
 const LARGE: usize = 1 << 20;
 
 /// What the network sees in an image, in places of a coarse grid over it, row by row as stored.

@@ -16,13 +16,14 @@ use crate::failure::Failure;
 /// How depth is estimated.
 #[derive(Args)]
 pub(crate) struct DepthModelArg {
-    /// Model that estimates depth from colour: eq3, eq3-median, ratio, ulap, udepth, layout, or FILE.toml from `fit`; or a
+    /// Model that estimates depth from colour: eq3, eq3-median, ratio, ulap, udepth, layout, network, or FILE.toml from `fit`; or a
     /// network of depth, FILE.onnx.
     ///
     /// `eq3` is the model of the paper. The image refines it, as it does all others; `eq3-median` takes the paper's
     /// 7x7 median instead. `ratio` is the logarithm of max(G, B) / R. `ulap` and `udepth` are published
     /// linear models. `layout` assumes that higher pixels are farther and corrects this by colour: use it only
-    /// if the camera is level and looks ahead. FILE.toml is `eq3` with fitted coefficients. FILE.onnx is a network of your own, such
+    /// if the camera is level and looks ahead. `network` is a tiny network that is part of this program, trained on synthetic scenes
+    /// alone; it looks at the whole image, and expects a camera that is held about level. FILE.toml is `eq3` with fitted coefficients. FILE.onnx is a network of your own, such
     /// as Depth Anything V2; its map is used as one of --depth is, once the image has refined it. Nothing is ever downloaded.
     #[arg(long = "depth-model", value_name = "M", default_value = "eq3", value_parser = model)]
     depth_model: Named,

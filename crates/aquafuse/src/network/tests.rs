@@ -90,7 +90,7 @@ fn shares_between_borders_are_means() {
     are(part(&[0, 40], &[0, 20]), &[3.0 / 8.0]);
     are(part(&[0, 10, 20, 30, 40], &[0, 10, 20]), &[0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     // Three cells over four places: each is one place and a third.
-    are(part(&[0, 4, 8, 12], &[0, 6]), &[0.5 * (0.25 + 0.75), 0.5, 0.5 * 0.75]);
+    are(part(&[0, 4, 8, 12], &[0, 6]), &[0.5 * (0.25 + 0.75), 0.5 * 0.5, 0.5 * 0.75]);
 }
 
 #[test]

@@ -122,7 +122,7 @@ impl Sight {
 }
 
 /// The share whose logit this is.
-pub(crate) fn share(logit: f32) -> f32 {
+fn share(logit: f32) -> f32 {
     1.0 / (1.0 + (-logit).exp())
 }
 

@@ -20,7 +20,7 @@ fn by_network() -> EstimateOptions {
 fn mirrored(image: &Image<u8>) -> Image<u8> {
     let rows = image.pixels().chunks(image.width());
     let pixels = rows.flat_map(|row| row.iter().rev().copied()).flatten().collect();
-    Image::from_raw(image.width(), image.height(), pixels).unwrap()
+    Image::from_raw(image.width(), image.height(), pixels).expect("as many pixels as before")
 }
 
 fn options() -> Options {

@@ -11,7 +11,7 @@ const STEPS: [f64; 2] = [4.0, 12.0];
 /// Rows of the image that are read for a row of what the network sees.
 const ROWS: usize = 4;
 
-/// Bytes of red, green and blue, row by row.
+/// Red, green and blue in `[0, 1]`, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Small {
     pub(super) width: usize,

@@ -69,9 +69,10 @@ impl Convolution {
     /// The maps it makes of others; beyond their border they are 0.
     pub(super) fn of(&self, input: &Maps, level: Level) -> Maps {
         let mut output = Maps::new(input.width, input.height, self.to);
-        match level {
-            Level::Plain => simd::widest_by(level, Convolve::<FEW> { by: self, input, output: &mut output }),
-            _ => simd::widest_by(level, Convolve::<MANY> { by: self, input, output: &mut output }),
+        if level == Level::Plain {
+            simd::widest_by(level, Convolve::<FEW> { by: self, input, output: &mut output });
+        } else {
+            simd::widest_by(level, Convolve::<MANY> { by: self, input, output: &mut output });
         }
         output
     }

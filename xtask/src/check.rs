@@ -11,7 +11,7 @@ use crate::api;
 
 const STRICT: [&str; 3] = ["--", "-D", "warnings"];
 /// Tests and examples ask for no feature but `serde`: with the others they are what they are without.
-const FEATURES: [&[&str]; 5] = [
+const FEATURES: [&[&str]; 6] = [
     &["--all-targets"],
     &["--features", "simd"],
     &["--features", "threads"],

@@ -11,6 +11,7 @@ use aquafuse::depth::SuppliedKind;
 use aquafuse::fusion::Options;
 use aquafuse::image::{Image, Sample as _, TopEdge};
 use aquafuse::scene_area::Border;
+use aquafuse::waterbody::WaterMap;
 
 use crate::augment::try_coco;
 use crate::augment::try_manifest;
@@ -125,6 +126,7 @@ const LIMITS: ReadOptions = ReadOptions {
     max_memory: 64 << 20,
     lenient: false,
     border: Border::None,
+    water_map: WaterMap::Rules,
 };
 
 fn image(format: Format, bytes: &[u8]) {

@@ -113,7 +113,10 @@ fn a_model_that_cannot_be_used_is_refused_by_cause() {
     std::fs::write(run.path("up.toml"), "schema = 1\nmodel = \"eq3\"\nmu = [0.5, -0.5, -6.0, -0.5, -2.0]\n")
         .unwrap();
     for (model, expected) in [
-        ("guess", "ratio, ulap, udepth, layout, a FILE.toml from `aquafuse fit`, or a network FILE.onnx"),
+        (
+            "guess",
+            "ratio, ulap, udepth, layout, network, a FILE.toml from `aquafuse fit`, or a network FILE.onnx",
+        ),
         ("missing.toml", "cannot read missing.toml"),
         ("text.toml", "text.toml is no depth model"),
         ("up.toml", "must not rise with red"),

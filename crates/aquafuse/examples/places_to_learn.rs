@@ -20,7 +20,7 @@ use aquafuse::waterbody::presets::{White, sea};
 
 /// Places whose seeds nothing else uses.
 const FIRST_SEED: u64 = 9_000_000;
-/// Nothing may be nearer to the camera than this for more than this share of the image: it stands in a thing.
+/// Nothing may be nearer to the camera than this for more than this share of the image; else it is inside a thing.
 const NEAREST: f32 = 0.25;
 const INSIDE: f32 = 0.2;
 

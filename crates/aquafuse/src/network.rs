@@ -24,7 +24,7 @@ use weights::{INPUTS, OUTPUTS, Weights};
 const RANGE: [f32; 2] = [-12.0, 12.0];
 /// Steps of either over its range: sums of whole numbers do not depend on their order.
 const STEPS: f32 = 65535.0;
-/// Of so many values two threads share the work: that of the network is as much, whatever the image.
+/// Two threads share work on as many values as these: the network is as much work, whatever the image.
 const LARGE: usize = 1 << 20;
 
 /// What the network sees in an image, in places of a coarse grid over it, row by row as stored.

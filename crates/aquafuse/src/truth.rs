@@ -221,7 +221,7 @@ mod tests {
     fn a_camera_rolled_by_half_a_turn_sees_the_place_upside_down() {
         let of = |roll: f32| Scene::from(View::default(), 5, &Pose { roll, ..Pose::default() }, SMALL).depth;
         let (level, rolled) = (of(0.0), of(std::f32::consts::PI));
-        // The ray of a pixel's middle is that of the opposite pixel's middle.
+        // The middle of a pixel and the middle of the opposite pixel have one ray.
         let alike = (0..40).flat_map(|y| (0..60).map(move |x| (x, y))).filter(|&(x, y)| {
             let (own, other) = (level.at(x, y), rolled.at(59 - x, 39 - y));
             (own - other).abs() < 0.02 * own

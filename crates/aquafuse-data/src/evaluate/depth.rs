@@ -1,4 +1,4 @@
-//! How right depth is: that of each model from colour, of networks, and maps from elsewhere, against depth that is known.
+//! How right depth is: of each model from colour, of networks, and in maps from elsewhere, beside depth that is known.
 
 mod agreement;
 

@@ -272,7 +272,7 @@ pub fn analyse_supplied(
 }
 
 /// As [`analyse_supplied`], with depth that another program estimated from the scene ([`ImageFile::bytes`]): the map may have any
-/// size, covers the scene as a whole, and is refined by it as that of a network is.
+/// size, covers the scene as a whole, and is refined by it as the map of a network is.
 ///
 /// # Errors
 ///

@@ -17,6 +17,8 @@ mod coarse;
 #[cfg(feature = "onnx")]
 mod contents;
 #[cfg(feature = "onnx")]
+mod messages;
+#[cfg(feature = "onnx")]
 mod network;
 #[cfg(feature = "onnx")]
 mod preset;

@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use super::messages;
 use super::preset::Unfit;
 
 /// Operators of the largest networks of depth, ten times over.
@@ -22,6 +23,7 @@ const FOREIGN: &str =
 
 /// Refuses a file that is cut short, that keeps its weights elsewhere, or whose work nothing bounds.
 pub(super) fn check(file: &[u8]) -> Result<(), Unfit> {
+    messages::check(file)?;
     let mut operators = 0;
     let mut found = false;
     each(file, &mut |number, value| match (number, value) {
@@ -177,20 +179,20 @@ fn check_tensor(tensor: &[u8]) -> Result<(&[u8], Option<u64>), Unfit> {
     Ok((name, (kind == INT64 && !sides.is_empty()).then_some(size)))
 }
 
-fn refused(cause: &str) -> Unfit {
+pub(super) fn refused(cause: &str) -> Unfit {
     (cause.to_owned(), FOREIGN.to_owned())
 }
 
 /// What a field holds.
 #[derive(Clone, Copy)]
-enum Value<'a> {
+pub(super) enum Value<'a> {
     Number(u64),
     Bytes(&'a [u8]),
     Other,
 }
 
 /// Calls `visit` with each field of a message of protocol buffers.
-fn each<'a>(
+pub(super) fn each<'a>(
     message: &'a [u8],
     visit: &mut dyn FnMut(u64, Value<'a>) -> Result<(), Unfit>,
 ) -> Result<(), Unfit> {

@@ -23,7 +23,6 @@ const FOREIGN: &str =
 
 /// Refuses a file that is cut short, that keeps its weights elsewhere, or whose work nothing bounds.
 pub(super) fn check(file: &[u8]) -> Result<(), Unfit> {
-    messages::check(file)?;
     let mut operators = 0;
     let mut found = false;
     each(file, &mut |number, value| match (number, value) {
@@ -33,7 +32,7 @@ pub(super) fn check(file: &[u8]) -> Result<(), Unfit> {
         }
         _ => Ok(()),
     })?;
-    if found { Ok(()) } else { Err(refused("it holds no graph of operators")) }
+    if found { messages::check(file) } else { Err(refused("it holds no graph of operators")) }
 }
 
 /// Fields of a model, a graph, an operator, an attribute and a tensor.

@@ -54,7 +54,7 @@ def over(other, chance, image):
 
 
 def gathered(places, chance):
-    """Clear linear colours and metres of places, some of them of two places or with made-up bodies in front."""
+    """Clear linear colours and metres of places, some of them of two places or with made-up shapes in front."""
     clear, z = places(chance.below(len(places)))
     other, other_z = places(chance.below(len(places)))
     mirror = chance.happens(0.5) > 0
@@ -76,7 +76,7 @@ def gathered(places, chance):
 
 
 def bodied(clear, z, chance):
-    """A body of a made-up shape, colour and texture in front of a place, now and then."""
+    """A thing of made-up shape, colour and texture in front of a place, now and then."""
     size = (HEIGHT, WIDTH)
     y, x = torch.meshgrid(torch.linspace(-0.75, 0.75, HEIGHT), torch.linspace(-1, 1, WIDTH), indexing="ij")
     angle = chance.between(0, math.pi)

@@ -12,7 +12,7 @@ use crate::programs;
 /// Places of a file, so that a stopped run loses few.
 const OF_A_FILE: usize = 250;
 /// Files to learn from, and places held back, whose numbers are far from the others.
-const FILES: usize = 40;
+const FILES: usize = 13;
 const HELD: [usize; 2] = [1_000_000, 120];
 const SIZE: [&str; 2] = ["160", "120"];
 const WATERS: usize = 4000;
@@ -39,7 +39,7 @@ fn train(options: &[&str], folder: &Path) -> Result<()> {
         run_program(made)?;
         std::fs::rename(&part, &path).with_context(|| format!("cannot write {}", path.display()))
     };
-    say("Making places to learn from (half an hour on one core)");
+    say("Making places to learn from (ten minutes on one core)");
     make("waters.bin", &["waters", "0", &WATERS.to_string()])?;
     let places = |name: &str, first: usize, count: usize| {
         let [width, height] = SIZE;

@@ -14,6 +14,8 @@ pub(crate) fn run() -> Result<()> {
     say("Trying estimates and fusion on truth scenes (about three minutes)");
     show_section(RESULTS, "estimates", &estimates::table()?)?;
     evaluate::write(&aquafuse, "truth", &["truth"])?;
+    evaluate::write(&aquafuse, "truth-wall", &["truth", "--places", "wall"])?;
+    evaluate::write(&aquafuse, "truth-open-water", &["truth", "--places", "open-water"])?;
     evaluate::write(&aquafuse, "truth-linear", &["truth", "--linear"])?;
     evaluate::write(&aquafuse, "truth-lit", &["truth", "--lit"])?;
     evaluate::write(&aquafuse, "truth-lit-sea", &["truth", "--lit=sea"])?;

@@ -67,7 +67,7 @@ def main():
     words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     words.add_argument("folder", type=Path)
     words.add_argument("output", type=Path)
-    words.add_argument("--steps", type=int, default=6000)
+    words.add_argument("--steps", type=int, default=9000)
     words.add_argument("--seed", type=int, default=1)
     words.add_argument("--minutes", type=float, default=120)
     words = words.parse_args()

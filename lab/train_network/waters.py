@@ -5,9 +5,12 @@ import math
 import torch
 from torch.nn import functional as F
 
+import rooms
+
 WIDTH, HEIGHT = 160, 120
 OPEN = 65535
 SHAPES = ((128, 96), (128, 96), (144, 80), (112, 112), (96, 128))
+ROOMS = 0.35  # of all places
 FADED = 18.0  # metres from which the floor of a place fades into the dark
 
 
@@ -56,6 +59,9 @@ def over(other, chance, image):
 def gathered(places, chance):
     """Clear linear colours and metres of places, some of them of two places or with made-up shapes in front."""
     clear, z = places(chance.below(len(places)))
+    planes = chance.happens(ROOMS).flatten() > 0
+    if planes.any():
+        clear[planes], z[planes] = rooms.room(Chance(int(chance.below(1 << 40, 1)), int(planes.sum())), WIDTH, HEIGHT)
     other, other_z = places(chance.below(len(places)))
     mirror = chance.happens(0.5) > 0
     clear, z = torch.where(mirror, clear.flip(3), clear), torch.where(mirror, z.flip(3), z)
@@ -234,13 +240,17 @@ def batch(places, waters, seed, count):
     light, left = formed(clear, z, waters, chance)
     # What lets less than a thirtieth through is water to any eye; from a quarter on it is a thing.
     share = (torch.log(0.25 / left.clamp(min=1e-9)) / math.log(0.25 / 0.03)).clamp(0, 1)
-    # A part of each, in the proportions of the shape.
-    fits = min(WIDTH / width, HEIGHT / height)
-    part = chance.between(0.55, 1.0)
-    half = torch.cat([part * fits * width / WIDTH, part * fits * height / HEIGHT], 1).view(count, 2, 1, 1)
+    # A part of each, in the proportions of the shape, now and then by a camera that is held askew.
+    kind = chance.between(0, 1)
+    askew = torch.where(kind < 0.75, chance.normal(0.04), torch.where(kind < 0.9, chance.normal(0.4), chance.between(-math.pi, math.pi)))
+    cos, sin = askew.cos(), askew.sin()
+    wide, high = width * cos.abs() + height * sin.abs(), width * sin.abs() + height * cos.abs()
+    scale = chance.between(0.6, 1.0) * torch.minimum(WIDTH / wide, HEIGHT / high)
+    half = torch.cat([scale * wide / WIDTH, scale * high / HEIGHT], 1)
     centre = (2 * torch.rand(count, 2, 1, 1, generator=chance.of) - 1) * (1 - half)
-    y, x = torch.meshgrid((torch.arange(height) + 0.5) / height * 2 - 1, (torch.arange(width) + 0.5) / width * 2 - 1, indexing="ij")
-    grid = (centre + half * torch.stack([x, y]).unsqueeze(0)).permute(0, 2, 3, 1)
+    y, x = torch.meshgrid((torch.arange(height) + 0.5) - height / 2, (torch.arange(width) + 0.5) - width / 2, indexing="ij")
+    turned = torch.cat([(x * cos - y * sin) * 2 / WIDTH, (x * sin + y * cos) * 2 / HEIGHT], 1)
+    grid = (centre + scale * turned).permute(0, 2, 3, 1)
     light = F.grid_sample(light, grid, align_corners=False, padding_mode="border")
     share = F.grid_sample(share, grid, align_corners=False, padding_mode="border")
     z = F.grid_sample(z, grid, mode="nearest", align_corners=False, padding_mode="border")

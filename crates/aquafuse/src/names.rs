@@ -47,6 +47,7 @@ mod tests {
     use crate::depth::{DepthModel, Eq3, SuppliedKind};
     use crate::fusion::Model;
     use crate::smooth::Smoothing;
+    use crate::truth::Site;
     use crate::waterbody::{Verdict, presets::Preset};
 
     #[test]
@@ -58,7 +59,7 @@ mod tests {
                 })*
             };
         }
-        check!(DepthModel, SuppliedKind, Model, Smoothing, Verdict, Preset);
+        check!(DepthModel, SuppliedKind, Model, Site, Smoothing, Verdict, Preset);
         assert_eq!("JERLOV-1c".parse(), Ok(Preset::Coastal1C));
     }
 

@@ -12,7 +12,7 @@ use std::path::Path;
 use aquafuse::fusion::Model;
 use aquafuse::image::{Encoding, Image};
 use aquafuse::scene_area::Border;
-use aquafuse::truth::{LitCase, LitWaters, Trials};
+use aquafuse::truth::{LitCase, LitWaters, Site, Trials};
 use serde_json::json;
 
 use super::chance::Chance;
@@ -29,6 +29,8 @@ use ways::{Found, Pair, Way, ways};
 pub struct Truth {
     /// Number of exchanges, each a content and a reference in another water.
     pub exchanges: usize,
+    /// The family of places.
+    pub places: Site,
     /// Scenes that are lit by their own water, as a camera exposes and balances them: truth C. `None`: truths A and B.
     pub lit: Option<LitWaters>,
     /// Form scenes, estimate and fuse in linear light.
@@ -64,14 +66,32 @@ const SCORES: [Score; 9] = [
 const ITEM_SCORES: [Score; 5] = [SCORES[0], SCORES[4], SCORES[6], SCORES[7], SCORES[8]];
 const LIT_ITEM_SCORES: [Score; 3] = [LIT_SCORES[0], LIT_SCORES[4], LIT_SCORES[5]];
 
-const ABOUT: &str = "Synthetic harbours in Jerlov's waters, half of the contents with open water in view; the reference is \
+/// What a family of places is.
+fn about(places: Site) -> &'static str {
+    match places {
+        Site::Harbour => "Synthetic harbours, half of the contents with open water in view.",
+        Site::Wall => {
+            "Synthetic walls with an overhang, lit from above; half of the contents with open water in view. \
+            No constant and no weight was ever fitted to them."
+        }
+        Site::OpenWater => {
+            "A school of fish and divers in black in open water, without a floor. No constant and no weight was ever fitted \
+            to such scenes."
+        }
+        _ => {
+            "Synthetic reefs, half of the contents with open water in view: constants were chosen on such places."
+        }
+    }
+}
+
+const ABOUT: &str = "They are in Jerlov's waters; the reference is \
     another place in a water whose veil differs by at least .2 in some channel. Share of the true change: 1 is the truth, 0 \
     the content, below 0 farther from the truth than the content. Truth A is the scene with only B∞ exchanged, truth B \
     the scene with the whole water exchanged. Structure kept: SSIM of luma with the content; the last rows give it for \
     the truths, because a true change also changes contrast. Brackets: 95 % bootstrap interval of the mean over \
     exchanges. The rivals get the whole reference image.";
 
-const ABOUT_LIT: &str = "Synthetic harbours in Jerlov's waters, 1 to 20 m below the surface, each lit by what its own water \
+const ABOUT_LIT: &str = "They are in Jerlov's waters, 1 to 20 m below the surface, each lit by what its own water \
     leaves of daylight, formed in linear light; a camera exposes, balances in part, encodes and adds noise. The reference is \
     another place in a water whose veil differs by at least .2 in some channel of the image. Share of the true change: 1 is \
     the truth, 0 the content, below 0 farther from the truth than the content. Truth C is the content's place in the \
@@ -123,7 +143,7 @@ impl Truth {
 
     fn run_in<E: Encoding>(&self, listener: Listener<'_>) -> Result<Report, EvaluateError> {
         listener(Event::Started { total: self.exchanges });
-        let trials = Trials::default();
+        let trials = Trials::at(self.places);
         let numbers: Vec<usize> = (0..self.exchanges).collect();
         let found = self.run_options.map(&numbers, |&number| {
             let found = if let Some(waters) = self.lit {
@@ -143,14 +163,15 @@ impl Truth {
             command: "evaluate truth",
             title: "Share of the true change".into(),
             about: match self.lit {
-                Some(LitWaters::Sea) => vec![ABOUT_LIT.into(), ABOUT_SEA.into()],
-                Some(_) => vec![ABOUT_LIT.into()],
-                None => vec![ABOUT.into()],
+                Some(LitWaters::Sea) => vec![about(self.places).into(), ABOUT_LIT.into(), ABOUT_SEA.into()],
+                Some(_) => vec![about(self.places).into(), ABOUT_LIT.into()],
+                None => vec![about(self.places).into(), ABOUT.into()],
             },
             settings: json!({
                 "encoding": if self.linear { "linear" } else { "encoded" },
                 "exchanges": self.exchanges,
                 "lit": self.lit.map(name),
+                "places": self.places.name(),
                 "seed": self.seed,
             }),
             tables: vec![self.table(&found)],

@@ -12,6 +12,8 @@ pub(super) struct Floor {
     pub(super) slope: f32,
     /// What it is made of.
     pub(super) ground: Ground,
+    /// How much deeper than the camera's ground it lies, metres.
+    pub(super) below: f32,
 }
 
 /// Linear reflectances of the ground: bare in two shades, and what grows on it.
@@ -30,11 +32,11 @@ pub(super) const MUD: Ground =
 pub(super) const CREST: f32 = 2.6;
 
 impl Floor {
-    /// Height of the dunes, in metres, the camera's ground being about 0.
+    /// Height of the dunes, in metres; the camera's ground is about 0 where none of it is `below`.
     pub(super) fn height(&self, x: f32, z: f32) -> f32 {
         let dunes = 0.7 * noise_2d(0.16 * x + self.offset, 0.16 * z) + 0.3 * noise_2d(0.4 * x, 0.4 * z) - 0.5;
         let rise = smooth_step(0.0, 14.0, x * self.slope.signum()) * 14.0 * self.slope.abs();
-        (1.1 * dunes + rise).min(CREST)
+        (1.1 * dunes + rise).min(CREST) - self.below
     }
 
     /// Height with ripples and pebbles: too fine to march against, enough to turn the normal.

@@ -1,6 +1,8 @@
 //! The layout of a place.
 
 mod harbour;
+mod open_water;
+mod wall;
 
 use super::floor::{Floor, MUD, SAND};
 use super::geometry::{Bunch, Rod, Vec3, vec3};
@@ -15,11 +17,15 @@ pub(super) struct Place {
     pub(super) things: Vec<Thing>,
     /// Height of the camera above the ground below it, metres.
     pub(super) eye: f32,
-    /// How far the camera looks down, radians.
+    /// How far the camera looks down, and to the right, radians.
     pub(super) pitch: f32,
+    pub(super) yaw: f32,
     /// Unit direction towards the sun.
     pub(super) sun: Vec3,
 }
+
+/// How far below the floor lies where none is seen, metres.
+const OUT_OF_SIGHT: f32 = 60.0;
 
 const ROCKS: [Vec3; 4] =
     [vec3(0.30, 0.27, 0.24), vec3(0.24, 0.22, 0.22), vec3(0.36, 0.29, 0.22), vec3(0.22, 0.24, 0.22)];
@@ -64,16 +70,21 @@ impl Place {
             offset: random.between(0.0, 400.0),
             slope: side * random.between(0.04, 0.11),
             ground: match view.site {
-                Site::Reef => SAND,
                 Site::Harbour => MUD,
+                Site::Reef | Site::Wall | Site::OpenWater => SAND,
+            },
+            below: match view.site {
+                Site::Reef | Site::Harbour => 0.0,
+                Site::Wall | Site::OpenWater => OUT_OF_SIGHT,
             },
         };
         let mut place = Self {
             site: view.site,
             floor,
             things: Vec::new(),
-            eye: random.between(1.0, 1.5),
+            eye: floor.below + random.between(1.0, 1.5),
             pitch: random.between(0.10, 0.20),
+            yaw: 0.0,
             sun: vec3(random.between(-0.5, 0.5), 1.0, random.between(-0.6, 0.1)).normalised(),
         };
         match view.site {
@@ -84,8 +95,10 @@ impl Place {
                 place.fish(&mut random, side);
             }
             Site::Harbour => place.harbour(&mut random, side),
+            Site::Wall => place.wall(&mut random, side, view.gaze),
+            Site::OpenWater => place.open_water(&mut random, view.gaze),
         }
-        if view.gaze == Gaze::Down {
+        if view.gaze == Gaze::Down && place.floor.below == 0.0 {
             // The upper edge of the image then meets the floor some metres away.
             place.pitch += random.between(0.42, 0.60);
             place.eye *= random.between(1.0, 2.2);
@@ -99,6 +112,7 @@ impl Place {
             (Shape::Fish { .. }, _) => Kind::Fish,
             (Shape::Leaves(_), _) => Kind::Plant,
             (Shape::Rock { .. }, _) => Kind::Rock,
+            (Shape::Branches(_), Site::OpenWater) => Kind::Diver,
             // A harbour's rods are piles and pipes.
             (Shape::Block { .. }, _) | (Shape::Branches(_), Site::Harbour) => Kind::Built,
             (Shape::Brain { .. } | Shape::Tubes(_) | Shape::Branches(_), _) => Kind::Coral,

@@ -31,7 +31,7 @@ const DEAD_VEIL: f32 = 0.02;
 
 /// Numbered random scenes to try estimators and fusion on: the same numbers give the same pixels on every machine.
 ///
-/// Harbours, half of them with open water in view, in the ten waters of Jerlov, as a camera stores them.
+/// Harbours unless asked for other places, half of them with open water in view, in the ten waters of Jerlov, as a camera stores them.
 ///
 /// # Examples
 ///
@@ -47,13 +47,14 @@ const DEAD_VEIL: f32 = 0.02;
 /// ```
 #[derive(Debug)]
 pub struct Trials {
+    site: Site,
     /// Places, each made once: even numbers look ahead, odd ones down.
     places: [OnceLock<Scene>; PLACES],
 }
 
 impl Default for Trials {
     fn default() -> Self {
-        Self { places: [const { OnceLock::new() }; PLACES] }
+        Self::at(Site::Harbour)
     }
 }
 
@@ -80,17 +81,27 @@ fn place_of(number: usize) -> usize {
 }
 
 impl Trials {
+    /// Scenes of one family of places.
+    pub fn at(site: Site) -> Self {
+        Self { site, places: [const { OnceLock::new() }; PLACES] }
+    }
+
+    /// Whether open water is in view of the scene of this number.
+    fn is_open(&self, number: usize) -> bool {
+        self.site == Site::OpenWater || place_of(number).is_multiple_of(2)
+    }
+
     fn place(&self, number: usize) -> &Scene {
         let number = place_of(number);
         self.places[number].get_or_init(|| {
             let gaze = if number.is_multiple_of(2) { Gaze::Ahead } else { Gaze::Down };
-            Scene::of(View { site: Site::Harbour, gaze }, FIRST_SEED + number as u64, SIZE)
+            Scene::of(View { site: self.site, gaze }, FIRST_SEED + number as u64, SIZE)
         })
     }
 
     /// The scene of this number, formed in encoding `E`.
     pub fn case<E: Encoding>(&self, number: usize) -> Case<E> {
-        Case::new(self.place(number), number)
+        Case::new(self.place(number), number, self.is_open(number))
     }
 
     /// The exchange of this number: a content, and a reference in a water that differs to the eye.
@@ -100,9 +111,8 @@ impl Trials {
 }
 
 impl<E: Encoding> Case<E> {
-    fn new(place: &Scene, number: usize) -> Self {
+    fn new(place: &Scene, number: usize, open: bool) -> Self {
         let mut chance = Random::of_state(1 + number as u64);
-        let open = place_of(number).is_multiple_of(2);
         let preset = Preset::ALL[chance.below(Preset::ALL.len())];
         let conditions = Conditions::default();
         let conditions =

@@ -103,8 +103,19 @@ fn far_colour(cells: &Cells, evidence: &[f32], share: f32) -> (Vec<usize>, Vec<u
     let least = largest(members, evidence);
     let surest = largest(count(SEED, members), evidence);
     let inside: Vec<usize> = (0..evidence.len()).filter(|&cell| evidence[cell] >= least).collect();
-    let mut read: Vec<usize> = inside.iter().copied().filter(|&cell| evidence[cell] >= surest).collect();
-    let mut colour = colour_of(&read, cells);
+    let surest = inside.iter().copied().filter(|&cell| evidence[cell] >= surest).collect();
+    let (read, colour) = commonest(cells, &inside, surest, &|read| colour_of(read, cells));
+    (inside, read, colour)
+}
+
+/// Those of the cells inside that have the commonest colour, and that colour: it begins as the typical colour of `read`.
+fn commonest(
+    cells: &Cells,
+    inside: &[usize],
+    mut read: Vec<usize>,
+    typical: &dyn Fn(&[usize]) -> [f32; 3],
+) -> (Vec<usize>, [f32; 3]) {
+    let mut colour = typical(&read);
     let near = |colour: &[f32; 3], is_near: &dyn Fn([f32; 3]) -> bool| -> Vec<usize> {
         let off = |&cell: &usize| {
             let own = unit(&cells.all()[cell].mean);
@@ -120,9 +131,9 @@ fn far_colour(cells: &Cells, evidence: &[f32], share: f32) -> (Vec<usize>, Vec<u
             break;
         }
         read = closer;
-        colour = colour_of(&read, cells);
+        colour = typical(&read);
     }
-    (inside, read, colour)
+    (read, colour)
 }
 
 /// The median colour of cells, in `[0, 1]`.

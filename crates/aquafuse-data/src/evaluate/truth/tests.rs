@@ -7,7 +7,8 @@ fn run(exchanges: usize, linear: bool, threads: usize) -> Report {
 
 fn of_scenes(lit: Option<LitWaters>, exchanges: usize, linear: bool, threads: usize) -> Report {
     let run_options = RunOptions { threads: NonZeroUsize::new(threads), ..RunOptions::default() };
-    Truth { exchanges, lit, linear, seed: 0, run_options }.run(&|_| {}).unwrap()
+    let places = aquafuse::truth::Site::Harbour;
+    Truth { exchanges, places, lit, linear, seed: 0, run_options }.run(&|_| {}).unwrap()
 }
 
 fn mean(report: &Report, way: &str, method: &str, key: &str) -> f64 {

@@ -5,6 +5,8 @@ use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw, Waters};
 use aquafuse::image::{Encoding, Image};
 use aquafuse::metrics::ssim;
 use aquafuse::truth::{Case, Exchange, LitCase, LitExchange};
+#[cfg(feature = "network")]
+use aquafuse::waterbody::WaterMap;
 use aquafuse::waterbody::{
     BackscatterMethod, Estimate, EstimateOptions, WaterShare, Waterbody, estimate_with_share,
 };
@@ -73,6 +75,14 @@ pub(super) fn ways() -> Vec<Way> {
         way("z by `eq3-median`, water the paper's way", published, papers),
         way("z by `ratio`, water ours", ratio, ours),
         way("z by `ratio`, water the paper's way", ratio, papers),
+        #[cfg(feature = "network")]
+        way("z by `network`, water ours", Some(DepthModel::Network), ours),
+        #[cfg(feature = "network")]
+        way(
+            "z by `network`, water by `both`",
+            Some(DepthModel::Network),
+            ours.map(|ours| ours.with_water_map(WaterMap::Both)),
+        ),
     ]
 }
 

@@ -134,7 +134,7 @@ impl Trials {
         let veil = site.water.veiling_light.rgb();
         let veil = std::array::from_fn(|c| Linear::to_encoded((gains[c] * veil[c]).min(1.0)));
         let image = site.camera.noisy(&shown, &mut chance);
-        let open = place_of(number).is_multiple_of(2);
+        let open = self.is_open(number);
         (LitCase { depth, image, open, jpeg_quality }, site, veil)
     }
 

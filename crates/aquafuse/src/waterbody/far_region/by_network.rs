@@ -1,6 +1,6 @@
 //! The far region as a network sees it, alone or together with rules.
 
-use super::{Region, colour_of, far_colour, median};
+use super::{Region, colour_of, commonest, far_colour, median};
 use crate::image::{ImageRef, TopEdge};
 use crate::network::Sight;
 use crate::waterbody::cells::Cells;
@@ -22,7 +22,8 @@ impl Region {
     pub(in crate::waterbody) fn by_network(cells: Cells, image: ImageRef<'_, u8>, top: TopEdge) -> Self {
         let sight = Sight::of(image, top);
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
-        Self::seen(cells, logits.clone(), logits, true, odds(&sight))
+        let read = all_of_it(&cells, &logits);
+        Self::seen(cells, logits.clone(), logits, read, true, odds(&sight))
     }
 
     /// The region of the image in cells, by rules and a network.
@@ -35,18 +36,64 @@ impl Region {
         let sight = Sight::of(image, top);
         let Self { cells, evidence, seen, .. } = Self::of(cells, given, top);
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
-        let both = evidence.iter().zip(&logits).map(|(rule, logit)| rule + OF_LOGIT * logit).collect();
+        let both: Vec<f32> =
+            evidence.iter().zip(&logits).map(|(rule, logit)| rule + OF_LOGIT * logit).collect();
         let by_rules = seen.clamp(LEAST, 1.0 - LEAST);
-        Self::seen(cells, both, logits, false, (by_rules / (1.0 - by_rules)).ln() + OF_ODDS * odds(&sight))
+        let read = far_colour(&cells, &both, SHARE);
+        Self::seen(
+            cells,
+            both,
+            logits,
+            read,
+            false,
+            (by_rules / (1.0 - by_rules)).ln() + OF_ODDS * odds(&sight),
+        )
     }
 
-    fn seen(cells: Cells, evidence: Vec<f32>, logits: Vec<f32>, alone: bool, odds: f32) -> Self {
-        let (inside, read, colour) = far_colour(&cells, &evidence, SHARE);
+    fn seen(
+        cells: Cells,
+        evidence: Vec<f32>,
+        logits: Vec<f32>,
+        (inside, read, colour): Read,
+        alone: bool,
+        odds: f32,
+    ) -> Self {
         let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
         let middle = colour_of(&inside, &cells);
         let seen = (1.0 + (-odds).exp()).recip();
         Self { cells, evidence, logits: Some(logits), alone, typical, colour, read, middle, inside, seen }
     }
+}
+
+/// The surest cells, those whose colour is read, and that colour.
+type Read = (Vec<usize>, Vec<usize>, [f32; 3]);
+
+/// The commonest colour of all that the network takes for water, each cell counted by its share: water that is lit from above has
+/// no surest part whose colour would be all of the water's.
+fn all_of_it(cells: &Cells, logits: &[f32]) -> Read {
+    let (inside, ..) = far_colour(cells, logits, SHARE);
+    let shares: Vec<f32> = logits.iter().map(|logit| (1.0 + (-logit).exp()).recip()).collect();
+    let all: Vec<usize> = (0..shares.len()).collect();
+    let typical = |read: &[usize]| {
+        std::array::from_fn(|c| {
+            let values = read.iter().map(|&cell| (cells.all()[cell].mean[c], shares[cell])).collect();
+            weighted_median(values) / 255.0
+        })
+    };
+    let (read, colour) = commonest(cells, &all, all.clone(), &typical);
+    (inside, read, colour)
+}
+
+/// The value on whose two sides lie equal weights.
+fn weighted_median(mut values: Vec<(f32, f32)>) -> f32 {
+    values.sort_by(|a, b| a.partial_cmp(b).expect("colours and shares are numbers"));
+    let half = values.iter().map(|(_, weight)| weight).sum::<f32>() / 2.0;
+    let mut below = 0.0;
+    let middle = values.iter().find(|(_, weight)| {
+        below += weight;
+        below >= half
+    });
+    middle.map_or(0.0, |(value, _)| *value)
 }
 
 /// ln of the odds that open water is in view.

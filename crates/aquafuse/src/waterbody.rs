@@ -350,7 +350,7 @@ fn look<E: Encoding>(
     let mut light = veiling_light::read(region.as_ref(), counted, depth.is_measured(), options.top);
     let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     if depth.is_measured() && is_seen_through(&light, &growth, quantised) {
-        light = veiling_light::read_things(counted, options.top);
+        light = veiling_light::read_things(counted);
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);

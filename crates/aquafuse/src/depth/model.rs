@@ -185,7 +185,7 @@ impl DepthModel {
         })
     }
 
-    fn levels<T: Sample>(&self, image: ImageRef<'_, T>, top: TopEdge) -> Vec<u8> {
+    pub(super) fn levels<T: Sample>(&self, image: ImageRef<'_, T>, top: TopEdge) -> Vec<u8> {
         #[cfg(feature = "network")]
         if matches!(self, Self::Network) {
             return network::levels(image, top);

@@ -1,36 +1,63 @@
-//! Depth as a network sees it: a coarse map of distances, brought to the pixels of the image.
+//! Depth as a network sees it, beside Eq. 3: the mean of their orders of what is farther.
+//!
+//! The network looks at shapes and at the whole, Eq. 3 at the colour of a pixel. Each is wrong where the other is not: the network where
+//! a camera is turned, Eq. 3 where red is dead or a thing is blue.
 
+use super::DepthModel;
 use crate::fuser::on_bytes;
 use crate::image::{ImageRef, Sample, TopEdge};
 use crate::network::Sight;
 
 /// z of the farthest things; open water is at 1.
 const FARTHEST: f32 = 0.8;
-/// This part of the things may be farther than the farthest, and is then as far: a few odd places must not set the scale.
-const CUT: f32 = 0.02;
-/// A place with a larger share of water is no thing to measure by.
-const WATER: f32 = 0.5;
+/// A place with a larger share of water, in steps of 1/255, is no thing to be put in order.
+const WATER: u8 = 127;
 /// One in weights held as whole numbers.
 const ONE: u32 = 256;
 
-/// The level of each pixel of an image whose edge `top` is up.
+/// The level of each pixel of an image whose edge `top` is up: `z = w + .8 (1 - w) (r + c) / 2`, r and c the parts of all things that
+/// are nearer by the network and by Eq. 3, w the share of open water by the network.
 pub(super) fn levels<T: Sample>(image: ImageRef<'_, T>, top: TopEdge) -> Vec<u8> {
     let sight = on_bytes(image, |bytes| Sight::of(bytes, top));
-    doubled(&relative(&sight), sight.size(), image.size())
+    let by_colour = DepthModel::default().levels(image, top);
+    let on_pixels = |values: &[u32]| doubled(values, sight.size(), image.size());
+    let water =
+        on_pixels(&sight.water().iter().map(|share| (65_535.0 * share + 0.5) as u32).collect::<Vec<_>>());
+    let by_shape = on_pixels(&spread(&sight.distances()));
+    let order = |levels: &[u8]| {
+        let mut counts = [0_u64; 256];
+        levels
+            .iter()
+            .zip(&water)
+            .filter(|(_, water)| **water <= WATER)
+            .for_each(|(level, _)| counts[usize::from(*level)] += 1);
+        ranks(&counts)
+    };
+    let (shape, colour) = (order(&by_shape), order(&by_colour));
+    let z = |((shape_level, colour_level), water): ((&u8, &u8), &u8)| {
+        let thing = 0.5 * FARTHEST * (shape[usize::from(*shape_level)] + colour[usize::from(*colour_level)]);
+        let share = f32::from(*water) / 255.0;
+        (255.0 * (share + (1.0 - share) * thing) + 0.5) as u8
+    };
+    by_shape.iter().zip(&by_colour).zip(&water).map(z).collect()
 }
 
-/// z of each place, in `[0, 1]`, in steps of 1/65535.
-fn relative(sight: &Sight) -> Vec<u32> {
-    let (water, distances) = (sight.water(), sight.distances());
-    let is_thing = |&(share, _): &(&f32, &f32)| *share < WATER;
-    let mut things: Vec<f32> = water.iter().zip(&distances).filter(is_thing).map(|(_, z)| *z).collect();
-    things.sort_by(f32::total_cmp);
-    let farthest = things.len().checked_sub(1).map(|last| things[((1.0 - CUT) * last as f32) as usize]);
-    let z = |(share, distance): (&f32, &f32)| {
-        let thing = farthest.map_or(1.0, |farthest| FARTHEST * (distance / farthest).min(1.0));
-        (65_535.0 * (share + (1.0 - share) * thing).clamp(0.0, 1.0) + 0.5) as u32
-    };
-    water.iter().zip(&distances).map(z).collect()
+/// The logarithms of distances, spread from 0 to 65535.
+fn spread(distances: &[f32]) -> Vec<u32> {
+    let ends =
+        distances.iter().fold([f32::MAX, 0.0], |[low, high], z| [low.min(*z), high.max(*z)]).map(f32::ln);
+    let scale = 65_535.0 / (ends[1] - ends[0]).max(1e-3);
+    distances.iter().map(|z| (scale * (z.ln() - ends[0])) as u32).collect()
+}
+
+/// The part of all counts that lies below each level, half of its own with it.
+fn ranks(counts: &[u64; 256]) -> [f32; 256] {
+    let all = counts.iter().sum::<u64>().max(1) as f64;
+    let mut below = 0.0;
+    counts.map(|count| {
+        below += count as f64;
+        ((below - 0.5 * count as f64) / all) as f32
+    })
 }
 
 /// Values of a coarse map at the pixels of an image, as levels, by straight lines between the middles of places. Weights are whole

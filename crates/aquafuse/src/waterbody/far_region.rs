@@ -39,6 +39,12 @@ const ROUNDS: usize = 5;
 /// Cells within this many bytes of the colour, in every channel, are read.
 const READ: f32 = 12.0;
 
+/// Cells so near to a region's colour, in `[0, 1]`, and no rougher than so many times as it, are like it; where fewer than so many
+/// per cent of an image are unlike it, all of it is.
+const LIKE: f32 = 0.12;
+const AS_SMOOTH: f32 = 3.0;
+const FEW: usize = 2;
+
 /// ln of the odds that a region is open water: a base, and weights of ln of its deviation, of how much rougher the image is, of
 /// how much brighter the region is, and of how colourful it is. They were fitted to 156 photographs. In eighths that had no part in
 /// the fit, 94 % of the open water was found, and 6 to 8 % of the images without any were mistaken.
@@ -91,7 +97,9 @@ impl Region {
         let middle = colour_of(&inside, &cells);
         let of_region = median(inside.iter().map(|&cell| rough[cell]).collect());
         let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
-        let seen = likelihood(of_region, median(rough), &colour, median(grey), given);
+        let usual = usual(&cells, &rough, &colour, of_region);
+        let of_usual = |values: &[f32]| median(usual.iter().map(|&cell| values[cell]).collect());
+        let seen = likelihood(of_region, of_usual(&rough), &colour, of_usual(&grey), given);
         Self { cells, evidence, logits: None, alone: false, typical, colour, read, middle, inside, seen }
     }
 }
@@ -146,6 +154,31 @@ impl Region {
     pub(super) fn level(&self) -> u8 {
         median(self.read.iter().map(|&cell| f32::from(self.cells.all()[cell].level)).collect()) as u8
     }
+}
+
+/// The cells by which a region is judged: all of them, or, where much of the image is like the region, half as many of those as of
+/// the others: open water that fills an image would else be compared with itself.
+fn usual(cells: &Cells, rough: &[f32], colour: &[f32; 3], of_region: f32) -> Vec<usize> {
+    let is_like = |&cell: &usize| {
+        let own = unit(&cells.all()[cell].mean);
+        let off: f32 = (0..3).map(|c| (own[c] - colour[c]).powi(2)).sum();
+        off < LIKE * LIKE && rough[cell] < AS_SMOOTH * of_region.max(SMOOTHEST)
+    };
+    let (mut like, others): (Vec<usize>, Vec<usize>) = (0..rough.len()).partition(is_like);
+    if like.len() <= others.len() / 2 || others.len() <= FEW * rough.len() / 100 {
+        return (0..rough.len()).collect();
+    }
+    // The roughest of them, so that their order in the image is nothing.
+    like.sort_by(|a, b| {
+        rough[*b].total_cmp(&rough[*a]).then(grey_of(cells, *a).total_cmp(&grey_of(cells, *b)))
+    });
+    like.truncate(others.len() / 2);
+    like.extend(others);
+    like
+}
+
+fn grey_of(cells: &Cells, cell: usize) -> f32 {
+    grey(&unit(&cells.all()[cell].mean))
 }
 
 /// ln of the odds, as a likelihood.

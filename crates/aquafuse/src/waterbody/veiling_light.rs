@@ -71,7 +71,7 @@ pub(super) use published::read_things;
 pub(super) fn read(region: Option<&Region>, counted: Seen<'_>, is_measured: bool, top: TopEdge) -> Reading {
     let Some(region) = region else { return published::read(counted, top) };
     open_water::read(region).unwrap_or_else(|| match is_measured {
-        true => published::read_things(counted, top),
+        true => published::read_things(counted),
         false => open_water::read_things(region),
     })
 }

@@ -1,6 +1,6 @@
 //! The far region as a network sees it, alone or together with rules.
 
-use super::{Region, colour_of, commonest, far_colour, median};
+use super::{Region, colour_of, commonest, far_colour, height, median};
 use crate::image::{ImageRef, TopEdge};
 use crate::network::Sight;
 use crate::waterbody::cells::Cells;
@@ -8,7 +8,7 @@ use crate::waterbody::cells::Cells;
 /// Share of the image that the region is.
 const SHARE: f32 = 0.1;
 /// What the surest places hold of water where open water is as likely in view as not, and how fast ln of its odds grows with it.
-const EVEN: f32 = 0.7;
+const EVEN: f32 = 0.5;
 const STEEP: f32 = 12.0;
 /// What a network's logit counts beside the evidence of rules, and ln of its odds beside theirs. Chosen by a few trials on
 /// all marked photographs of the test data: no half of them tests this choice.
@@ -22,7 +22,7 @@ impl Region {
     pub(in crate::waterbody) fn by_network(cells: Cells, image: ImageRef<'_, u8>, top: TopEdge) -> Self {
         let sight = Sight::of(image, top);
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
-        let read = all_of_it(&cells, &logits);
+        let read = all_of_it(&cells, &logits, top);
         Self::seen(cells, logits.clone(), logits, read, true, odds(&sight))
     }
 
@@ -39,7 +39,9 @@ impl Region {
         let both: Vec<f32> =
             evidence.iter().zip(&logits).map(|(rule, logit)| rule + OF_LOGIT * logit).collect();
         let by_rules = seen.clamp(LEAST, 1.0 - LEAST);
-        let read = far_colour(&cells, &both, SHARE);
+        let (inside, ..) = far_colour(&cells, &both, SHARE);
+        let (_, read, colour) = all_of_it(&cells, &logits, top);
+        let read = (inside, read, colour);
         Self::seen(
             cells,
             both,
@@ -68,15 +70,19 @@ impl Region {
 /// The surest cells, those whose colour is read, and that colour.
 type Read = (Vec<usize>, Vec<usize>, [f32; 3]);
 
-/// The commonest colour of all that the network takes for water, each cell counted by its share: water that is lit from above has
-/// no surest part whose colour would be all of the water's.
-fn all_of_it(cells: &Cells, logits: &[f32]) -> Read {
+/// The commonest colour of all that the network takes for water. Each cell counts by its share, and the more the lower it lies: B∞ is
+/// the colour of water that one looks into level, and what is above is lit by the surface.
+fn all_of_it(cells: &Cells, logits: &[f32], top: TopEdge) -> Read {
     let (inside, ..) = far_colour(cells, logits, SHARE);
-    let shares: Vec<f32> = logits.iter().map(|logit| (1.0 + (-logit).exp()).recip()).collect();
-    let all: Vec<usize> = (0..shares.len()).collect();
+    let size = cells.grid().size();
+    let weight = |(cell, logit): (usize, &f32)| {
+        (1.0 + (-logit).exp()).recip() * (-height(cell % size.0, cell / size.0, size, top)).exp()
+    };
+    let weights: Vec<f32> = logits.iter().enumerate().map(weight).collect();
+    let all: Vec<usize> = (0..weights.len()).collect();
     let typical = |read: &[usize]| {
         std::array::from_fn(|c| {
-            let values = read.iter().map(|&cell| (cells.all()[cell].mean[c], shares[cell])).collect();
+            let values = read.iter().map(|&cell| (cells.all()[cell].mean[c], weights[cell])).collect();
             weighted_median(values) / 255.0
         })
     };

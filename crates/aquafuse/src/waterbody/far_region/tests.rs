@@ -58,6 +58,19 @@ fn bluish_green_is_presumed_and_not_demanded() {
 }
 
 #[test]
+fn water_that_fills_the_image_around_a_thing_is_compared_with_the_thing() {
+    for across in [10, 24, 60] {
+        let thing = |x: usize, y: usize| x.abs_diff(96) < across && y.abs_diff(72) < across;
+        let image = paint(|x, y| match thing(x, y) {
+            true => [60.0, 55.0, 50.0].map(|value| value * (1.0 + 0.5 * grain(x / 2, y / 2))),
+            false => BLUE.map(|value| value + 2.0 * grain(x, y)),
+        });
+        let found = region(&image, TopEdge::First);
+        assert!(is_near(found.colour, BLUE) && found.seen > 0.68, "{across}: {}", found.seen);
+    }
+}
+
+#[test]
 fn where_all_is_rough_nothing_is_water() {
     let image = paint(|x, y| [90.0, 110.0, 100.0].map(|value| value * (1.0 + 0.5 * grain(x / 2, y / 2))));
     let found = region(&image, TopEdge::First);

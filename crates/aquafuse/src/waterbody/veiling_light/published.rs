@@ -19,27 +19,6 @@ const DARK: f64 = 0.05;
 
 /// Median of the farthest bluish-green pixels, with the paper's fallbacks in its order.
 pub(super) fn read(seen: Seen<'_>, top: TopEdge) -> Reading {
-    read_by(seen, top, |histogram, _| histogram.median())
-}
-
-/// The same where open water was looked for and not found, and depth is given: what is farthest is then a thing, brighter
-/// than the water by its own light. Halfway from its darkest to its median is nearer to the water. What depth from colour
-/// takes for farthest may as well be water that was not found smooth, and halfway is too dark for that.
-pub(in crate::waterbody) fn read_things(seen: Seen<'_>, top: TopEdge) -> Reading {
-    read_by(seen, top, |histogram, source| match source {
-        VeilingLightSource::Farthest | VeilingLightSource::Unfiltered => {
-            let (dark, median) = (histogram.quantile(DARK), histogram.median());
-            std::array::from_fn(|c| 0.5 * (dark[c] + median[c]))
-        }
-        _ => histogram.median(),
-    })
-}
-
-fn read_by(
-    seen: Seen<'_>,
-    top: TopEdge,
-    colour: impl Fn(&Histogram, VeilingLightSource) -> [f32; 3],
-) -> Reading {
     use VeilingLightSource::{BottomCorners, Farthest, TopCorners, Unfiltered};
     let far = |of_any_colour| {
         let (nearest, histogram) = farthest(seen, |pixel| of_any_colour || is_bluish_green(pixel));
@@ -55,8 +34,28 @@ fn read_by(
         let (places, histogram) = far(true);
         (Unfiltered, places, histogram)
     });
+    reading(histogram.median(), source, &histogram, places, seen)
+}
+
+/// The same where open water was looked for and not found, and depth is measured: what is farthest is then a thing, of any colour,
+/// brighter than the water by its own light. Halfway from its darkest to its median is nearer to the water.
+pub(in crate::waterbody) fn read_things(seen: Seen<'_>) -> Reading {
+    let (nearest, histogram) = farthest(seen, |_| true);
+    let (dark, median) = (histogram.quantile(DARK), histogram.median());
+    let rgb = std::array::from_fn(|c| 0.5 * (dark[c] + median[c]));
+    let places = Places::Far { nearest, of_any_colour: true };
+    reading(rgb, VeilingLightSource::Unfiltered, &histogram, places, seen)
+}
+
+fn reading(
+    rgb: [f32; 3],
+    source: VeilingLightSource,
+    histogram: &Histogram,
+    places: Places,
+    seen: Seen<'_>,
+) -> Reading {
     Reading {
-        rgb: colour(&histogram, source),
+        rgb,
         source,
         share: histogram.count as f64 / seen.levels.len() as f64,
         places,
@@ -172,5 +171,14 @@ mod tests {
         let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Unfiltered);
         assert!((bytes(&found)[1] - 5.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn measured_depth_says_what_is_farthest_whatever_its_colour() {
+        let (image, levels) =
+            paint(|_, y| if y < 4 { PAINT } else { WATER }, |_, y| if y < 4 { 255 } else { 100 });
+        let found = read_things(Seen { image: image.view(), levels: &levels });
+        assert_eq!(found.source, VeilingLightSource::Unfiltered);
+        assert!(bytes(&found).iter().zip(PAINT).all(|(a, b)| (a - f32::from(b)).abs() < 1e-3));
     }
 }

@@ -25,7 +25,7 @@ use crate::image::{ImageRef, Sample, TopEdge};
 /// | [`Ulap`](Self::Ulap) | a line | to compare with |
 /// | [`UDepth`](Self::UDepth) | a line | to compare with |
 /// | [`Layout`](Self::Layout) | height in the image, corrected by colour | only where the camera looked ahead and was held level |
-/// | `Network`, with the feature `network` | what a tiny network of our own sees in the whole image | where colour says little: red is dead, or things differ in colour |
+/// | `Network`, with the feature `network` | the mean order of Eq. 3 and of a tiny network of our own, which looks at the whole image | where colour alone says little: red is dead, or things differ in colour |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DepthModel {
@@ -49,9 +49,10 @@ pub enum DepthModel {
     /// **Wrong for a rolled camera and for one that looks down or up**: it takes for granted that what is
     /// higher in the image is farther. [`DepthModel::estimate_oriented`] takes the edge that is the top.
     Layout,
-    /// Distances by the network of this crate, trained on synthetic scenes alone: [`Sight`](crate::network::Sight).
+    /// `w + .8 (1 - w) (r + c) / 2`: r and c are the parts of all things that are nearer by the network of this crate and by Eq. 3,
+    /// w the share of open water by the network.
     ///
-    /// z is the distance of things over the farthest of them, times .8, and goes to 1 with the share of open water.
+    /// The network was trained on synthetic scenes alone and looks at shapes: [`Sight`](crate::network::Sight).
     #[cfg(feature = "network")]
     Network,
 }

@@ -7,7 +7,7 @@
 /// |---|---|---|
 /// | [`Rules`](Self::Rules) | smoothness, height in the image, depth, brightness | explained in one page: the default |
 /// | `Network`, with the feature `network` | the image as a whole, 128 x 96 pixels of it | to see what it says alone |
-/// | `Both`, with the feature `network` | both; where and whether by their odds together, the share of a pixel by either | where smooth things or close views mislead rules |
+/// | `Both`, with the feature `network` | both; whether by their odds together, the share of a pixel by either, B∞ by the network | for still images: nearer to the water on every set we have, and slower |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]

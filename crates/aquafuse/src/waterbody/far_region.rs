@@ -40,9 +40,10 @@ const ROUNDS: usize = 5;
 const READ: f32 = 12.0;
 
 /// Cells so near to a region's colour, in `[0, 1]`, and no rougher than so many times as it, are like it; where fewer than so many
-/// per cent of an image are unlike it, all of it is.
+/// per cent of an image are unlike it, all of it is. Water is as smooth everywhere as the camera's noise; a floor of sand has smoother and
+/// rougher parts, and at three times as rough some became water.
 const LIKE: f32 = 0.12;
-const AS_SMOOTH: f32 = 3.0;
+const AS_SMOOTH: f32 = 1.5;
 const FEW: usize = 2;
 
 /// ln of the odds that a region is open water: a base, and weights of ln of its deviation, of how much rougher the image is, of

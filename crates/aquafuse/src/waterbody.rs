@@ -354,8 +354,11 @@ fn look<E: Encoding>(
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
-    let attenuation =
-        std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
+    let attenuation = if given {
+        attenuation::fit_supplied(&statistics, veil.rgb(), growth.coefficient)
+    } else {
+        std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]))
+    };
     Look { region, statistics, light, growth, attenuation }
 }
 

@@ -289,3 +289,33 @@ fn what_is_no_log_or_has_no_images_is_named() {
     assert!(enhance(&input, &input).unwrap_err().to_string().contains("in.mcap"));
     assert_eq!(messages(&input).len() as u64, 2 * FRAMES);
 }
+
+/// A log that `rosbags` wrote is read back by `rosbags` and by `mcap`.
+#[test]
+fn other_readers_see_the_same_but_for_the_images() {
+    const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/bags.py");
+    let Some(python) = std::env::var_os("AQUAFUSE_PYTHON") else {
+        return eprintln!("skipped: AQUAFUSE_PYTHON names no Python");
+    };
+    let call = |arguments: &[&std::ffi::OsStr]| {
+        let ended = std::process::Command::new(&python).args(arguments).output().unwrap();
+        (ended.status.success(), String::from_utf8_lossy(&ended.stderr).into_owned())
+    };
+    if !call(&["-c".as_ref(), "import mcap, rosbags, PIL".as_ref()]).0 {
+        return eprintln!("skipped: this Python has no mcap, rosbags or PIL");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
+    let (is_written, said) = call(&[SCRIPT.as_ref(), "write".as_ref(), before.as_os_str()]);
+    assert!(is_written, "{said}");
+    std::fs::create_dir(&after).unwrap();
+    std::fs::copy(before.join("metadata.yaml"), after.join("metadata.yaml")).unwrap();
+    let [input, output] = [&before, &after].map(|folder| folder.join("before.mcap"));
+    let summary = enhance(&input, &output).unwrap();
+    assert!(
+        summary.topics.len() == 2 && summary.topics.iter().all(|topic| topic.changed == 3),
+        "{summary:?}"
+    );
+    let (is_same, said) = call(&[SCRIPT.as_ref(), "read".as_ref(), before.as_os_str(), after.as_os_str()]);
+    assert!(is_same, "{said}");
+}

@@ -180,6 +180,16 @@ fn messages(path: &Path) -> Vec<(String, u32, u64, u64, Vec<u8>)> {
     each.collect()
 }
 
+/// Number, schema and channel of each channel, as text.
+fn declared(summary: &mcap::Summary) -> BTreeMap<u16, String> {
+    let text = |channel: &mcap::Channel<'_>| {
+        let schema =
+            channel.schema.as_ref().map(|schema| (schema.id, &schema.name, &schema.encoding, &schema.data));
+        format!("{schema:?} {} {} {:?}", channel.topic, channel.message_encoding, channel.metadata)
+    };
+    summary.channels.iter().map(|(number, channel)| (*number, text(channel))).collect()
+}
+
 #[test]
 fn images_change_and_everything_else_stays() {
     let folder = tempfile::tempdir().unwrap();
@@ -208,8 +218,7 @@ fn images_change_and_everything_else_stays() {
         }
         let [a, b] = [&input, &output].map(|path| std::fs::read(path).unwrap());
         let [a, b] = [&a, &b].map(|bytes| mcap::Summary::read(bytes).unwrap().unwrap());
-        assert_eq!(format!("{:?}", a.schemas), format!("{:?}", b.schemas));
-        assert_eq!(format!("{:?}", a.channels), format!("{:?}", b.channels));
+        assert_eq!(declared(&a), declared(&b));
         assert_eq!(a.attachment_indexes[0].name, b.attachment_indexes[0].name);
         assert_eq!((a.metadata_indexes.len(), b.metadata_indexes.len()), (1, 1));
     }

@@ -22,9 +22,10 @@ FRAMES = 3
 
 
 def picture(seed: int) -> np.ndarray:
-    """A veil over a floor, with noise."""
+    """A veil over a floor of coloured squares."""
     rows = np.linspace(0, 1, SIZE[0])[:, None, None]
-    floor = np.random.default_rng(seed).uniform(0, 255, (*SIZE, 3))
+    squares = np.random.default_rng(seed).uniform(0, 255, (SIZE[0] // 16, SIZE[1] // 16, 3))
+    floor = squares.repeat(16, axis=0).repeat(16, axis=1)
     return (floor * rows + np.array([20, 110, 160]) * (1 - rows)).astype(np.uint8)
 
 

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args};
 
 use crate::args::border::BorderArgument;
+#[cfg(not(feature = "bag"))]
 use crate::args::common::Common;
 use crate::args::fusion::SettingsArgs;
 use crate::args::levels::LevelsArguments;
 use crate::args::max_gain::MaxGain;
 use crate::args::water::WaterArguments;
+#[cfg(not(feature = "bag"))]
 use crate::failure::Failure;
 
 const HELP: &str = "\

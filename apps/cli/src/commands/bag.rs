@@ -39,7 +39,6 @@ Examples:
     group = ArgGroup::new("levels").args(["white", "exposure", "strength"]).multiple(true).requires("clear"),
     group = ArgGroup::new("area").args(["border", "water_map"]).multiple(true).conflicts_with("as_published"),
 )]
-#[cfg_attr(not(feature = "bag"), expect(dead_code, reason = "built without `bag`, the command says so"))]
 pub(crate) struct Bag {
     /// The log, NAME.mcap.
     #[arg(value_name = "IN")]

@@ -1,5 +1,7 @@
 //! Logs of robots: images change, everything else stays.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
+
 use std::collections::BTreeMap;
 use std::path::Path;
 

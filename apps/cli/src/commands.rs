@@ -1,6 +1,7 @@
 //! One file a command: its arguments, one call of the library, what it prints. No command uses another.
 
 pub(crate) mod augment;
+pub(crate) mod bag;
 pub(crate) mod bench;
 pub(crate) mod crossover;
 pub(crate) mod demo;

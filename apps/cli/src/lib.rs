@@ -12,8 +12,8 @@ use std::ffi::OsString;
 use args::common::Common;
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{
-    augment, bench, crossover, demo, depth, enhance, evaluate, fit, fuse, inspect, manual, replay, restore,
-    scene, simulate, verify, video, water,
+    augment, bag, bench, crossover, demo, depth, enhance, evaluate, fit, fuse, inspect, manual, replay,
+    restore, scene, simulate, verify, video, water,
 };
 use failure::Failure;
 use report::output;
@@ -47,6 +47,7 @@ enum Command {
     Replay(replay::Replay),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    Bag(Box<bag::Bag>),
     Video(video::Video),
     Scene(scene::Scene),
     Completions(manual::Completions),
@@ -140,6 +141,7 @@ fn run_command(cli: &Cli) -> Result<(), Failure> {
         Command::Replay(replay) => replay.run(common),
         Command::Evaluate(evaluate) => evaluate.run(common),
         Command::Bench(bench) => bench.run(common),
+        Command::Bag(bag) => bag.run(common),
         Command::Video(video) => video.run(common),
         Command::Scene(scene) => scene.run(common),
         Command::Completions(completions) => completions.run(Cli::command()),

@@ -223,7 +223,7 @@ impl Augmentation {
     /// fails is no error: it is counted, and listed in the manifest.
     pub fn run(&self, plan: &Plan<'_>, listener: Listener<'_>) -> Result<Summary, AugmentError> {
         let samples = &self.dataset.samples;
-        let mut depths = depth::Maps::of(&self.recipe.depth)?;
+        let mut depths = depth::Maps::of(&self.recipe.depth, Some(&self.output))?;
         plan.samples().try_for_each(|sample| depths.know(&sample.key))?;
         let header = self.header();
         let place = |key: &str| {

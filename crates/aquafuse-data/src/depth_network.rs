@@ -13,6 +13,8 @@
 //! Any other file needs [`NetworkOptions::kind`], and is given what Depth Anything is. The output is scaled from the size that it
 //! really has.
 
+#[cfg(feature = "onnx")]
+mod cache;
 mod coarse;
 #[cfg(feature = "onnx")]
 mod contents;
@@ -83,6 +85,23 @@ pub struct NetworkOptions {
     pub side: Option<u32>,
 }
 
+/// The folder within that of a run in which the outputs of a network are kept.
+pub const CACHE: &str = ".aquafuse-depth";
+
+/// What became of the maps of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct CacheCounts {
+    /// They were there.
+    pub found: u64,
+    /// They were computed and kept.
+    pub kept: u64,
+    /// A file was damaged, and computed again.
+    pub damaged: u64,
+    /// They were computed and not kept: there are 2 GiB already, or the folder could not be written.
+    pub not_kept: u64,
+}
+
 /// The sides that an input may have.
 pub const SIDES: std::ops::RangeInclusive<u32> = 14..=4096;
 
@@ -112,6 +131,22 @@ impl DepthNetwork {
     }
 
     pub(crate) fn memory(&self) -> u64 {
+        match *self {}
+    }
+
+    /// What became of the maps that are kept.
+    pub fn cached(&self) -> Option<CacheCounts> {
+        match *self {}
+    }
+
+    /// The longest that an image has taken so far.
+    pub fn slowest(&self) -> std::time::Duration {
+        match *self {}
+    }
+
+    /// The same.
+    #[must_use]
+    pub fn kept_in(&self, _: &Path) -> Self {
         match *self {}
     }
 

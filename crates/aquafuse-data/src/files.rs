@@ -15,6 +15,8 @@ mod text;
 pub use atomic::{Claim, abandon_parts, remove_stale_parts, write_bytes, write_text};
 pub(crate) use atomic::{Output, Staged, write_atomically};
 pub(crate) use catch_panic::catch_panic;
+#[cfg(feature = "onnx")]
+pub(crate) use catch_panic::guard_this_thread;
 pub use catch_panic::silence_decoder_panics;
 pub use digest::sha256;
 pub(crate) use digest::{Hashed, hexadecimal, sha256_of};

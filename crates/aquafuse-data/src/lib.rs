@@ -21,6 +21,7 @@
 //! | [`pipeline`] | one image: depth and water are estimated, an operation changes it, maps and scores describe the change |
 //! | [`batch`] | the same operation on an image or a folder of images; a stopped run can be continued |
 //! | [`video`] | videos, decoded and encoded by the program ffmpeg; their frames fused, restored or enhanced |
+//! | `bag` | logs of robots in MCAP, whose camera images are changed (a feature) |
 //! | [`dataset`] | datasets: images and their annotations, read |
 //! | [`augment`] | a dataset multiplied in other waters, with its annotations and a manifest; verified, and made again |
 //! | [`pairs`] | images with known depth, to fit a depth model to |
@@ -49,6 +50,8 @@
 )]
 
 pub mod augment;
+#[cfg(feature = "bag")]
+pub mod bag;
 pub mod batch;
 pub mod dataset;
 pub mod depth_file;

@@ -118,7 +118,7 @@ pub fn restore<'a, T: Sample, E: Encoding>(
     let image = image.into();
     depth.check_fits(image.size())?;
     let mut clear = image.to_unit();
-    let law = undoing(water, options);
+    let law = undoing(depth.measured_to(), water, options);
     depth.for_each_pixel(clear.view_mut(), law, |pixel, (gain, backscatter)| {
         for c in 0..3 {
             pixel[c] = (pixel[c] - backscatter[c]) * gain[c];
@@ -138,7 +138,7 @@ pub fn restore_mut<'a, T: Sample, E: Encoding>(
     water: &Waterbody<E>,
     options: &RestoreOptions,
 ) -> Result<Clipping, ImageError> {
-    restore_by_mut(image.into(), depth, undoing(water, options))
+    restore_by_mut(image.into(), depth, undoing(depth.measured_to(), water, options))
 }
 
 /// [`restore_mut`] by gain and backscatter at a distance.
@@ -161,15 +161,51 @@ fn restore_by_mut<T: Sample, E: Encoding>(
     Ok(Clipping { values, pixels: count })
 }
 
-/// Gain and backscatter at a distance.
+/// Gain and backscatter at a distance, those of `measured_to` beyond it.
 fn undoing<E: Encoding>(
+    measured_to: f32,
     water: &Waterbody<E>,
     options: &RestoreOptions,
 ) -> impl Fn(f32) -> ([f32; 3], [f32; 3]) {
     // A bound below 1 would darken; `max` also takes a NaN to the safe side.
     let max_gain = options.max_gain.map(|gain| gain.max(1.0));
     move |z| {
+        let z = z.min(measured_to);
         let left = water.illumination(z);
         (std::array::from_fn(|c| left[c].recip().min(max_gain[c])), water.backscatter(z))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::{Supplied, SuppliedKind};
+    use crate::image::{Encoded, TopEdge};
+    use crate::truth::{Scene, Size, waters};
+
+    #[test]
+    fn beyond_what_was_measured_the_water_stays() {
+        let (scene, water) = (Scene::new(1, Size { width: 96, height: 64 }), waters()[0].water);
+        let seen: Image<u8, Encoded> = scene.seen_through(&water).convert();
+        let distances = scene.depth.distances();
+        let of = |values: Vec<f32>| {
+            let map = Supplied::new(96, 64, values, SuppliedKind::Metres).unwrap();
+            let depth = map.seen_with(&seen, TopEdge::First).unwrap().depth;
+            (restore(&seen, &depth, &water, &RestoreOptions::default()).unwrap(), depth)
+        };
+        let (whole, _) = of(distances.clone());
+        // The farther half has no depth, as structure from motion leaves open water.
+        let mut sorted = distances.clone();
+        sorted.sort_by(f32::total_cmp);
+        let middle = sorted[sorted.len() / 2];
+        let (part, depth) = of(distances.iter().map(|&z| if z < middle { z } else { 0.0 }).collect());
+        assert!(depth.measured_to() <= middle);
+        for (i, z) in distances.iter().enumerate() {
+            if *z <= depth.measured_to() {
+                assert_eq!(part.pixels()[i], whole.pixels()[i]);
+            }
+        }
+        let farthest = (0..distances.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b])).unwrap();
+        assert!(part.pixels()[farthest][2] > whole.pixels()[farthest][2] + 0.05, "open water has gone black");
     }
 }

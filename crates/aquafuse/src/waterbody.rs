@@ -354,8 +354,12 @@ fn look<E: Encoding>(
         growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
-    let attenuation =
-        std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]));
+    // The paper's way is the slope alone, wherever depth is from.
+    let attenuation = if given && options.backscatter == BackscatterMethod::Envelope {
+        attenuation::fit_supplied(&statistics, veil.rgb(), growth.coefficient)
+    } else {
+        std::array::from_fn(|c| attenuation::fit(&statistics, c, veil.rgb()[c], growth.coefficient[c]))
+    };
     Look { region, statistics, light, growth, attenuation }
 }
 

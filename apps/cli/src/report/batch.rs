@@ -11,6 +11,7 @@ use serde::Serialize;
 use serde_json::Value;
 use serde_json::value::RawValue;
 
+use super::network::{self, Slow};
 use super::progress::Progress;
 use super::{json, output, summary};
 use crate::args::batch::BatchArguments;
@@ -54,6 +55,7 @@ pub(crate) fn run(
         ));
     }
     let progress = Progress::new(common.quiet || plan.items().len() == 1);
+    let slow = Slow::new();
     let (reports, records) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
     let ended = plan.run(recipe, &options, &|event| {
         if (arguments.json || arguments.report.is_some())
@@ -68,12 +70,18 @@ pub(crate) fn run(
             }
         }
         progress.show(&event, |item| display(&item.output).to_string());
+        if let Some(said) = slow.said(plan.network()).filter(|_| !common.quiet) {
+            progress.complain(&said);
+        }
         if let (Event::Done { item, result }, Ok(mut reports)) = (event, reports.lock()) {
             reports.push((item.clone(), *result));
         }
     });
     progress.finish();
     let ended = ended?;
+    if let Some(said) = network::kept(plan.network()).filter(|_| !common.quiet) {
+        output::complain(&said);
+    }
     let mut reports = reports.into_inner().unwrap_or_default();
     reports.sort_by(|(a, _), (b, _)| a.output.cmp(&b.output));
     if !common.quiet && !arguments.json {

@@ -33,10 +33,12 @@ pub(super) enum Maps {
 }
 
 impl Maps {
-    /// The maps of a dataset, none of whose images is known yet.
-    pub(super) fn of(plan: &DepthPlan) -> Result<Self, FileError> {
+    /// The maps of a dataset, none of whose images is known yet; what a network gives is kept in the folder of a run.
+    pub(super) fn of(plan: &DepthPlan, folder: Option<&Path>) -> Result<Self, FileError> {
         let (root, kind, size) = match plan {
-            DepthPlan::Estimated(model) => return Ok(Self::None(model.clone())),
+            DepthPlan::Estimated(model) => {
+                return Ok(Self::None(folder.map_or_else(|| model.clone(), |folder| model.kept_in(folder))));
+            }
             DepthPlan::Maps { folder, kind, size } => (folder.clone(), *kind, *size),
         };
         let by_folder = BTreeMap::from([(root.clone(), DepthFolder::list(&root)?)]);

@@ -79,7 +79,7 @@ pub fn replay(
         overwrite,
         layout: Layout::from_name(&header.layout).ok_or_else(unknown)?,
         recipe: &recipe,
-        maps: Maps::of(&recipe.depth)?,
+        maps: Maps::of(&recipe.depth, None)?,
         reading,
         budget: Budget::new(reading.max_memory),
     };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::contents::{Contents, File, not_entered};
 use super::{Item, RECORD, Record, State};
+use crate::depth_network::DepthNetwork;
 use crate::files::{FileError, display, refuse_inputs};
 use crate::image_file::LISTED;
 use crate::pipeline::{DepthSource, DepthSupply, Operation, maps};
@@ -164,6 +165,8 @@ impl Plan {
             contents => Contents::of_many(contents, output, recursive)?,
         };
         let is_folder = !matches!(contents, [content] if !content.is_dir());
+        let kept = is_folder.then(|| depth.kept_in(output));
+        let depth = kept.as_ref().unwrap_or(depth);
         let mut depths: HashMap<PathBuf, DepthSupply> = HashMap::new();
         // Resolved once: there may be a hundred thousand outputs.
         let inputs: Vec<PathBuf> = inputs.iter().filter_map(|other| other.canonicalize().ok()).collect();
@@ -205,6 +208,14 @@ impl Plan {
     /// The folder of all outputs, in which a run keeps a record; none for one image.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
+    }
+
+    /// The network that depth comes from, if it does.
+    pub fn network(&self) -> Option<&DepthNetwork> {
+        self.items.iter().find_map(|item| match &item.depth {
+            DepthSource::Estimated(estimator) => estimator.network(),
+            DepthSource::Supplied { .. } => None,
+        })
     }
 
     /// How many folders in the contents were not entered, because the run is not recursive.

@@ -4,22 +4,25 @@ use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use aquafuse::depth::{SuppliedDepth, SuppliedError};
 use aquafuse::image::{Image, TopEdge};
 use rten::{Model, RunOptions, ThreadPool, Value};
 
+use super::cache::{Cache, key};
 use super::coarse::{refined, scaled};
 use super::contents;
 use super::preset::{Preset, Unfit};
 use super::tensor::{numbers, size_of, supplied, turned};
-use super::{NetworkOptions, SIDES};
-use crate::files::{FileError, catch_panic, display, is_memory, one_line, sha256};
+use super::{CacheCounts, NetworkOptions, SIDES};
+use crate::files::{FileError, catch_panic, display, guard_this_thread, is_memory, one_line, sha256};
 use crate::image_file::open_file;
 
 /// A network of depth with its weights; clones share them.
 #[derive(Clone)]
-pub struct DepthNetwork(Arc<Loaded>);
+pub struct DepthNetwork(Arc<Loaded>, Option<Arc<Cache>>);
 
 struct Loaded {
     path: PathBuf,
@@ -29,6 +32,8 @@ struct Loaded {
     model: Model,
     preset: Preset,
     options: NetworkOptions,
+    /// The longest time for an image, in milliseconds.
+    slowest: AtomicU64,
 }
 
 /// The longest file that ONNX allows.
@@ -110,7 +115,25 @@ impl DepthNetwork {
         let short: String = digest.chars().take(12).collect();
         let name = format!("{} (sha256 {short}, {})", display(path), preset.kind.name());
         let (path, sha256, options) = (path.to_owned(), digest, *options);
-        Ok(Self(Arc::new(Loaded { path, sha256, name, length, model, preset, options })))
+        let slowest = AtomicU64::new(0);
+        Ok(Self(Arc::new(Loaded { path, sha256, name, length, model, preset, options, slowest }), None))
+    }
+
+    /// The same network, which keeps what it gives in the folder of a run, in `.aquafuse-depth`, and takes it from there the next
+    /// time it sees the same image: numbers are the same, bit by bit. At most 2 GiB are kept.
+    #[must_use]
+    pub fn kept_in(&self, folder: &Path) -> Self {
+        Self(self.0.clone(), Some(Arc::new(Cache::within(folder))))
+    }
+
+    /// What became of the maps that are kept; none where none are.
+    pub fn cached(&self) -> Option<CacheCounts> {
+        self.1.as_ref().map(|cache| cache.counts())
+    }
+
+    /// The longest that an image has taken so far.
+    pub fn slowest(&self) -> Duration {
+        Duration::from_millis(self.0.slowest.load(Ordering::Relaxed))
     }
 
     /// Its name in reports: the file, the beginning of its SHA-256, and what its numbers are taken as.
@@ -153,9 +176,18 @@ impl DepthNetwork {
         };
         let small = scaled(image, stored);
         let (pixels, _) = turned(small.pixels(), stored, top, false);
-        let input = Value::from_shape([1, 3, wanted.1, wanted.0], numbers(&pixels, preset.colours));
-        let input = input.expect("a value for each channel of each pixel");
-        let output = self.run(input).map_err(unfit)?;
+        let run = || {
+            let input = Value::from_shape([1, 3, wanted.1, wanted.0], numbers(&pixels, preset.colours));
+            self.run(input.expect("a value for each channel of each pixel"))
+        };
+        let output = match &self.1 {
+            Some(cache) => {
+                let how = format!("{:?} {}", preset.colours, preset.output_name);
+                cache.output(&key(&self.0.sha256, &how, wanted, &pixels), run)
+            }
+            None => run(),
+        };
+        let output = output.map_err(unfit)?;
         let size = size_of(&output.1).map_err(unfit)?;
         // As stored again.
         let (values, size) = turned(&output.0, size, top, true);
@@ -176,11 +208,15 @@ impl DepthNetwork {
         // One thread: images are shared out already, and sums then do not depend on how many there are. It is made for this run
         // alone: a process that was forked has none of the threads of its parent.
         let alone = Arc::new(ThreadPool::with_num_threads(1));
+        alone.run(guard_this_thread);
         let options = RunOptions::default().with_thread_pool(Some(alone));
         let run = || self.0.model.run_n(vec![(node, input.into())], [output], Some(options));
         let remedy =
             || "Check with another program that it takes images, or give --depth-model-size".to_owned();
+        let began = Instant::now();
         let ended = catch_panic(run).ok_or_else(|| ("it panicked on an image".to_owned(), remedy()))?;
+        let taken = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
+        self.0.slowest.fetch_max(taken, Ordering::Relaxed);
         let [output] = ended.map_err(|error| (error.to_string(), remedy()))?;
         let Some(values) = output.as_tensor_view::<f32>() else {
             let remedy = "Export the network again with an output of 32-bit floats";

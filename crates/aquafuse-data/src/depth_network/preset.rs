@@ -23,6 +23,7 @@ pub(super) enum Colours {
 pub(super) struct Preset {
     pub(super) input: NodeId,
     pub(super) output: NodeId,
+    pub(super) output_name: String,
     pub(super) kind: NetworkKind,
     pub(super) colours: Colours,
     /// Columns and rows that it takes, if it takes no others.
@@ -82,8 +83,9 @@ impl Preset {
                           (larger is farther)";
             return Err((cause, remedy.into()));
         };
+        let output_name = names.get(place).cloned().unwrap_or_default();
         let output = *model.output_ids().get(place).expect("there is a name for each output");
-        Ok(Self { input, output, kind, colours, fixed })
+        Ok(Self { input, output, output_name, kind, colours, fixed })
     }
 
     /// Columns and rows of the input for an image of this size.

@@ -16,6 +16,12 @@ pub(crate) fn catch_panic<R>(decoder: impl FnOnce() -> R) -> Option<R> {
     result
 }
 
+/// Makes this thread one of a decoder's own: its panics end in [`catch_panic`] on the thread that waits for it.
+#[cfg(feature = "onnx")]
+pub(crate) fn guard_this_thread() {
+    GUARDED.set(true);
+}
+
 /// From now on, decoders that panic no longer print so themselves: the error of their file says it.
 ///
 /// For programs, once, before work begins; it changes the panic hook of the process.

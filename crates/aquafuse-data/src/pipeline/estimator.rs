@@ -1,5 +1,7 @@
 //! What estimates the depth of an image: a model of its colours, or a network.
 
+use std::path::Path;
+
 use aquafuse::depth::{DepthMap, DepthModel, SuppliedReport};
 use aquafuse::image::Image;
 
@@ -36,6 +38,23 @@ impl DepthEstimator {
         match self {
             Self::Colour(model) => model.name(),
             Self::Network(network) => network.name(),
+        }
+    }
+
+    /// The network, if it is one.
+    pub fn network(&self) -> Option<&DepthNetwork> {
+        match self {
+            Self::Colour(_) => None,
+            Self::Network(network) => Some(network),
+        }
+    }
+
+    /// The same, which keeps what a network gives in the folder of a run ([`DepthNetwork::kept_in`]).
+    #[must_use]
+    pub fn kept_in(&self, folder: &Path) -> Self {
+        match self {
+            Self::Colour(_) => self.clone(),
+            Self::Network(network) => Self::Network(network.kept_in(folder)),
         }
     }
 

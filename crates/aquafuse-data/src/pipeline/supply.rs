@@ -31,6 +31,15 @@ impl DepthSupply {
         }
     }
 
+    /// The same; what a network gives is kept in the folder of the run.
+    #[must_use]
+    pub fn kept_in(&self, folder: &Path) -> Self {
+        match self {
+            Self::Estimated(estimator) => Self::Estimated(estimator.kept_in(folder)),
+            other => other.clone(),
+        }
+    }
+
     /// The depth of the images in a folder within a content: its maps are in a folder of the same name.
     ///
     /// # Errors

@@ -27,6 +27,8 @@ pub struct DepthMap {
     model: Option<DepthModel>,
     /// Whether z is 1 less an inverse depth of unknown scale and shift.
     is_inverse: bool,
+    /// Beyond this distance z is a guess; infinite where none is.
+    measured_to: f32,
     values: Values,
 }
 
@@ -164,6 +166,7 @@ impl DepthMap {
             kind: DepthKind::Relative,
             model: None,
             is_inverse: false,
+            measured_to: f32::INFINITY,
             values: Values::Levels(levels),
         })
     }
@@ -181,6 +184,7 @@ impl DepthMap {
             kind: DepthKind::Relative,
             model: None,
             is_inverse: false,
+            measured_to: f32::INFINITY,
             values: Values::FineLevels(levels),
         })
     }
@@ -189,7 +193,15 @@ impl DepthMap {
     pub(super) fn from_steps((width, height): (usize, usize), steps: Vec<u16>, levels: Vec<u8>) -> Self {
         debug_assert!(steps.len() == width * height && levels.len() == steps.len());
         let values = Values::Steps { steps, levels };
-        Self { width, height, kind: DepthKind::Relative, model: None, is_inverse: false, values }
+        Self {
+            width,
+            height,
+            kind: DepthKind::Relative,
+            model: None,
+            is_inverse: false,
+            measured_to: f32::INFINITY,
+            values,
+        }
     }
 
     /// Depth from distances in the unit that `kind` names.
@@ -209,7 +221,15 @@ impl DepthMap {
         if let Some(i) = distances.iter().position(|z| !(0.0..=most).contains(z)) {
             return Err(DepthError::Value { x: i % width, y: i / width, value: distances[i], most });
         }
-        Ok(Self { width, height, kind, model: None, is_inverse: false, values: Values::Floats(distances) })
+        Ok(Self {
+            width,
+            height,
+            kind,
+            model: None,
+            is_inverse: false,
+            measured_to: f32::INFINITY,
+            values: Values::Floats(distances),
+        })
     }
 
     /// Columns.
@@ -240,6 +260,16 @@ impl DepthMap {
     /// This map as one whose z is 1 less an inverse depth.
     pub(super) fn turned_from_inverse(self) -> Self {
         Self { is_inverse: true, ..self }
+    }
+
+    /// This map as one whose z is a guess beyond `far`.
+    pub(super) fn with_guesses_beyond(self, far: f32) -> Self {
+        Self { measured_to: far, ..self }
+    }
+
+    /// The distance beyond which z is a guess, infinite where none is: a restoration goes no farther.
+    pub(crate) fn measured_to(&self) -> f32 {
+        self.measured_to
     }
 
     /// Whether z is 1 less an inverse depth of unknown scale and shift, as of a monocular network: its order is right, its

@@ -175,8 +175,9 @@ impl Supplied {
     /// The depth map of `image`, of which `top` is the edge that is up as seen.
     ///
     /// Valid values are converted by their kind. Where there is none, depth comes from colour
-    /// ([`DepthModel::Ratio`]), taken to the map's unit by a rising curve through the valid pixels; colours farther
-    /// than theirs are open water and lie beyond the far end of the map.
+    /// ([`DepthModel::Ratio`]), taken to the map's unit by a rising curve through the valid pixels and by those of the same colour
+    /// nearby; colours farther than theirs are open water and lie beyond the far end of the map. A restoration goes no farther
+    /// than that end, for beyond it z is a guess.
     ///
     /// # Errors
     ///
@@ -201,16 +202,20 @@ impl Supplied {
         let levels = &*quantised.levels;
         let agreement = agreement::with_image(&distances, &valid, levels, image.size(), top);
         let invalid = pixels - count;
-        if invalid > 0 {
+        let measured_to = (invalid > 0).then(|| {
             let most = if self.kind.is_metric() { f32::MAX } else { 1.0 };
-            holes::fill(&mut distances, &valid, levels, most);
-        }
+            holes::fill(&mut distances, self.width, &valid, levels, most)
+        });
         let report =
             SuppliedReport { kind: self.kind, invalid: invalid as u64, pixels: pixels as u64, agreement };
         let kind = if self.kind.is_metric() { DepthKind::Metres } else { DepthKind::Relative };
         let depth = DepthMap::from_distances(self.width, self.height, kind, distances)
             .expect("valid values and filled ones are in range");
         let depth = if self.kind == SuppliedKind::Inverse { depth.turned_from_inverse() } else { depth };
+        let depth = match measured_to {
+            Some(far) => depth.with_guesses_beyond(far),
+            None => depth,
+        };
         Ok(SuppliedDepth { depth, report })
     }
 

@@ -45,7 +45,8 @@ impl<E: Encoding> BoundedRestoration<E> {
     /// Bounds the restoration of an image by what comes of it.
     ///
     /// - The backscatter of a channel is taken down until at most 1 % of its values would become darker than black;
-    /// - the gain of a channel until at most 1 % become brighter than white;
+    /// - the gain of a channel until at most 1 % become brighter than white; with supplied depth the attenuation that is undone, in
+    ///   all channels alike, so that hues do not change with distance;
     /// - with depth from colour the gain of red until its mean does not exceed those of green and blue: what
     ///   colour says of distance says too much where red is all but gone.
     ///
@@ -93,7 +94,7 @@ impl<E: Encoding> BoundedRestoration<E> {
             }
             let most = options.max_gain[c].max(1.0);
             let gain = largest(1.0, most, |gain| channel.share(|p| p.restored(gain) > 1.0));
-            if gain < most {
+            if depth_from_colour && gain < most {
                 found.options.max_gain[c] = gain;
                 found.bounds.gain = true;
             }
@@ -101,8 +102,27 @@ impl<E: Encoding> BoundedRestoration<E> {
         found.water.veiling_light = VeilingLight::new(veil);
         if depth_from_colour {
             found.hold_red(&channels);
+        } else {
+            found.hold_attenuation(&channels);
         }
         Ok(found)
+    }
+
+    /// All channels alike: held one by one, the far of a scene would turn to the hue of those that are not.
+    fn hold_attenuation(&mut self, channels: &[Channel; 3]) {
+        let most = self.options.max_gain.map(|gain| gain.max(1.0));
+        let burns = |part: f32| {
+            let shares = channels
+                .iter()
+                .zip(most)
+                .map(|(channel, most)| channel.share(|place| place.restored_in_part(part, most) > 1.0));
+            shares.fold(0.0, f64::max)
+        };
+        let kept = largest(0.0, 1.0, burns);
+        if kept < 1.0 {
+            self.water.attenuation = self.water.attenuation.map(|curve| curve.in_part(kept));
+            self.bounds.gain = true;
+        }
     }
 
     fn hold_red(&mut self, [red, green, blue]: &[Channel; 3]) {
@@ -145,6 +165,11 @@ impl Place {
     fn restored(&self, max_gain: f32) -> f32 {
         (self.value - self.backscatter) * self.gain.min(max_gain)
     }
+
+    /// The same where only a part of the attenuation is undone.
+    fn restored_in_part(&self, part: f32, max_gain: f32) -> f32 {
+        (self.value - self.backscatter) * self.gain.powf(part).min(max_gain)
+    }
 }
 
 impl Channel {
@@ -166,7 +191,7 @@ fn channels<T: Sample, E: Encoding>(
     let mut channels = [const { Vec::new() }; 3];
     for (y, row) in image.sampled_rows(SAMPLES) {
         for (x, pixel) in row.iter().enumerate() {
-            let z = depth.at(x, y);
+            let z = depth.at(x, y).min(depth.measured_to());
             let (left, backscatter) = (water.illumination(z), water.backscatter(z));
             for c in 0..3 {
                 let value = pixel[c].to_unit();
@@ -208,5 +233,20 @@ mod tests {
     fn too_bright_a_veil_is_not_taken_off() {
         let wrong = Waterbody { veiling_light: VeilingLight::new([0.9; 3]), ..waters()[1].water };
         assert!(burnt(wrong).0.backscatter);
+    }
+
+    #[test]
+    fn with_supplied_depth_no_channel_is_held_alone() {
+        let scene = Scene::new(3, Size { width: 96, height: 64 });
+        let seen = scene.seen_through(&waters()[1].water).convert::<u8>();
+        let [red, green, blue] = [0.1, 0.2, 2.0].map(|beta| Attenuation::constant(beta).unwrap());
+        let wrong = Waterbody { attenuation: [red, green, blue], ..waters()[1].water };
+        let options = RestoreOptions::default();
+        let bounded =
+            BoundedRestoration::new(&seen, &scene.depth, &Estimate::given(wrong), &options).unwrap();
+        assert!(bounded.bounds.gain);
+        assert_eq!(bounded.options, options);
+        let ratio = |water: Waterbody| water.attenuation[1].mu()[0] / water.attenuation[2].mu()[0];
+        assert!((ratio(bounded.water) - ratio(wrong)).abs() < 1e-6);
     }
 }

@@ -96,7 +96,7 @@ impl<E: Encoding> BoundedRestoration<E> {
 
     /// What the water does at a distance, and the gain that undoes it.
     pub(crate) fn effect(&self) -> impl Fn(f32) -> WaterEffect {
-        let law = undoing(&self.water, &self.options);
+        let law = undoing(f32::INFINITY, &self.water, &self.options);
         move |z| {
             let factor = self.water.depth_factor(z);
             WaterEffect { factor, gain: law(z).0, after: factor }
@@ -112,7 +112,7 @@ impl<E: Encoding> BoundedRestoration<E> {
     }
 
     fn restored<'a>(&self, depth: &'a DepthMap) -> Restored<'a, E, impl Fn(f32) -> Change + Sync> {
-        restored(depth, undoing(&self.water, &self.options))
+        restored(depth, undoing(depth.measured_to(), &self.water, &self.options))
     }
 }
 

@@ -30,6 +30,9 @@ pub struct Bounded<E: Encoding> {
     pub bounds: Bounds,
 }
 
+/// Gain of the direct signal that a doubtful estimate with supplied depth may ask for.
+const DOUBTFUL_GAIN: f32 = 2.0;
+
 /// Which safety bounds acted on a fusion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -40,7 +43,7 @@ pub struct Bounds {
     /// The content is doubtful and its red faded into the veil faster than the others: it was held to them, in β_B or, where F
     /// is a table, there.
     pub red: bool,
-    /// One of the two is doubtful: exchange does not strengthen the direct signal, or leaves it as it is.
+    /// One of the two is doubtful: exchange strengthens the direct signal less than asked for, or leaves it as it is.
     pub gain: bool,
     /// The content's own veil is nearly black and its depth is from colour: of its water less is exchanged, or nothing.
     pub night: bool,
@@ -63,8 +66,8 @@ impl<E: Encoding> Bounded<E> {
     ///   red than green or blue;
     /// - red of a doubtful content fades no faster into the veil than green or blue: a dead red channel with a
     ///   huge β_B would otherwise turn near things red;
-    /// - exchange does not strengthen the direct signal; with depth from colour it leaves it as it is and
-    ///   exchanges the backscatter alone: β_D is the most fragile of the estimates, and tints near things.
+    /// - exchange strengthens the direct signal to its double at most; with depth from colour it leaves it as it
+    ///   is and exchanges the backscatter alone: β_D is the most fragile of the estimates, and tints near things.
     ///
     /// Whatever the verdict, with depth from colour: of a veil that is nearly black less is exchanged the darker it is, for what
     /// colour says of distance there is noise.
@@ -147,10 +150,12 @@ impl<E: Encoding> Bounded<E> {
         if from_colour {
             // Equal attenuation in both waters is a gain of exactly 1.
             self.reference.attenuation = self.content.attenuation;
+            self.bounds.gain = true;
         } else {
-            self.options.max_gain = self.options.max_gain.min(1.0);
+            let held = self.options.max_gain.min(DOUBTFUL_GAIN);
+            self.bounds.gain = held < self.options.max_gain;
+            self.options.max_gain = held;
         }
-        self.bounds.gain = true;
     }
 
     fn hold_red(&mut self) {
@@ -244,9 +249,12 @@ mod tests {
             let [red, green, blue] = waters.reference.veiling_light.rgb();
             assert!(red <= green.max(blue) && green.max(blue) <= 0.85 + 1e-6);
             assert_eq!(waters.content.backscatter_coefficient, [1.2, 1.0, 1.2]);
-            assert_eq!(bounded.bounds.gain, model == Model::Exchange);
             let gain = TransferLaw::new(waters, &bounded.options).at(2.0).gain;
-            assert!(gain.iter().all(|gain| *gain <= 1.0), "{model:?} strengthens the direct signal");
+            assert!(gain.iter().all(|gain| *gain <= 2.0), "{model:?} strengthens the direct signal too much");
+            let asked = Options::for_model(model).with_max_gain(8.0);
+            let bounded = Bounded::new(&content, &reference, asked);
+            let held = if model == Model::Exchange { (true, 2.0) } else { (false, 8.0) };
+            assert_eq!((bounded.bounds.gain, bounded.options.max_gain), held);
             let by_colour = Estimate { depth_model: Some(DepthModel::Ratio), ..reference };
             let bounded = Bounded::new(&content, &by_colour, Options::for_model(model));
             let gain = TransferLaw::new(bounded.waters(), &bounded.options).at(2.0).gain;

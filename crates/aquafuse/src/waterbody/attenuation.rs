@@ -1,7 +1,10 @@
 //! How fast the direct signal fades: the curve β_D(z) and its fit (Eq. 6-8).
 
+mod supplied;
+
 use super::statistics::{Bin, Statistics};
 use crate::image::Encoding;
+pub(super) use supplied::fit_supplied;
 
 /// Attenuation coefficient of the direct signal in one channel, per unit of z:
 /// `β_D(z) = μ5 e^(μ6 z) + μ7 e^(μ8 z)`.
@@ -110,6 +113,11 @@ impl Attenuation {
         mu5 * (mu6 * z).exp() + mu7 * (mu8 * z).exp()
     }
 
+    /// So large a part of it, from 0 to 1.
+    pub(crate) fn in_part(self, part: f32) -> Self {
+        Self { mu: [part * self.mu[0], self.mu[1], part * self.mu[2], self.mu[3]], ..self }
+    }
+
     /// Optical depth τ(z) = β_D(z) z.
     pub fn optical_depth(&self, z: f32) -> f32 {
         self.coefficient(z) * z
@@ -142,12 +150,7 @@ pub(super) fn fit<E: Encoding>(
     backscatter_coefficient: f32,
 ) -> Fit {
     let faintest = E::from_encoded(FAINTEST);
-    let direct: Vec<(f32, f32)> = statistics
-        .bins
-        .iter()
-        .map(|bin| (bin.z, direct_signal(bin, channel, veiling_light, backscatter_coefficient)))
-        .filter(|&(_, signal)| signal > faintest)
-        .collect();
+    let direct = direct_signals(statistics, channel, veiling_light, backscatter_coefficient);
     let brightest = direct.iter().map(|&(_, signal)| signal).fold(faintest, f32::max);
     let far = direct.last().map_or(0.0, |&(z, _)| z);
     if far <= 0.0 {
@@ -175,6 +178,18 @@ pub(super) fn fit<E: Encoding>(
         at_camera,
         faintest,
     }
+}
+
+/// z and direct signal of the bins in which there is enough of it.
+fn direct_signals<E: Encoding>(
+    statistics: &Statistics<E>,
+    channel: usize,
+    veiling_light: f32,
+    backscatter_coefficient: f32,
+) -> Vec<(f32, f32)> {
+    let faintest = E::from_encoded(FAINTEST);
+    let of = |bin: &Bin<E>| (bin.z, direct_signal(bin, channel, veiling_light, backscatter_coefficient));
+    statistics.bins.iter().map(of).filter(|&(_, signal)| signal > faintest).collect()
 }
 
 /// Mean of U - B over a bin.

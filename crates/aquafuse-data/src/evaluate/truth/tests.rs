@@ -49,6 +49,15 @@ fn with_everything_given_the_models_are_near_their_truths() {
 }
 
 #[test]
+fn with_true_metres_exchanging_the_whole_water_comes_nearer_to_it_than_exchanging_its_veil() {
+    // The water itself is estimated. Before β_D was estimated beside β_B, this did not hold.
+    let report = run(12, false, 2);
+    let share = |model: &str| mean(&report, "z given, water ours", model, "share_b");
+    let (exchange, physical) = (share("`exchange`"), share("`physical`"));
+    assert!(exchange > physical + 0.1, "{exchange} {physical}");
+}
+
+#[test]
 fn of_scenes_lit_by_their_water_the_light_is_exchanged_too() {
     let report = of_scenes(Some(LitWaters::Jerlov), 12, false, 2);
     assert_eq!(mean(&report, "the truth itself", "C", "share_c"), 1.0);

@@ -3,7 +3,11 @@
 //! Structure from motion finds nothing in open water, so a third of a frame may have no depth, and just its far
 //! end. The curve from colour to distance is the median distance of each colour, made rising by pooling adjacent
 //! violators (Barlow et al. 1972). At its far end it meets the far end of the map, and beyond the farthest colour
-//! of the valid pixels lies open water.
+//! of the valid pixels lies open water. Where a place of that colour was measured nearby, its distance counts ([`Nearby`]).
+
+mod nearby;
+
+use nearby::Nearby;
 
 /// Levels of colour depth.
 const LEVELS: usize = 256;
@@ -20,18 +24,33 @@ const OPEN_WATER: f32 = 4.0;
 /// Levels of colour depth over which the curve rises to open water: a step would be seen as an edge.
 const RAMP: usize = 8;
 
-/// Fills what is not valid; `levels` is colour depth, `most` the largest distance there is.
-pub(super) fn fill(distances: &mut [f32], valid: &[bool], levels: &[u8], most: f32) {
-    let curve = curve(distances, valid, levels);
-    for ((distance, valid), level) in distances.iter_mut().zip(valid).zip(levels) {
-        if !valid {
-            *distance = curve[usize::from(*level)].min(most);
-        }
+/// Fills what is not valid in a map of this width; `levels` is colour depth, `most` the largest distance there is. Returns the far
+/// end of what is valid: beyond it nothing was measured.
+pub(super) fn fill(distances: &mut [f32], width: usize, valid: &[bool], levels: &[u8], most: f32) -> f32 {
+    let Curve { at, farthest, far } = curve(distances, valid, levels);
+    let of_things: Vec<bool> =
+        valid.iter().zip(levels).map(|(valid, level)| *valid && usize::from(*level) <= farthest).collect();
+    let nearby = Nearby::new(width, &of_things, levels, |i| distances[i] - at[usize::from(levels[i])]);
+    for (i, distance) in distances.iter_mut().enumerate().filter(|(i, _)| !valid[*i]) {
+        let level = usize::from(levels[i]);
+        // Nothing nearby says where open water ends.
+        let of_things = 1.0 - level.saturating_sub(farthest).min(RAMP) as f32 / RAMP as f32;
+        *distance = (at[level] + of_things * nearby.at(i % width, i / width, levels[i])).clamp(0.0, most);
     }
+    far
 }
 
 /// Distance by level of colour depth, rising.
-fn curve(distances: &[f32], valid: &[bool], levels: &[u8]) -> [f32; LEVELS] {
+struct Curve {
+    at: [f32; LEVELS],
+    /// The farthest colour of things; beyond it lies open water.
+    farthest: usize,
+    /// The far end of what is valid.
+    far: f32,
+}
+
+/// The curve of the valid pixels.
+fn curve(distances: &[f32], valid: &[bool], levels: &[u8]) -> Curve {
     let mut by_level: Vec<Vec<f32>> = vec![Vec::new(); LEVELS];
     for ((distance, valid), level) in distances.iter().zip(valid).zip(levels) {
         if *valid {
@@ -55,7 +74,7 @@ fn curve(distances: &[f32], valid: &[bool], levels: &[u8]) -> [f32; LEVELS] {
     knots.iter_mut().for_each(|knot| knot.1 = knot.1.min(far));
     knots.push((farthest, far));
     knots.push((farthest + RAMP, (far * OPEN_WATER).min(f32::MAX)));
-    std::array::from_fn(|level| along(&knots, level))
+    Curve { at: std::array::from_fn(|level| along(&knots, level)), farthest, far }
 }
 
 /// The distance that 98 % of the valid pixels do not exceed.

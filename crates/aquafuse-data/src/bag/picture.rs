@@ -1,0 +1,137 @@
+//! The image of a message, changed.
+
+use std::path::Path;
+
+use aquafuse::image::{Image, ImageMut};
+
+use super::message::{self, Kind, Raw};
+use crate::image_file::{ImageFile, Pixels, ReadOptions};
+use crate::video::Frames;
+
+/// What became of a message.
+pub(super) enum Outcome {
+    /// It is this one now.
+    Changed(Vec<u8>),
+    /// It stays, for this reason.
+    Kept(String),
+    /// It stays, for it is damaged.
+    Damaged(String),
+}
+
+/// Quality of JPEG files.
+const QUALITY: u8 = 95;
+
+/// Changes the next message of a topic.
+pub(super) fn changed(
+    kind: Kind,
+    bytes: &[u8],
+    frames: &mut Frames<u8>,
+    topic: &Path,
+    options: &ReadOptions,
+) -> Outcome {
+    let cut = || Outcome::Damaged("the message is cut short, or has other fields than its schema".into());
+    match kind {
+        Kind::Raw(wire) => message::raw(bytes, wire).map_or_else(cut, |raw| raw_changed(bytes, &raw, frames)),
+        Kind::Packed(_) | Kind::Foxglove => {
+            let packed = match kind {
+                Kind::Packed(wire) => message::packed(bytes, wire),
+                _ => message::foxglove(bytes),
+            };
+            let Some(packed) = packed else { return cut() };
+            if packed.format.contains("compressedDepth") {
+                return Outcome::Kept("it is depth".into());
+            }
+            let file = bytes.get(packed.data.clone()).unwrap_or_default();
+            match file_changed(file, packed.format, frames, topic, options) {
+                Ok(file) => match packed.with(bytes, &file) {
+                    Some(message) => Outcome::Changed(message),
+                    None => Outcome::Kept("its file would be too long".into()),
+                },
+                Err(outcome) => outcome,
+            }
+        }
+    }
+}
+
+/// Places of red, green and blue in a pixel, and its bytes.
+fn colours(encoding: &str) -> Option<([usize; 3], usize)> {
+    Some(match encoding {
+        "rgb8" => ([0, 1, 2], 3),
+        // OpenCV's order, in which images without a named order are as a rule.
+        "bgr8" | "8UC3" => ([2, 1, 0], 3),
+        "rgba8" => ([0, 1, 2], 4),
+        "bgra8" | "8UC4" => ([2, 1, 0], 4),
+        _ => return None,
+    })
+}
+
+fn raw_changed(bytes: &[u8], raw: &Raw<'_>, frames: &mut Frames<u8>) -> Outcome {
+    let Some((places, channels)) = colours(raw.encoding) else {
+        return Outcome::Kept(format!("its encoding {} is not 8 bits of red, green and blue", raw.encoding));
+    };
+    let Raw { width, height, step, .. } = *raw;
+    let least = width.checked_mul(channels).filter(|row| *row > 0 && *row <= step);
+    let whole = step.checked_mul(height).filter(|whole| *whole > 0 && *whole <= raw.data.len());
+    let (Some(row), Some(whole)) = (least, whole) else {
+        return Outcome::Damaged(format!(
+            "{} bytes of data cannot be {width}x{height} pixels of {} with {step} bytes a row",
+            raw.data.len(),
+            raw.encoding
+        ));
+    };
+    let mut message = bytes.to_vec();
+    let data = message.get_mut(raw.data.clone()).unwrap_or_default();
+    let rows = || data.chunks(step).take(whole / step);
+    let pixel = |pixel: &[u8]| places.map(|place| pixel.get(place).copied().unwrap_or_default());
+    let mut samples: Vec<u8> =
+        rows().flat_map(|line| line.chunks_exact(channels).take(row / channels).flat_map(pixel)).collect();
+    let change = ImageMut::new(width, height, &mut samples).and_then(|image| frames.change(image));
+    if let Err(error) = change {
+        return Outcome::Damaged(error.to_string());
+    }
+    let mut changed = samples.as_chunks::<3>().0.iter();
+    for line in data.chunks_mut(step).take(whole / step) {
+        for (pixel, colour) in line.chunks_exact_mut(channels).take(row / channels).zip(&mut changed) {
+            for (place, value) in places.into_iter().zip(colour) {
+                pixel.iter_mut().skip(place).take(1).for_each(|there| *there = *value);
+            }
+        }
+    }
+    Outcome::Changed(message)
+}
+
+/// The format of a file by its first bytes, as an extension.
+fn extension(file: &[u8]) -> Option<&'static str> {
+    match file {
+        [0xff, 0xd8, ..] => Some("jpg"),
+        [0x89, b'P', b'N', b'G', ..] => Some("png"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("webp"),
+        _ => None,
+    }
+}
+
+fn file_changed(
+    file: &[u8],
+    format: &str,
+    frames: &mut Frames<u8>,
+    topic: &Path,
+    options: &ReadOptions,
+) -> Result<Vec<u8>, Outcome> {
+    let Some(extension) = extension(file) else {
+        return Err(Outcome::Kept(format!("its format {format} is not JPEG, PNG or WebP")));
+    };
+    let damaged = |error: crate::files::FileError| Outcome::Damaged(error.to_string());
+    let mut image = ImageFile::from_bytes(topic, file, options).map_err(damaged)?;
+    let mut colours: Image<u8> = match &image.pixels {
+        Pixels::Bytes(layers) => layers.image.clone(),
+        _ => return Err(Outcome::Kept("it has more than 8 bits".into())),
+    };
+    if colours.pixels().iter().all(|[red, green, blue]| red == green && green == blue) {
+        return Err(Outcome::Kept("it is grey".into()));
+    }
+    frames.change(colours.view_mut()).map_err(|error| Outcome::Damaged(error.to_string()))?;
+    if let Pixels::Bytes(layers) = &mut image.pixels {
+        layers.image = colours;
+    }
+    image.encode(&Path::new("image").with_extension(extension), QUALITY).map_err(damaged)
+}

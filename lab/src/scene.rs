@@ -1,8 +1,12 @@
 //! `lab scene`: splats trained on a truth scene, with the water inside; and the paper's table of view synthesis, on
 //! that scene and on real images of a pool.
 
+mod bed;
 mod cost;
+mod quality;
 mod training;
+
+pub(crate) use quality::run as quality;
 
 use std::path::Path;
 

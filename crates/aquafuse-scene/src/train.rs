@@ -6,6 +6,7 @@
 //! changes nothing. [`training`](crate::training) runs a whole scene from its folder.
 
 mod adam;
+mod band_limit;
 mod checkpoint;
 mod density;
 pub mod loss;
@@ -115,7 +116,8 @@ impl Trainer {
         let medium = self.state.medium();
         let rendered = render(&self.state.splats, degree, camera, &medium);
         let (loss, of_rendering) = loss(&rendered.rendering, target, self.options.lambda);
-        let gradient = rendered.back(&self.state.splats, &medium, &of_rendering);
+        let mut gradient = rendered.back(&self.state.splats, &medium, &of_rendering);
+        self.regularise(&mut gradient.splats);
 
         self.state.density.note(&gradient, camera.width, camera.height);
         let rates = self.rates();
@@ -126,6 +128,9 @@ impl Trainer {
             let veil = self.options.rates.water as f32;
             let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
+        }
+        if self.options.least_scale > 0.0 && (state.step % 10 == 0 || state.step == self.options.iterations) {
+            band_limit::widen(&mut state.splats, &self.views, self.options.least_scale);
         }
         if self.options.estimates_water_after(state.step) {
             Self::estimate_water(&self.views, state);
@@ -149,17 +154,34 @@ impl Trainer {
         }
     }
 
+    /// Adds the gradient of the mean opacity and of the mean scale.
+    fn regularise(&self, gradient: &mut Splats<f32>) {
+        let (opacity, scale) = (self.options.opacity_reg as f32, self.options.scale_reg as f32 / self.extent);
+        if opacity == 0.0 && scale == 0.0 {
+            return;
+        }
+        let (count, width) = (self.state.splats.len() as f32, self.state.splats.width());
+        for (i, row) in gradient.rows_mut().chunks_exact_mut(width).enumerate() {
+            let o = self.state.splats.opacity(i);
+            row[OPACITY] += opacity / count * o * (1.0 - o);
+            for (k, s) in self.state.splats.scale(i).into_iter().enumerate() {
+                row[LOG_SCALE + k] += scale / (3.0 * count) * s;
+            }
+        }
+    }
+
     /// The rate of each number of a row at this step.
     fn rates(&self) -> Vec<f32> {
         let rates = &self.options.rates;
         let means = self.options.means_rate(self.state.step) * f64::from(self.extent);
+        let share = self.options.share(self.state.step);
         let rate = |i: usize| match i {
             0..LOG_SCALE => means,
-            LOG_SCALE..ROTATION => rates.scales,
-            ROTATION..OPACITY => rates.quats,
-            OPACITY => rates.opacities,
-            _ if i < HARMONICS + 3 => rates.sh0,
-            _ => rates.sh0 / 20.0,
+            LOG_SCALE..ROTATION => share * rates.scales,
+            ROTATION..OPACITY => share * rates.quats,
+            OPACITY => share * rates.opacities,
+            _ if i < HARMONICS + 3 => share * rates.sh0,
+            _ => share * rates.sh0 / 20.0,
         };
         (0..self.state.splats.width()).map(|i| rate(i) as f32).collect()
     }

@@ -16,6 +16,12 @@ pub struct Options {
     pub max_splats: usize,
     /// Learning rates.
     pub rates: Rates,
+    /// Weight of the mean opacity in the loss (`opacity_reg` of gsplat). Default: 0.
+    pub opacity_reg: f64,
+    /// Weight of the mean scale in the loss, in extents of the scene (`scale_reg` of gsplat). Default: 0.
+    pub scale_reg: f64,
+    /// The least scale of a splat along each of its axes, in pixels of the nearest camera that sees it; 0: none.
+    pub least_scale: f64,
     /// Density control: when splats are added and removed.
     pub density: DensityOptions,
 }
@@ -36,6 +42,9 @@ pub struct Rates {
     /// Of the logit of B∞. Open water shows it in every image, so it must not wait until splats stand there. The logarithms
     /// of β_B and β_D take a sixth: only things seen from near and from far determine them. Not published: ours.
     pub water: f64,
+    /// All of these but that of means end at this share of themselves, in (0, 1]: the logarithm falls evenly over the second
+    /// half of the steps. While they stay high, each step forgets some of the views before it.
+    pub last: f64,
 }
 
 impl Rates {
@@ -48,13 +57,22 @@ impl Rates {
             opacities: 0.05,
             sh0: 0.0025,
             water: 0.03,
+            last: 1.0,
         }
     }
 
     /// Our rates for a few thousand steps: four to ten times the published rates, except for opacities. `docs/results.md`
     /// compares both.
     pub fn quick() -> Self {
-        Self { means: [1.6e-3, 1.6e-5], scales: 0.02, quats: 0.008, opacities: 0.05, sh0: 0.02, water: 0.03 }
+        Self {
+            means: [1.6e-3, 1.6e-5],
+            scales: 0.02,
+            quats: 0.008,
+            opacities: 0.05,
+            sh0: 0.02,
+            water: 0.03,
+            last: 1.0,
+        }
     }
 }
 
@@ -81,6 +99,9 @@ impl Default for Options {
             lambda: 0.2,
             max_splats: 100_000,
             rates: Rates::quick(),
+            opacity_reg: 0.0,
+            scale_reg: 0.0,
+            least_scale: 0.0,
             density: DensityOptions {
                 grow_grad2d: 2e-4,
                 grow_scale3d: 0.01,
@@ -141,6 +162,14 @@ impl Options {
         let [first, last] = self.rates.means;
         let along = f64::from(step) / f64::from(self.iterations.max(1));
         (first.ln() + along.min(1.0) * (last.ln() - first.ln())).exp()
+    }
+}
+
+impl Options {
+    /// The share of all rates but that of means that is left at this step.
+    pub(crate) fn share(&self, step: u32) -> f64 {
+        let along = f64::from(step) / f64::from(self.iterations.max(1));
+        self.rates.last.powf((2.0 * along - 1.0).clamp(0.0, 1.0))
     }
 }
 

@@ -58,6 +58,7 @@ docs/results.md
   helps [OPTION...]   whether a small network learns more from images in other waters; goes on where it was stopped, and
                       `helps --table` writes the table of the runs that are finished
   scene [FOLDER]      splats trained on a synthetic scene and on fused scenes; FOLDER is for images to look at
+  scene-cost          what a step of training costs, a part of `scene`
   scene-quality [truth|pool]
                       what each measure of training is worth on views held out of a synthetic scene and of a pool
   soak [MINUTES] [PARSER...]
@@ -132,6 +133,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["helps", ref options @ ..] => helps::run(options),
         ["scene"] => scene::run(None),
         ["scene", folder] => scene::run(Some(Path::new(folder))),
+        ["scene-cost"] => scene::cost(),
         ["scene-quality"] => scene::quality(None),
         ["scene-quality", only @ ("truth" | "pool")] => scene::quality(Some(only)),
         ["soak"] => soak::run(soak::DEFAULT_MINUTES, &[]),

@@ -27,14 +27,7 @@ const LEAST: f64 = 1e-4;
 pub fn splats(points: &[Point], degree: u8) -> Splats<f32> {
     let mut splats = Splats::new(degree);
     for (point, radius) in points.iter().zip(radii(points)) {
-        let ev = |n: &str, d: f64| std::env::var(n).map_or(d, |v| v.parse().unwrap_or(d));
-        let row = Splats::<f32>::ball(
-            degree,
-            point.position,
-            radius * ev("RAD", SCALE),
-            ev("OPA", OPACITY),
-            point.colour,
-        );
+        let row = Splats::<f32>::ball(degree, point.position, SCALE * radius, OPACITY, point.colour);
         splats.push(&row);
     }
     splats

@@ -110,7 +110,7 @@ pub fn memory<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium
     // Its samples as bytes, and distances, beside five planes.
     let of_pixels = pixels.saturating_mul(5 * size_of::<T>() as u64 + 8);
     let of_splats = (splats.len() as u64).saturating_mul(size_of::<Footprint<T>>() as u64 + 4);
-    // Each is in the list of its tile and of its footprint.
+    // Two numbers for each.
     of_pixels.saturating_add(of_splats).saturating_add(8 * entries)
 }
 

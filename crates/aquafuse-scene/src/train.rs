@@ -6,7 +6,6 @@
 //! changes nothing. [`training`](crate::training) runs a whole scene from its folder.
 
 mod adam;
-mod band_limit;
 mod checkpoint;
 mod density;
 pub mod loss;
@@ -116,8 +115,7 @@ impl Trainer {
         let medium = self.state.medium();
         let rendered = render(&self.state.splats, degree, camera, &medium);
         let (loss, of_rendering) = loss(&rendered.rendering, target, self.options.lambda);
-        let mut gradient = rendered.back(&self.state.splats, &medium, &of_rendering);
-        self.regularise(&mut gradient.splats);
+        let gradient = rendered.back(&self.state.splats, &medium, &of_rendering);
 
         self.state.density.note(&gradient, camera.width, camera.height);
         let rates = self.rates();
@@ -128,9 +126,6 @@ impl Trainer {
             let veil = self.options.rates.water as f32;
             let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
-        }
-        if self.options.least_scale > 0.0 && (state.step % 10 == 0 || state.step == self.options.iterations) {
-            band_limit::widen(&mut state.splats, &self.views, self.options.least_scale);
         }
         if self.options.estimates_water_after(state.step) {
             Self::estimate_water(&self.views, state);
@@ -151,22 +146,6 @@ impl Trainer {
         if let Some(estimated) = water::estimate(views, &state.splats, water) {
             water::repaint(&mut state.splats, views, &old, &estimated);
             (*water, *moments) = (estimated, Moments::new(PARAMETERS));
-        }
-    }
-
-    /// Adds the gradient of the mean opacity and of the mean scale.
-    fn regularise(&self, gradient: &mut Splats<f32>) {
-        let (opacity, scale) = (self.options.opacity_reg as f32, self.options.scale_reg as f32 / self.extent);
-        if opacity == 0.0 && scale == 0.0 {
-            return;
-        }
-        let (count, width) = (self.state.splats.len() as f32, self.state.splats.width());
-        for (i, row) in gradient.rows_mut().chunks_exact_mut(width).enumerate() {
-            let o = self.state.splats.opacity(i);
-            row[OPACITY] += opacity / count * o * (1.0 - o);
-            for (k, s) in self.state.splats.scale(i).into_iter().enumerate() {
-                row[LOG_SCALE + k] += scale / (3.0 * count) * s;
-            }
         }
     }
 

@@ -157,3 +157,36 @@ mod forced {
         result
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sum whose bits show whether it was rearranged, or a product and a sum were made one operation.
+    struct Sum<'a>(&'a [f32]);
+
+    impl Work for Sum<'_> {
+        type Output = [u32; 16];
+
+        #[inline(always)]
+        fn run(self) -> [u32; 16] {
+            let mut sums = [0.1_f32; 16];
+            for some in self.0.as_chunks::<16>().0 {
+                for k in 0..16 {
+                    sums[k] += some[k] * 1.1 / (0.3 + some[k]);
+                }
+            }
+            sums.map(f32::to_bits)
+        }
+    }
+
+    #[test]
+    fn the_widest_vectors_change_no_bit() {
+        let numbers: Vec<f32> = (0..1600_u16).map(|i| (f32::from(i) * 0.37).fract()).collect();
+        let plain = Sum(&numbers).run();
+        assert_eq!(widest(Sum(&numbers)), plain);
+        for level in Level::all() {
+            assert_eq!(widest_by(level, Sum(&numbers)), plain, "{level:?}");
+        }
+    }
+}

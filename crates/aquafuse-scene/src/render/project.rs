@@ -12,13 +12,8 @@ const NEAREST: f64 = 0.05;
 pub(crate) const DILATION: f64 = 0.3;
 /// Opacity at a pixel below which a splat is not rendered there. Published.
 pub(crate) const FAINTEST: f64 = 1.0 / 255.0;
-/// The least share of its light that an ellipse keeps when it is dilated: a needle seen from its end has no area.
+/// The least that is kept of the square of an opacity when an ellipse is dilated: a needle has no area. As gsplat has it.
 const LEAST_SHARE: f64 = 2.5e-5;
-
-fn mip() -> bool {
-    static MIP: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
-    *MIP.get_or_init(|| std::env::var("MIP").is_ok())
-}
 /// Slack in pixels around an ellipse's box, for rounding.
 const SLACK: f64 = 0.01;
 
@@ -104,10 +99,14 @@ struct Placed<T> {
     scale: [T; 3],
     /// The splat's axes times its deviations, on the image: 2 x 3.
     axes: [[T; 3]; 2],
-    /// Covariance on the image, dilated: xx, xy, yy.
+    /// Covariance on the image: xx, xy, yy.
+    sharp: [T; 3],
+    /// The same, dilated, and its determinant.
     covariance: [T; 3],
     determinant: T,
-    /// The determinant before it was dilated, over `determinant`.
+    /// The determinant of `sharp` over that one: the square of what dilation leaves of the opacity, so that a splat hides as
+    /// much as before on a larger area. This is the 2D filter of Mip-Splatting (`rasterize_mode="antialiased"` of gsplat);
+    /// without it, splats that are thin in the training images are needles when they are drawn larger.
     kept: T,
 }
 
@@ -158,6 +157,7 @@ impl<T: Scalar> Placed<T> {
             turn,
             scale,
             axes,
+            sharp,
             covariance,
             determinant,
             kept,
@@ -190,10 +190,7 @@ fn colour<T: Scalar>(row: &[T], degree: u8, direction: [T; 3]) -> [T; 3] {
 pub(crate) fn project<T: Scalar>(splat: u32, row: &[T], sight: &Sight<T>) -> Option<Footprint<T>> {
     let Sight { view, between, degree } = sight;
     let placed = Placed::new(row, view)?;
-    let mut opacity = row[OPACITY].sigmoid();
-    if mip() {
-        opacity = opacity * placed.kept.at_least(T::of(LEAST_SHARE)).sqrt();
-    }
+    let opacity = row[OPACITY].sigmoid() * placed.kept.at_least(T::of(LEAST_SHARE)).sqrt();
     // Where opacity e^-power falls to the faintest: the square of that many deviations.
     let square = T::of(2.0 * (opacity.get() / FAINTEST).ln());
     if !is_more(square, T::ZERO) {
@@ -284,15 +281,11 @@ pub(crate) fn back<T: Scalar>(
         -(left[0][0] * xy + left[0][1] * yy),
         -(left[1][0] * xy + left[1][1] * yy),
     ];
-    if mip() && placed.kept > T::of(LEAST_SHARE) {
-        // Half of the inverse before dilation, less half of the one after it.
-        let by = half * sums.moments[0];
-        let whole = T::ONE / (placed.kept * placed.determinant);
-        let [sxx, sxy, syy] = [
-            placed.covariance[0] - T::of(DILATION),
-            placed.covariance[1],
-            placed.covariance[2] - T::of(DILATION),
-        ];
+    if placed.kept > T::of(LEAST_SHARE) {
+        // Of the share that is kept, whose logarithm is half that of the determinants' ratio: half of the inverse of the
+        // ellipse as it was, less half of the inverse of the dilated one.
+        let [sxx, sxy, syy] = placed.sharp;
+        let (by, whole) = (half * sums.moments[0], T::ONE / (placed.kept * placed.determinant));
         of_covariance[0] += by * (syy * whole - xx);
         of_covariance[1] += by * (-sxy * whole - xy);
         of_covariance[2] += by * (sxx * whole - yy);

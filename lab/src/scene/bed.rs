@@ -8,7 +8,7 @@ use aquafuse::metrics::{psnr, ssim};
 use aquafuse::truth::Size;
 use aquafuse_data::image_file::ReadOptions;
 use aquafuse_scene::camera::Camera;
-use aquafuse_scene::capture::{self, Split, View};
+use aquafuse_scene::capture;
 use aquafuse_scene::compare::image;
 use aquafuse_scene::files::read_cameras;
 use aquafuse_scene::points::{self, Point};
@@ -70,20 +70,18 @@ impl Bed {
     }
 
     /// The scene of a folder, its images at most so many pixels long.
+    ///
+    /// Views are held out from the middle of each eight: what the first image of a way ahead shows at its rim, no other does.
     pub(super) fn of_folder(folder: &Path, longest: usize) -> Result<Self> {
         let reading = ReadOptions::default();
         let cameras = read_cameras(folder, &reading)?;
         let images = capture::images_of(folder, &cameras);
-        let views = Split::new(capture::read(&cameras, &images, longest, &reading)?, HELD);
-        let shots = |views: Vec<View>| {
-            views.into_iter().map(|view| Shot { camera: view.camera, image: view.image }).collect()
-        };
-        Ok(Self {
-            training: shots(views.training),
-            held_out: shots(views.held_out),
-            finer: Vec::new(),
-            points: cameras.points,
-        })
+        let (mut held_out, mut training) = (Vec::new(), Vec::new());
+        for (i, view) in capture::read(&cameras, &images, longest, &reading)?.into_iter().enumerate() {
+            let shots = if i % HELD == HELD / 2 { &mut held_out } else { &mut training };
+            shots.push(Shot { camera: view.camera, image: view.image });
+        }
+        Ok(Self { training, held_out, finer: Vec::new(), points: cameras.points })
     }
 
     /// Trains and scores.

@@ -32,8 +32,8 @@ const STEPS: u32 = 1200;
 const SPLATS: usize = 24_000;
 /// Pixels on the longer side of the pool's frames; steps and splats there.
 const LONGEST: usize = 400;
-const POOL_STEPS: u32 = 1000;
-const POOL_SPLATS: usize = 40_000;
+const POOL_STEPS: u32 = 700;
+const POOL_SPLATS: usize = 30_000;
 
 /// All scenes, or those whose names begin with one word: `truth` or `pool`.
 pub(crate) fn run(only: Option<&str>) -> Result<()> {

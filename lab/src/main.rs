@@ -58,6 +58,9 @@ docs/results.md
   helps [OPTION...]   whether a small network learns more from images in other waters; goes on where it was stopped, and
                       `helps --table` writes the table of the runs that are finished
   scene [FOLDER]      splats trained on a synthetic scene and on fused scenes; FOLDER is for images to look at
+  scene-cost          what a step of training costs, a part of `scene`
+  scene-quality [truth|pool]
+                      what each measure of training is worth on views held out of a synthetic scene and of a pool
   soak [MINUTES] [PARSER...]
                       every parser fuzzed, every law tried on 100,000 cases, a folder's job killed 1,000 times;
                       with PARSER, these parsers are fuzzed and nothing else is done
@@ -130,6 +133,9 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["helps", ref options @ ..] => helps::run(options),
         ["scene"] => scene::run(None),
         ["scene", folder] => scene::run(Some(Path::new(folder))),
+        ["scene-cost"] => scene::cost(),
+        ["scene-quality"] => scene::quality(None),
+        ["scene-quality", only @ ("truth" | "pool")] => scene::quality(Some(only)),
         ["soak"] => soak::run(soak::DEFAULT_MINUTES, &[]),
         ["soak", minutes, ref parsers @ ..] => soak::run(minutes.parse().ok()?, parsers),
         ["readings"] => readings::run(None),

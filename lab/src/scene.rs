@@ -1,8 +1,12 @@
 //! `lab scene`: splats trained on a truth scene, with the water inside; and the paper's table of view synthesis, on
 //! that scene and on real images of a pool.
 
+mod bed;
 mod cost;
+mod quality;
 mod training;
+
+pub(crate) use quality::run as quality;
 
 use std::path::Path;
 
@@ -23,10 +27,10 @@ pub(crate) fn run(images: Option<&Path>) -> Result<()> {
     say("Training on a truth scene, on one thread (some minutes)");
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let [learned, water] = one_thread.install(|| training::tables(images))?;
-    let cost = ("scene-cost", one_thread.install(cost::table));
-    for (name, table) in [learned, water, cost] {
+    for (name, table) in [learned, water] {
         show_section(RESULTS, name, &table)?;
     }
+    cost()?;
 
     let work = root().join("target/scenes");
     if work.exists() {
@@ -47,6 +51,12 @@ pub(crate) fn run(images: Option<&Path>) -> Result<()> {
             Ok(())
         }
     }
+}
+
+/// What a step of training costs.
+pub(crate) fn cost() -> Result<()> {
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    show_section(RESULTS, "scene-cost", &one_thread.install(cost::table))
 }
 
 /// Fuses a scene by each model, trains on all, and writes the comparison into a section.

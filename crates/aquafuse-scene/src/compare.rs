@@ -2,19 +2,21 @@
 //!
 //! `report.rs` puts a scene beside the same one fused and makes a [`Report`](aquafuse_data::evaluate::Report) of it.
 
+mod normals;
 mod report;
 
 pub use report::{CompareError, Comparison, Side};
 
 use aquafuse::image::Image;
 
-use crate::camera::{Camera, cross, dot, minus, unit};
+use crate::camera::{Camera, dot};
 use crate::render::Rendering;
+use normals::normals;
 
 /// The highest transmittance at which a surface counts as seen.
 const OPAQUE: f32 = 0.1;
 
-/// Surface-normal deviation between two renderings of one view, over pixels that are opaque in both.
+/// Surface-normal deviation between two renderings of one view, over pixels where both show a surface (`normals.rs`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalDeviation {
     /// SND: the mean angle between normals, of 180°, 0 to 1.
@@ -36,27 +38,6 @@ pub fn distances(rendering: &Rendering<f32>) -> Vec<Option<f32>> {
     let both = rendering.distance.iter().zip(&rendering.transmittance);
     both.map(|(distance, transmittance)| (*transmittance < OPAQUE).then(|| distance / (1.0 - transmittance)))
         .collect()
-}
-
-/// Unit normals of the surface that a view's distances form, towards the camera, from the neighbours of each pixel; `None`
-/// at the edge of the image and of opaque parts.
-fn normals(camera: &Camera, rendering: &Rendering<f32>) -> Vec<Option<[f64; 3]>> {
-    let distances = distances(rendering);
-    let (width, height) = (rendering.width, rendering.height);
-    let point = |x: usize, y: usize| {
-        let distance = distances[y * width + x]?;
-        Some(camera.point_at([x as f64 + 0.5, y as f64 + 0.5], f64::from(distance)))
-    };
-    let normal = |i: usize| {
-        let (x, y) = (i % width, i / width);
-        if x == 0 || y == 0 || x + 1 >= width || y + 1 >= height {
-            return None;
-        }
-        let across = minus(point(x + 1, y)?, point(x - 1, y)?);
-        let down = minus(point(x, y + 1)?, point(x, y - 1)?);
-        unit(cross(down, across))
-    };
-    (0..width * height).map(normal).collect()
 }
 
 /// Normals as an image: right, up and towards the camera are more red, green and blue; black where no normal is known.
@@ -117,10 +98,37 @@ mod tests {
         };
         let (flat, leaning) = (plane(&camera, 0.0), plane(&camera, 0.3));
         let found = normal_deviation(&camera, &flat, &leaning);
-        assert_eq!(found.pixels, 38 * 28);
+        // All but those whose window would reach beyond the edge.
+        assert_eq!(found.pixels, 36 * 26);
         assert!((found.angle * std::f64::consts::PI - 0.3).abs() < 1e-3, "{found:?}");
         assert!((found.cosine - (1.0 - 0.3_f64.cos())).abs() < 1e-3);
         assert!(normal_deviation(&camera, &flat, &flat).angle < 1e-6);
+    }
+
+    /// Distances are known to a per cent or so: from pixel to pixel that would be any slope.
+    #[test]
+    fn what_is_uncertain_at_each_pixel_is_certain_over_a_window() {
+        let camera = Camera {
+            width: 200,
+            height: 150,
+            focal: [170.0; 2],
+            centre: [100.0, 75.0],
+            rotation: Camera::rotation_of([1.0, 0.0, 0.0, 0.0]),
+            translation: [0.0; 3],
+        };
+        let (flat, mut uncertain) = (plane(&camera, 0.0), plane(&camera, 0.0));
+        let mut state = 1_u32;
+        for distance in &mut uncertain.distance {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            *distance *= 1.0 + 0.01 * ((state >> 8) as f32 / (1 << 23) as f32 - 1.0);
+        }
+        let found = normal_deviation(&camera, &flat, &uncertain);
+        assert!(found.pixels > 20_000 && found.angle < 0.015, "{found:?}");
+        // A step is no surface.
+        let mut step = plane(&camera, 0.0);
+        step.distance.chunks_exact_mut(200).for_each(|row| row[100..].iter_mut().for_each(|v| *v *= 2.0));
+        let across = normal_deviation(&camera, &flat, &step);
+        assert!(across.angle < 0.005 && across.pixels > 20_000 && across.pixels < 27_000, "{across:?}");
     }
 
     #[test]

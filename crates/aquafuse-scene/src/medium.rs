@@ -132,6 +132,16 @@ impl<T: Scalar> Medium<T> {
         }
     }
 
+    /// The same medium in a scene whose unit is so many metres, > 0: a known water is then per metre. A learned water, which
+    /// is per unit, and air stay as they are.
+    #[must_use]
+    pub fn with_metres_per_unit(self, metres: f32) -> Self {
+        match self {
+            Self::Known { water, .. } => Self::Known { water, per_unit: metres },
+            other => other,
+        }
+    }
+
     /// Turns a gradient of [`Self::background`] into one of the water's parameters.
     pub(crate) fn background_back(&self, gradient: [T; 3], sums: &mut [T; PARAMETERS]) {
         if let Self::Learned(water) = self {
@@ -218,6 +228,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_scene_in_centimetres_looks_like_one_in_metres() {
+        let water = waters()[0].water;
+        let metric = Medium::<f64>::Known { water, per_unit: 1.0 };
+        let in_centimetres = metric.clone().with_metres_per_unit(0.01);
+        let colour = [0.8, 0.5, 0.2];
+        let near = metric.between().through(colour, 2.5);
+        let again = in_centimetres.between().through(colour, 250.0);
+        assert!(near.iter().zip(again).all(|(a, b)| (a - b).abs() < 1e-6), "{near:?} {again:?}");
+        assert_ne!(near, in_centimetres.between().through(colour, 2.5));
     }
 
     #[test]

@@ -13,18 +13,21 @@ pub struct Point {
     pub colour: [f64; 3],
 }
 
-/// Opacity that splats begin with. Published.
-const OPACITY: f64 = 0.1;
+/// Opacity that splats begin with (`init_opa` of gsplat). Published: .1, for ten times as many steps.
+const OPACITY: f64 = 0.5;
+/// What splats begin with of the distance to their neighbours (`init_scale` of gsplat). Published: 1. Smaller ones leave gaps
+/// that training closes; larger ones hide each other, and are slow to shrink.
+const SCALE: f64 = 0.6;
 /// The neighbours that the first scale of a splat is computed from. Published.
 const NEIGHBOURS: usize = 3;
 /// The least it may be, units of the scene: two points at one place.
 const LEAST: f64 = 1e-4;
 
-/// One ball a point; its scale is the root mean square distance to its three nearest neighbours.
+/// One ball a point; its scale is six tenths of the root mean square distance to its three nearest neighbours.
 pub fn splats(points: &[Point], degree: u8) -> Splats<f32> {
     let mut splats = Splats::new(degree);
     for (point, radius) in points.iter().zip(radii(points)) {
-        let row = Splats::<f32>::ball(degree, point.position, radius, OPACITY, point.colour);
+        let row = Splats::<f32>::ball(degree, point.position, SCALE * radius, OPACITY, point.colour);
         splats.push(&row);
     }
     splats

@@ -110,7 +110,7 @@ pub fn memory<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium
     // Its samples as bytes, and distances, beside five planes.
     let of_pixels = pixels.saturating_mul(5 * size_of::<T>() as u64 + 8);
     let of_splats = (splats.len() as u64).saturating_mul(size_of::<Footprint<T>>() as u64 + 4);
-    // Each is in the list of its tile and of its footprint.
+    // Two numbers for each.
     of_pixels.saturating_add(of_splats).saturating_add(8 * entries)
 }
 
@@ -135,6 +135,16 @@ fn in_view<T: Scalar>(splats: &Splats<T>, sight: &Sight<T>, camera: &Camera) -> 
         .collect()
 }
 
+/// Footprints from the nearest on; those at one distance stay in their order.
+fn in_order<T: Scalar>(footprints: &[Footprint<T>]) -> Vec<Footprint<T>> {
+    // Bits of floats from 0 on are in the order of the floats: whole numbers sort faster, and footprints move once.
+    let key = |footprint: &Footprint<T>| u64::from((footprint.distance.get() as f32).to_bits());
+    let mut order: Vec<u64> =
+        footprints.iter().zip(0_u64..).map(|(footprint, i)| (key(footprint) << 32) | i).collect();
+    order.sort_unstable();
+    order.into_iter().map(|entry| footprints[(entry & 0xffff_ffff) as usize]).collect()
+}
+
 /// Renders the splats as the camera sees them through the medium, with spherical harmonics up to `degree`.
 ///
 /// # Panics
@@ -143,8 +153,7 @@ fn in_view<T: Scalar>(splats: &Splats<T>, sight: &Sight<T>, camera: &Camera) -> 
 pub fn render<T: Scalar>(splats: &Splats<T>, degree: u8, camera: &Camera, medium: &Medium<T>) -> Rendered<T> {
     let sight = Sight::of(splats, degree, camera, medium);
     let (width, height) = (camera.width, camera.height);
-    let mut footprints = in_view(splats, &sight, camera);
-    footprints.sort_by(|a, b| a.distance.get().total_cmp(&b.distance.get()).then(a.splat.cmp(&b.splat)));
+    let footprints = in_order(&in_view(splats, &sight, camera));
     let mut ranks = vec![UNSEEN; splats.len()];
     for (rank, footprint) in footprints.iter().enumerate() {
         ranks[footprint.splat as usize] = rank as u32;
@@ -195,7 +204,7 @@ impl<T: Scalar> Rendered<T> {
     /// When `splats` are not the splats that were rendered, or the sizes differ.
     pub fn back(&self, splats: &Splats<T>, medium: &Medium<T>, gradient: &Rendering<T>) -> Gradient<T> {
         assert_eq!(self.ranks.len(), splats.len(), "the splats that were rendered");
-        let mut entries = vec![Sums::<T>::default(); self.tiles.entries.len()];
+        let mut entries = vec![Sums::<T>::default(); self.tiles.places.len()];
         let of_background = self.undraw(gradient, &mut entries);
 
         let row_width = splats.width();
@@ -232,12 +241,12 @@ impl<T: Scalar> Rendered<T> {
         Gradient { splats: of_splats, water, grad2d }
     }
 
-    /// Fills the sums of each entry of the tiles' lists; gives the gradient of the background.
+    /// Fills the sums of the footprints of each row of tiles; gives the gradient of the background.
     fn undraw(&self, gradient: &Rendering<T>, entries: &mut [Sums<T>]) -> [T; 3] {
         let mut rest = entries;
         let mut strips = Vec::with_capacity(self.tiles.down);
         for row in 0..self.tiles.down {
-            let (strip, after) = rest.split_at_mut(self.tiles.row_range(row).len());
+            let (strip, after) = rest.split_at_mut(self.tiles.in_row(row));
             strips.push((row, strip));
             rest = after;
         }

@@ -153,13 +153,14 @@ impl Trainer {
     fn rates(&self) -> Vec<f32> {
         let rates = &self.options.rates;
         let means = self.options.means_rate(self.state.step) * f64::from(self.extent);
+        let share = self.options.share(self.state.step);
         let rate = |i: usize| match i {
             0..LOG_SCALE => means,
-            LOG_SCALE..ROTATION => rates.scales,
-            ROTATION..OPACITY => rates.quats,
-            OPACITY => rates.opacities,
-            _ if i < HARMONICS + 3 => rates.sh0,
-            _ => rates.sh0 / 20.0,
+            LOG_SCALE..ROTATION => share * rates.scales,
+            ROTATION..OPACITY => share * rates.quats,
+            OPACITY => share * rates.opacities,
+            _ if i < HARMONICS + 3 => share * rates.sh0,
+            _ => share * rates.sh0 / 20.0,
         };
         (0..self.state.splats.width()).map(|i| rate(i) as f32).collect()
     }

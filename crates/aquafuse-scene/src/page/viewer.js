@@ -28,9 +28,8 @@ void main() {
   vec3 seen = turn * uintBitsToFloat(first.xyz) + shift;
   vec4 colour = vec4(third.z & 65535u, third.z >> 16u, third.w & 65535u, third.w >> 16u)
     / vec4(8192.0, 8192.0, 8192.0, 65535.0);
-  float square = 2.0 * log(max(colour.a, 1e-9) * 255.0);
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
-  if (seen.z < 0.05 || square <= 0.0) return;
+  if (seen.z < 0.05) return;
 
   vec4 upper = uintBitsToFloat(second);
   vec2 lower = uintBitsToFloat(third.xy);
@@ -42,6 +41,10 @@ void main() {
   mat2x3 axes = transpose(turn) * press;
   mat2 ellipse = transpose(axes) * spread * axes;
   float xx = ellipse[0][0] + 0.3, xy = ellipse[0][1], yy = ellipse[1][1] + 0.3;
+  // On a larger area it is fainter, so that it hides as much.
+  colour.a *= sqrt(max(determinant(ellipse) / (xx * yy - xy * xy), 2.5e-5));
+  float square = 2.0 * log(max(colour.a, 1e-9) * 255.0);
+  if (square <= 0.0) return;
   float middle = 0.5 * (xx + yy), apart = length(vec2(0.5 * (xx - yy), xy));
   float large = middle + apart, small = max(middle - apart, 0.05);
   vec2 way = xx > yy ? vec2(large - yy, xy) : vec2(xy, large - xx);

@@ -12,6 +12,8 @@ const NEAREST: f64 = 0.05;
 pub(crate) const DILATION: f64 = 0.3;
 /// Opacity at a pixel below which a splat is not rendered there. Published.
 pub(crate) const FAINTEST: f64 = 1.0 / 255.0;
+/// The least that is kept of the square of an opacity when an ellipse is dilated: a needle has no area. As gsplat has it.
+const LEAST_SHARE: f64 = 2.5e-5;
 /// Slack in pixels around an ellipse's box, for rounding.
 const SLACK: f64 = 0.01;
 
@@ -26,6 +28,8 @@ pub(crate) struct Footprint<T> {
     pub(crate) conic: [T; 3],
     /// Half the sides of the box beyond which it is fainter than [`FAINTEST`].
     pub(crate) reach: [T; 2],
+    /// The first row of pixels within that box, and the one behind its last; from 0 on, and beyond the image's last.
+    pub(crate) rows: [u32; 2],
     pub(crate) opacity: T,
     /// Colour as seen through the medium.
     pub(crate) colour: [T; 3],
@@ -43,6 +47,7 @@ pub(crate) struct Sums<T> {
 }
 
 impl<T: Scalar> Sums<T> {
+    #[inline(always)]
     pub(crate) fn add(&mut self, other: &Self) {
         for c in 0..3 {
             self.colour[c] += other.colour[c];
@@ -94,9 +99,15 @@ struct Placed<T> {
     scale: [T; 3],
     /// The splat's axes times its deviations, on the image: 2 x 3.
     axes: [[T; 3]; 2],
-    /// Covariance on the image, dilated: xx, xy, yy.
+    /// Covariance on the image: xx, xy, yy.
+    sharp: [T; 3],
+    /// The same, dilated, and its determinant.
     covariance: [T; 3],
     determinant: T,
+    /// The determinant of `sharp` over that one: the square of what dilation leaves of the opacity, so that a splat hides as
+    /// much as before on a larger area. This is the 2D filter of Mip-Splatting (`rasterize_mode="antialiased"` of gsplat);
+    /// without it, splats that are thin in the training images are needles when they are drawn larger.
+    kept: T,
 }
 
 impl<T: Scalar> Placed<T> {
@@ -126,12 +137,10 @@ impl<T: Scalar> Placed<T> {
                 (flat[a][0] * turn[0][k] + flat[a][1] * turn[1][k] + flat[a][2] * turn[2][k]) * scale[k]
             })
         });
-        let covariance = [
-            dot(axes[0], axes[0]) + T::of(DILATION),
-            dot(axes[0], axes[1]),
-            dot(axes[1], axes[1]) + T::of(DILATION),
-        ];
+        let sharp = [dot(axes[0], axes[0]), dot(axes[0], axes[1]), dot(axes[1], axes[1])];
+        let covariance = [sharp[0] + T::of(DILATION), sharp[1], sharp[2] + T::of(DILATION)];
         let determinant = covariance[0] * covariance[2] - covariance[1] * covariance[1];
+        let kept = (sharp[0] * sharp[2] - sharp[1] * sharp[1]) / determinant;
         if !is_more(determinant, T::ZERO) {
             return None;
         }
@@ -148,8 +157,10 @@ impl<T: Scalar> Placed<T> {
             turn,
             scale,
             axes,
+            sharp,
             covariance,
             determinant,
+            kept,
         })
     }
 
@@ -179,7 +190,7 @@ fn colour<T: Scalar>(row: &[T], degree: u8, direction: [T; 3]) -> [T; 3] {
 pub(crate) fn project<T: Scalar>(splat: u32, row: &[T], sight: &Sight<T>) -> Option<Footprint<T>> {
     let Sight { view, between, degree } = sight;
     let placed = Placed::new(row, view)?;
-    let opacity = row[OPACITY].sigmoid();
+    let opacity = row[OPACITY].sigmoid() * placed.kept.at_least(T::of(LEAST_SHARE)).sqrt();
     // Where opacity e^-power falls to the faintest: the square of that many deviations.
     let square = T::of(2.0 * (opacity.get() / FAINTEST).ln());
     if !is_more(square, T::ZERO) {
@@ -187,11 +198,16 @@ pub(crate) fn project<T: Scalar>(splat: u32, row: &[T], sight: &Sight<T>) -> Opt
     }
     let own = colour(row, *degree, placed.direction()).map(|v| v.at_least(T::ZERO));
     let [xx, _, yy] = placed.covariance;
+    let mean: [T; 2] =
+        std::array::from_fn(|a| view.focal[a] * placed.seen[a] / placed.seen[2] + view.centre[a]);
+    let reach = [(square * xx).sqrt() + T::of(SLACK), (square * yy).sqrt() + T::of(SLACK)];
+    let (middle, half) = (mean[1].get(), reach[1].get());
     Some(Footprint {
         splat,
-        mean: std::array::from_fn(|a| view.focal[a] * placed.seen[a] / placed.seen[2] + view.centre[a]),
+        mean,
         conic: placed.conic(),
-        reach: [(square * xx).sqrt() + T::of(SLACK), (square * yy).sqrt() + T::of(SLACK)],
+        reach,
+        rows: [(middle - half - 0.5).ceil() as u32, (middle + half + 0.5).floor() as u32],
         opacity,
         colour: between.through(own, placed.distance),
         distance: placed.distance,
@@ -218,7 +234,7 @@ pub(crate) fn back<T: Scalar>(
     let degree = *degree;
     let Some(placed) = Placed::new(row, view) else { return };
     let half = T::of(0.5);
-    gradient[OPACITY] = sums.moments[0] * (T::ONE - footprint.opacity);
+    gradient[OPACITY] = sums.moments[0] * (T::ONE - row[OPACITY].sigmoid());
 
     let (mut of_position, mut of_distance) = ([T::ZERO; 3], sums.distance);
     let direction = placed.direction();
@@ -260,11 +276,20 @@ pub(crate) fn back<T: Scalar>(
     // Of the inverse of the covariance, as a symmetric matrix, then of the covariance: -Q G Q.
     let [gxx, gxy, gyy] = [-half * sxx, -half * sxy, -half * syy];
     let left = [[xx * gxx + xy * gxy, xx * gxy + xy * gyy], [xy * gxx + yy * gxy, xy * gxy + yy * gyy]];
-    let of_covariance = [
+    let mut of_covariance = [
         -(left[0][0] * xx + left[0][1] * xy),
         -(left[0][0] * xy + left[0][1] * yy),
         -(left[1][0] * xy + left[1][1] * yy),
     ];
+    if placed.kept > T::of(LEAST_SHARE) {
+        // Of the share that is kept, whose logarithm is half that of the determinants' ratio: half of the inverse of the
+        // ellipse as it was, less half of the inverse of the dilated one.
+        let [sxx, sxy, syy] = placed.sharp;
+        let (by, whole) = (half * sums.moments[0], T::ONE / (placed.kept * placed.determinant));
+        of_covariance[0] += by * (syy * whole - xx);
+        of_covariance[1] += by * (-sxy * whole - xy);
+        of_covariance[2] += by * (sxx * whole - yy);
+    }
     let two = T::of(2.0);
     let [cxx, cxy, cyy] = of_covariance;
     let of_axes: [[T; 3]; 2] = [

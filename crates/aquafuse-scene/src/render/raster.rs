@@ -1,6 +1,6 @@
 //! One row of tiles rendered front to back, and its gradients.
 //!
-//! Plain loops over rows of eight pixels, which the compiler makes vectors of. A pixel takes splats until less than
+//! Plain loops over [`LANES`] pixels, which the compiler makes vectors of. A pixel takes splats until less than
 //! [`LAST_LIGHT`] comes through; what it does not take counts as nothing, so that no pixel branches.
 
 use aquafuse::simd::Work;
@@ -16,8 +16,15 @@ const MOST_HIDDEN: f64 = 0.99;
 /// After so many splats it is asked whether any pixel of the tile still takes one.
 const LOOK: usize = 16;
 
-/// Numbers of one row of pixels within a tile.
-type Lane<T> = [T; SIDE];
+/// Pixels that are computed together: two rows of a tile, one vector of AVX-512.
+const LANES: usize = 2 * SIDE;
+/// Pairs of rows in a tile.
+const PAIRS: usize = SIDE / 2;
+
+/// Numbers of two rows of pixels within a tile.
+type Lane<T> = [T; LANES];
+/// Numbers of all pixels of a tile.
+type Plane<T> = [Lane<T>; PAIRS];
 
 /// Five numbers a pixel, in a row of tiles: planes of red, green, blue, distance, and what comes through.
 pub(crate) struct Strip<'a, T> {
@@ -37,42 +44,70 @@ pub(crate) struct Source<'a, T> {
     pub(crate) background: [T; 3],
 }
 
-/// The rows of pixels of a tile that a footprint reaches, counted from the tile's first.
-#[inline(always)]
-fn rows_reached<T: Scalar>(footprint: &Footprint<T>, top: usize, rows: usize) -> std::ops::Range<usize> {
-    let (middle, reach) = (footprint.mean[1].get() - top as f64, footprint.reach[1].get());
-    let first = (middle - reach - 0.5).ceil().max(0.0) as usize;
-    let end = (middle + reach + 0.5).floor().max(0.0) as usize;
-    first.min(rows)..end.min(rows)
+/// A footprint over a tile: what its bell is computed from.
+struct Bell<T> {
+    /// From the projected mean to each column, and to the first two rows.
+    dx: Lane<T>,
+    dy: Lane<T>,
+    /// The parts of its exponent that do not change from row to row: xx dx² / 2 and xy dx.
+    square: Lane<T>,
+    slope: Lane<T>,
 }
 
-/// How much of the light a footprint hides at eight pixels in a row, and whether by its own bell: 0 where it is too
-/// faint, and cut off at [`MOST_HIDDEN`].
-#[inline(always)]
-fn hidden<T: Scalar>(footprint: &Footprint<T>, dx: &Lane<T>, dy: T) -> (Lane<T>, Lane<T>) {
-    let half = T::of(0.5);
-    let [xx, xy, yy] = footprint.conic;
-    let (square, slope, level) = (half * xx, xy * dy, half * yy * dy * dy);
-    let (faintest, most) = (T::of(FAINTEST), T::of(MOST_HIDDEN));
-    let mut alpha = [T::ZERO; SIDE];
-    let mut bell = [T::ZERO; SIDE];
-    for k in 0..SIDE {
-        let power = -(dx[k] * (square * dx[k] + slope) + level);
-        let full = footprint.opacity * power.at_most(T::ZERO).falloff();
-        let seen = if full >= faintest { full } else { T::ZERO };
-        alpha[k] = seen.at_most(most);
-        bell[k] = if seen <= most { T::ONE } else { T::ZERO };
+impl<T: Scalar> Bell<T> {
+    #[inline(always)]
+    fn new(footprint: &Footprint<T>, left: usize, top: usize) -> Self {
+        let [xx, xy, _] = footprint.conic;
+        let half = T::of(0.5);
+        let first = T::of(left as f64 + 0.5) - footprint.mean[0];
+        let upper = T::of(top as f64 + 0.5) - footprint.mean[1];
+        let mut bell = Self {
+            dx: [T::ZERO; LANES],
+            dy: [T::ZERO; LANES],
+            square: [T::ZERO; LANES],
+            slope: [T::ZERO; LANES],
+        };
+        for k in 0..LANES {
+            bell.dx[k] = first + T::of((k % SIDE) as f64);
+            bell.dy[k] = upper + T::of((k / SIDE) as f64);
+            bell.square[k] = half * xx * (bell.dx[k] * bell.dx[k]);
+            bell.slope[k] = xy * bell.dx[k];
+        }
+        bell
     }
-    (alpha, bell)
+
+    /// From the projected mean to a pair of rows.
+    #[inline(always)]
+    fn dy(&self, pair: usize) -> Lane<T> {
+        let mut dy = self.dy;
+        for k in 0..LANES {
+            dy[k] += T::of(2.0 * pair as f64);
+        }
+        dy
+    }
+
+    /// How much of the light the footprint hides at each pixel, if not more than all; 0 where it is too faint.
+    #[inline(always)]
+    fn hidden(&self, footprint: &Footprint<T>, dy: &Lane<T>) -> Lane<T> {
+        let half = T::of(0.5) * footprint.conic[2];
+        let faintest = T::of(FAINTEST);
+        let mut hidden = [T::ZERO; LANES];
+        for k in 0..LANES {
+            let power = -(self.square[k] + dy[k] * (self.slope[k] + half * dy[k]));
+            let full = footprint.opacity * power.at_most(T::ZERO).falloff();
+            hidden[k] = if full >= faintest { full } else { T::ZERO };
+        }
+        hidden
+    }
 }
 
+/// The pairs of rows of a tile that a footprint reaches.
 #[inline(always)]
-fn offsets<T: Scalar>(left: usize, mean: T) -> Lane<T> {
-    let mut dx = [T::ZERO; SIDE];
-    for k in 0..SIDE {
-        dx[k] = T::of((left + k) as f64 + 0.5) - mean;
-    }
-    dx
+fn pairs_reached<T: Scalar>(footprint: &Footprint<T>, top: usize) -> std::ops::Range<usize> {
+    let [first, end] = footprint.rows;
+    let first = (first as usize).saturating_sub(top) / 2;
+    let end = (end as usize).saturating_sub(top).div_ceil(2).min(PAIRS);
+    first..end
 }
 
 /// Draws a row of tiles.
@@ -93,13 +128,16 @@ impl<T: Scalar> Work for Draw<'_, T> {
             let across = (self.source.width - left).min(SIDE);
             for y in 0..rows {
                 let at = y * self.source.width + left;
+                let (pair, first) = (y / 2, y % 2 * SIDE);
                 for k in 0..across {
+                    let lane = first + k;
+                    let transmittance = tile.transmittance[pair][lane];
                     for c in 0..3 {
                         self.strip.colour[c][at + k] =
-                            tile.colour[c][y][k] + tile.transmittance[y][k] * self.source.background[c];
+                            tile.colour[c][pair][lane] + transmittance * self.source.background[c];
                     }
-                    self.strip.distance[at + k] = tile.distance[y][k];
-                    self.strip.transmittance[at + k] = tile.transmittance[y][k];
+                    self.strip.distance[at + k] = tile.distance[pair][lane];
+                    self.strip.transmittance[at + k] = transmittance;
                 }
             }
         }
@@ -108,26 +146,27 @@ impl<T: Scalar> Work for Draw<'_, T> {
 
 /// A tile while it is rendered.
 struct Canvas<T> {
-    colour: [[Lane<T>; SIDE]; 3],
-    distance: [Lane<T>; SIDE],
-    transmittance: [Lane<T>; SIDE],
+    colour: [Plane<T>; 3],
+    distance: Plane<T>,
+    transmittance: Plane<T>,
 }
 
 impl<T: Scalar> Canvas<T> {
     #[inline(always)]
     fn rendered(source: &Source<'_, T>, column: usize, rows: usize) -> Self {
+        let nothing = [[T::ZERO; LANES]; PAIRS];
         let mut canvas = Self {
-            colour: [[[T::ZERO; SIDE]; SIDE]; 3],
-            distance: [[T::ZERO; SIDE]; SIDE],
-            transmittance: [[T::ONE; SIDE]; SIDE],
+            colour: [nothing; 3],
+            distance: nothing,
+            transmittance: clear(rows, source.width - column * SIDE),
         };
         let (left, top) = (column * SIDE, source.row * SIDE);
         let entries = &source.tiles.entries[source.tiles.range(source.row * source.tiles.across + column)];
         for some in entries.chunks(LOOK) {
             for &entry in some {
-                canvas.take(&source.footprints[entry as usize], left, top, rows);
+                canvas.take(&source.footprints[entry.footprint as usize], left, top);
             }
-            if !any_light(&canvas.transmittance[..rows]) {
+            if !any_light(&canvas.transmittance) {
                 break;
             }
         }
@@ -135,42 +174,59 @@ impl<T: Scalar> Canvas<T> {
     }
 
     #[inline(always)]
-    fn take(&mut self, footprint: &Footprint<T>, left: usize, top: usize, rows: usize) {
-        let last = T::of(LAST_LIGHT);
-        let dx = offsets(left, footprint.mean[0]);
-        for y in rows_reached(footprint, top, rows) {
-            let dy = T::of((top + y) as f64 + 0.5) - footprint.mean[1];
-            let (alpha, _) = hidden(footprint, &dx, dy);
-            let transmittance = &mut self.transmittance[y];
-            let mut weight = [T::ZERO; SIDE];
-            for k in 0..SIDE {
-                let taken = if transmittance[k] >= last { alpha[k] } else { T::ZERO };
+    fn take(&mut self, footprint: &Footprint<T>, left: usize, top: usize) {
+        let (last, most) = (T::of(LAST_LIGHT), T::of(MOST_HIDDEN));
+        let bell = Bell::new(footprint, left, top);
+        for pair in pairs_reached(footprint, top) {
+            let hidden = bell.hidden(footprint, &bell.dy(pair));
+            let transmittance = &mut self.transmittance[pair];
+            let mut weight = [T::ZERO; LANES];
+            for k in 0..LANES {
+                let alpha = hidden[k].at_most(most);
+                let taken = if transmittance[k] >= last { alpha } else { T::ZERO };
                 weight[k] = transmittance[k] * taken;
                 transmittance[k] -= weight[k];
             }
             for c in 0..3 {
-                let row = &mut self.colour[c][y];
-                for k in 0..SIDE {
+                let row = &mut self.colour[c][pair];
+                for k in 0..LANES {
                     row[k] += weight[k] * footprint.colour[c];
                 }
             }
-            let row = &mut self.distance[y];
-            for k in 0..SIDE {
+            let row = &mut self.distance[pair];
+            for k in 0..LANES {
                 row[k] += weight[k] * footprint.distance;
             }
         }
     }
 }
 
+/// All light at the pixels that the image has; none beyond its edge, where nothing is to be rendered.
 #[inline(always)]
-fn any_light<T: Scalar>(transmittance: &[Lane<T>]) -> bool {
-    let mut most = T::ZERO;
-    for row in transmittance {
-        for k in 0..SIDE {
-            most = most.at_least(row[k]);
+fn clear<T: Scalar>(rows: usize, columns: usize) -> Plane<T> {
+    let mut plane = [[T::ZERO; LANES]; PAIRS];
+    for y in 0..rows.min(SIDE) {
+        for x in 0..columns.min(SIDE) {
+            plane[y / 2][y % 2 * SIDE + x] = T::ONE;
         }
     }
-    most >= T::of(LAST_LIGHT)
+    plane
+}
+
+#[inline(always)]
+fn any_light<T: Scalar>(transmittance: &Plane<T>) -> bool {
+    let mut most = [T::ZERO; LANES];
+    for row in transmittance {
+        for k in 0..LANES {
+            most[k] = most[k].at_least(row[k]);
+        }
+    }
+    let last = T::of(LAST_LIGHT);
+    let mut any = false;
+    for k in 0..LANES {
+        any |= most[k] >= last;
+    }
+    any
 }
 
 /// A row of tiles' planes for reading: a gradient, or a rendering.
@@ -181,8 +237,8 @@ pub(crate) struct Planes<'a, T> {
     pub(crate) transmittance: &'a [T],
 }
 
-/// From the gradient of a row of tiles to that of its footprints: one [`Sums`] for each entry of its lists, written to
-/// `sums`; gives the gradient of the background.
+/// From the gradient of a row of tiles to that of its footprints: one [`Sums`] for each of them, added to `sums`; gives the
+/// gradient of the background.
 ///
 /// With `s = g · (colour, distance)` of each splat, the loss changes with α_i by `T_i s_i - R_i / (1 - α_i)`, where R_i is
 /// what splats behind, and the background, add to `g · pixel`. R is taken down from the front, so that nothing of the
@@ -201,18 +257,16 @@ impl<T: Scalar> Work for Undraw<'_, T> {
     fn run(self) -> [T; 3] {
         let rows = self.rendered.transmittance.len() / self.source.width;
         let mut background = [T::ZERO; 3];
-        let begin = self.source.tiles.row_range(self.source.row).start;
         for column in 0..self.source.tiles.across {
             let range = self.source.tiles.range(self.source.row * self.source.tiles.across + column);
             let mut light = Light::new(&self, column, rows, &mut background);
             let (left, top) = (column * SIDE, self.source.row * SIDE);
-            let entries = &self.source.tiles.entries[range.clone()];
-            let sums = &mut self.sums[range.start - begin..range.end - begin];
-            for (entries, sums) in entries.chunks(LOOK).zip(sums.chunks_mut(LOOK)) {
-                for (&entry, sums) in entries.iter().zip(sums) {
-                    *sums = light.take(&self.source.footprints[entry as usize], left, top, rows);
+            for some in self.source.tiles.entries[range].chunks(LOOK) {
+                for entry in some {
+                    let found = light.take(&self.source.footprints[entry.footprint as usize], left, top);
+                    self.sums[entry.of_row as usize].add(&found);
                 }
-                if !any_light(&light.transmittance[..rows]) {
+                if !any_light(&light.transmittance) {
                     break;
                 }
             }
@@ -223,89 +277,104 @@ impl<T: Scalar> Work for Undraw<'_, T> {
 
 /// A tile on the way back.
 struct Light<T> {
-    colour: [[Lane<T>; SIDE]; 3],
-    distance: [Lane<T>; SIDE],
-    transmittance: [Lane<T>; SIDE],
+    colour: [Plane<T>; 3],
+    distance: Plane<T>,
+    transmittance: Plane<T>,
     /// R: what is still to come.
-    rest: [Lane<T>; SIDE],
+    rest: Plane<T>,
 }
 
 impl<T: Scalar> Light<T> {
     #[inline(always)]
     fn new(undraw: &Undraw<'_, T>, column: usize, rows: usize, background: &mut [T; 3]) -> Self {
-        let nothing = [[T::ZERO; SIDE]; SIDE];
+        let nothing = [[T::ZERO; LANES]; PAIRS];
+        let width = undraw.source.width;
+        let left = column * SIDE;
         let mut light = Self {
             colour: [nothing; 3],
             distance: nothing,
-            transmittance: [[T::ONE; SIDE]; SIDE],
+            transmittance: clear(rows, width - left),
             rest: nothing,
         };
-        let width = undraw.source.width;
-        let left = column * SIDE;
         for y in 0..rows {
             for k in 0..(width - left).min(SIDE) {
                 let at = y * width + left + k;
+                let (pair, lane) = (y / 2, y % 2 * SIDE + k);
                 let transmittance = undraw.rendered.transmittance[at];
                 let mut rest = undraw.gradient.distance[at] * undraw.rendered.distance[at]
                     + undraw.gradient.transmittance[at] * transmittance;
                 for c in 0..3 {
                     let of_colour = undraw.gradient.colour[c][at];
-                    light.colour[c][y][k] = of_colour;
+                    light.colour[c][pair][lane] = of_colour;
                     rest += of_colour * undraw.rendered.colour[c][at];
                     background[c] += of_colour * transmittance;
                 }
-                light.distance[y][k] = undraw.gradient.distance[at];
-                light.rest[y][k] = rest;
+                light.distance[pair][lane] = undraw.gradient.distance[at];
+                light.rest[pair][lane] = rest;
             }
         }
         light
     }
 
     #[inline(always)]
-    fn take(&mut self, footprint: &Footprint<T>, left: usize, top: usize, rows: usize) -> Sums<T> {
-        let last = T::of(LAST_LIGHT);
-        let dx = offsets(left, footprint.mean[0]);
-        let mut colour = [[T::ZERO; SIDE]; 3];
-        let mut distance = [T::ZERO; SIDE];
-        let mut moments = [[T::ZERO; SIDE]; 6];
-        for y in rows_reached(footprint, top, rows) {
-            let dy = T::of((top + y) as f64 + 0.5) - footprint.mean[1];
-            let (alpha, bell) = hidden(footprint, &dx, dy);
-            let mut v = [T::ZERO; SIDE];
-            for k in 0..SIDE {
-                let transmittance = self.transmittance[y][k];
-                let taken = if transmittance >= last { alpha[k] } else { T::ZERO };
-                let weight = transmittance * taken;
-                let own = footprint.colour[0] * self.colour[0][y][k]
-                    + footprint.colour[1] * self.colour[1][y][k]
-                    + footprint.colour[2] * self.colour[2][y][k]
-                    + footprint.distance * self.distance[y][k];
-                let rest = self.rest[y][k] - weight * own;
-                v[k] = bell[k] * taken * (transmittance * own - rest / (T::ONE - taken));
-                self.rest[y][k] = rest;
-                self.transmittance[y][k] = transmittance - weight;
+    fn take(&mut self, footprint: &Footprint<T>, left: usize, top: usize) -> Sums<T> {
+        let (last, most) = (T::of(LAST_LIGHT), T::of(MOST_HIDDEN));
+        let bell = Bell::new(footprint, left, top);
+        // Colours, distance, and v times 1, dy and dy²: dx is the same in all rows, and comes in at the end.
+        let mut sums = [[T::ZERO; LANES]; 7];
+        for pair in pairs_reached(footprint, top) {
+            let dy = bell.dy(pair);
+            let hidden = bell.hidden(footprint, &dy);
+            let (transmittance, rest) = (&mut self.transmittance[pair], &mut self.rest[pair]);
+            for k in 0..LANES {
+                let alpha = hidden[k].at_most(most);
+                let taken = if transmittance[k] >= last { alpha } else { T::ZERO };
+                let weight = transmittance[k] * taken;
+                let own = footprint.colour[0] * self.colour[0][pair][k]
+                    + footprint.colour[1] * self.colour[1][pair][k]
+                    + footprint.colour[2] * self.colour[2][pair][k]
+                    + footprint.distance * self.distance[pair][k];
+                rest[k] -= weight * own;
+                let v = taken * (transmittance[k] * own - rest[k] / (T::ONE - taken));
+                // Where it is cut off, its bell changes nothing.
+                let v = if hidden[k] <= most { v } else { T::ZERO };
+                transmittance[k] -= weight;
                 for c in 0..3 {
-                    colour[c][k] += weight * self.colour[c][y][k];
+                    sums[c][k] += weight * self.colour[c][pair][k];
                 }
-                distance[k] += weight * self.distance[y][k];
-            }
-            for k in 0..SIDE {
-                let across = v[k] * dx[k];
-                let down = v[k] * dy;
-                moments[0][k] += v[k];
-                moments[1][k] += across;
-                moments[2][k] += down;
-                moments[3][k] += across * dx[k];
-                moments[4][k] += across * dy;
-                moments[5][k] += down * dy;
+                sums[3][k] += weight * self.distance[pair][k];
+                let down = v * dy[k];
+                sums[4][k] += v;
+                sums[5][k] += down;
+                sums[6][k] += down * dy[k];
             }
         }
-        Sums { colour: colour.map(total), distance: total(distance), moments: moments.map(total) }
+        let [red, green, blue, distance, v, down, downs] = sums;
+        let (mut across, mut squares, mut both) = ([T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]);
+        for k in 0..LANES {
+            across[k] = v[k] * bell.dx[k];
+            squares[k] = across[k] * bell.dx[k];
+            both[k] = down[k] * bell.dx[k];
+        }
+        Sums {
+            colour: [total(&red), total(&green), total(&blue)],
+            distance: total(&distance),
+            moments: [total(&v), total(&across), total(&down), total(&squares), total(&both), total(&downs)],
+        }
     }
 }
 
-/// The sum of a lane, in one order.
+/// The sum of a lane, in one order: halves are added to each other, as vectors do it best. Without closures: in what the
+/// compiler does not inline, it would not use the vectors.
 #[inline(always)]
-fn total<T: Scalar>(lane: Lane<T>) -> T {
-    ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]))
+fn total<T: Scalar>(lane: &Lane<T>) -> T {
+    let mut eight = [T::ZERO; LANES / 2];
+    for k in 0..LANES / 2 {
+        eight[k] = lane[k] + lane[k + LANES / 2];
+    }
+    let mut four = [T::ZERO; LANES / 4];
+    for k in 0..LANES / 4 {
+        four[k] = eight[k] + eight[k + LANES / 4];
+    }
+    (four[0] + four[2]) + (four[1] + four[3])
 }

@@ -6,18 +6,29 @@ use crate::scalar::Scalar;
 /// Columns and rows of a tile: a row of it is one vector of eight floats.
 pub(crate) const SIDE: usize = 8;
 
-/// For each tile, row by row, the footprints that touch it; and for each footprint, its indices in these lists.
+/// A footprint in the list of a tile.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Entry {
+    /// Its number.
+    pub(crate) footprint: u32,
+    /// Which of the footprints of its row of tiles it is: what the tiles of a row find is added up for each of them.
+    pub(crate) of_row: u32,
+}
+
+/// For each tile, row by row, the footprints that touch it; and for each footprint, the rows of tiles that it touches.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tiles {
     pub(crate) across: usize,
     pub(crate) down: usize,
     /// Where each tile's list begins in `entries`, and the end of the last.
     pub(crate) starts: Vec<u32>,
-    /// Numbers of footprints.
-    pub(crate) entries: Vec<u32>,
+    /// Footprints.
+    pub(crate) entries: Vec<Entry>,
+    /// Where the footprints of each row of tiles begin, if all rows are listed one behind the other; and the end of the last.
+    pub(crate) rows: Vec<u32>,
     /// Where each footprint's places begin in `places`, and the end of the last.
     pub(crate) firsts: Vec<u32>,
-    /// Places in `entries`.
+    /// Places in that list of all rows.
     pub(crate) places: Vec<u32>,
 }
 
@@ -65,24 +76,34 @@ impl Tiles {
         }
         let mut next = starts.clone();
         starts.push(total);
-        let mut entries = vec![0; total as usize];
-        let mut places = Vec::with_capacity(total as usize);
+        let mut rows = vec![0_u32; down + 1];
+        for run in &runs {
+            rows[run.row as usize + 1] += 1;
+        }
+        for row in 0..down {
+            rows[row + 1] += rows[row];
+        }
+        let mut in_row = vec![0_u32; down];
+        let mut entries = vec![Entry::default(); total as usize];
+        let mut places = Vec::with_capacity(runs.len());
         let mut firsts = Vec::with_capacity(footprints.len() + 1);
         let mut begun = 0;
         for (rank, &end) in ends.iter().enumerate() {
             firsts.push(places.len() as u32);
             for run in &runs[begun..end] {
-                let row = run.row as usize * across;
-                for next in &mut next[row + run.first as usize..row + run.end as usize] {
-                    entries[*next as usize] = rank as u32;
-                    places.push(*next);
+                let row = run.row as usize;
+                let entry = Entry { footprint: rank as u32, of_row: in_row[row] };
+                in_row[row] += 1;
+                places.push(rows[row] + entry.of_row);
+                for next in &mut next[row * across + run.first as usize..row * across + run.end as usize] {
+                    entries[*next as usize] = entry;
                     *next += 1;
                 }
             }
             begun = end;
         }
         firsts.push(places.len() as u32);
-        Self { across, down, starts, entries, firsts, places }
+        Self { across, down, starts, entries, rows, firsts, places }
     }
 
     /// Where the entries of this tile are.
@@ -90,12 +111,12 @@ impl Tiles {
         self.starts[tile] as usize..self.starts[tile + 1] as usize
     }
 
-    /// Where the entries of this row of tiles are.
-    pub(crate) fn row_range(&self, row: usize) -> std::ops::Range<usize> {
-        self.starts[row * self.across] as usize..self.starts[(row + 1) * self.across] as usize
+    /// Footprints in this row of tiles.
+    pub(crate) fn in_row(&self, row: usize) -> usize {
+        (self.rows[row + 1] - self.rows[row]) as usize
     }
 
-    /// The indices of a footprint in the lists.
+    /// The places of a footprint in the list of all rows.
     pub(crate) fn places_of(&self, rank: usize) -> &[u32] {
         &self.places[self.firsts[rank] as usize..self.firsts[rank + 1] as usize]
     }

@@ -239,7 +239,7 @@ impl<T: Scalar> Work for Blur<'_, T> {
 }
 
 /// Pixels that are summed at a time, in registers.
-const BLOCK: usize = 32;
+const BLOCK: usize = 64;
 
 /// Sums the window's lines, weighed: `line` gives for each tap the numbers that lie on one another.
 #[inline(always)]
@@ -250,20 +250,22 @@ fn weigh<'a, T: Scalar>(
     taps: std::ops::Range<usize>,
 ) {
     let width = out.len();
-    let (blocks, rest) = out.as_chunks_mut::<BLOCK>();
-    for (block, out) in blocks.iter_mut().enumerate() {
+    if width < BLOCK {
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = taps.clone().fold(T::ZERO, |sum, tap| sum + bell[tap] * line(tap)[k]);
+        }
+        return;
+    }
+    // The last block ends at the edge, and sums some pixels of the one before it once more.
+    for first in (0..width).step_by(BLOCK).map(|first| first.min(width - BLOCK)) {
         let mut sums = [T::ZERO; BLOCK];
         for tap in taps.clone() {
-            let line = &line(tap)[block * BLOCK..][..BLOCK];
+            let line = &line(tap)[first..][..BLOCK];
             for k in 0..BLOCK {
                 sums[k] += bell[tap] * line[k];
             }
         }
-        *out = sums;
-    }
-    let left = width - rest.len();
-    for (k, out) in rest.iter_mut().enumerate() {
-        *out = taps.clone().fold(T::ZERO, |sum, tap| sum + bell[tap] * line(tap)[left + k]);
+        out[first..][..BLOCK].copy_from_slice(&sums);
     }
 }
 

@@ -30,13 +30,14 @@ use crate::report::progress::Progress;
 /// Render a trained scene from its cameras, or from an orbit around it.
 #[derive(Args)]
 #[command(after_help = "\
-Renders through the learned water unless --water names another. A unit of the scene counts as a metre. To continue a run that
-was stopped, repeat the command.
+Renders through the learned water unless --water names another. A unit of the scene counts as a metre unless
+--metres-per-unit says more. To continue a run that was stopped, repeat the command.
 
 Examples:
   aquafuse scene render reef.ply reef/ -o views/
   aquafuse scene render reef.ply reef/ -o dewatered/ --water none
   aquafuse scene render reef.ply reef/ -o coast/ --water preset:jerlov-3C --depth
+  aquafuse scene render reef.ply reef/ -o murky/ --water preset:jerlov-5C --visibility 4 --metres-per-unit 0.2
   aquafuse scene render reef.ply reef/ -o orbit/ --orbit 120       orbit/orbit_000.png, ...; frames of a film")]
 pub(crate) struct Render {
     /// A trained scene.

@@ -107,5 +107,5 @@ pub fn change(
     let Request { input, output, inputs, topics, overwrite } = request;
     let inputs = inputs.iter().map(PathBuf::as_path).chain([input.as_path()]);
     refuse_inputs([output.as_path()], inputs.collect::<Vec<&Path>>())?;
-    copy::run(copy::Job { input, output, topics, overwrite: *overwrite, recipe, options }, each)
+    copy::run(&copy::Job { input, output, topics, overwrite: *overwrite, recipe, options }, each)
 }

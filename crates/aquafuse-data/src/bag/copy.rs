@@ -30,7 +30,7 @@ pub(super) struct Job<'a> {
     pub(super) options: &'a RunOptions,
 }
 
-pub(super) fn run(job: Job<'_>, each: &mut dyn FnMut()) -> Result<Summary, BagError> {
+pub(super) fn run(job: &Job<'_>, each: &mut dyn FnMut()) -> Result<Summary, BagError> {
     // Made before anything is read: that it may not be replaced is then known at once.
     let staged = Staged::empty(job.output, job.overwrite)?;
     let failed = |cause: String| FileError::Write { path: job.output.to_owned(), cause };
@@ -42,7 +42,7 @@ pub(super) fn run(job: Job<'_>, each: &mut dyn FnMut()) -> Result<Summary, BagEr
         .compression(compression);
     let writer = options.create(BufWriter::new(part)).map_err(|error| failed(error.to_string()))?;
     let mut copying = Copying {
-        job: &job,
+        job,
         writer,
         schemas: HashMap::new(),
         images: HashMap::new(),

@@ -72,26 +72,26 @@ fn raw_changed(bytes: &[u8], raw: &Raw<'_>, frames: &mut Frames<u8>) -> Outcome 
     let Raw { width, height, step, .. } = *raw;
     let least = width.checked_mul(channels).filter(|row| *row > 0 && *row <= step);
     let whole = step.checked_mul(height).filter(|whole| *whole > 0 && *whole <= raw.data.len());
-    let (Some(row), Some(whole)) = (least, whole) else {
+    if least.is_none() || whole.is_none() {
         return Outcome::Damaged(format!(
             "{} bytes of data cannot be {width}x{height} pixels of {} with {step} bytes a row",
             raw.data.len(),
             raw.encoding
         ));
-    };
+    }
     let mut message = bytes.to_vec();
     let data = message.get_mut(raw.data.clone()).unwrap_or_default();
-    let rows = || data.chunks(step).take(whole / step);
+    let rows = || data.chunks(step).take(height);
     let pixel = |pixel: &[u8]| places.map(|place| pixel.get(place).copied().unwrap_or_default());
     let mut samples: Vec<u8> =
-        rows().flat_map(|line| line.chunks_exact(channels).take(row / channels).flat_map(pixel)).collect();
+        rows().flat_map(|line| line.chunks_exact(channels).take(width).flat_map(pixel)).collect();
     let change = ImageMut::new(width, height, &mut samples).and_then(|image| frames.change(image));
     if let Err(error) = change {
         return Outcome::Damaged(error.to_string());
     }
     let mut changed = samples.as_chunks::<3>().0.iter();
-    for line in data.chunks_mut(step).take(whole / step) {
-        for (pixel, colour) in line.chunks_exact_mut(channels).take(row / channels).zip(&mut changed) {
+    for line in data.chunks_mut(step).take(height) {
+        for (pixel, colour) in line.chunks_exact_mut(channels).take(width).zip(&mut changed) {
             for (place, value) in places.into_iter().zip(colour) {
                 pixel.iter_mut().skip(place).take(1).for_each(|there| *there = *value);
             }

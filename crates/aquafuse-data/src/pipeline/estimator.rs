@@ -52,10 +52,8 @@ impl DepthEstimator {
     /// The same, which keeps what a network gives in the folder of a run ([`DepthNetwork::kept_in`]).
     #[must_use]
     pub fn kept_in(&self, folder: &Path) -> Self {
-        match self {
-            Self::Colour(_) => self.clone(),
-            Self::Network(network) => Self::Network(network.kept_in(folder)),
-        }
+        let kept = self.network().map(|network| network.kept_in(folder));
+        kept.map_or_else(|| self.clone(), Self::Network)
     }
 
     /// Bytes that it takes beside an image of so many pixels.

@@ -1,6 +1,6 @@
 //! Normals of the surfaces that a rendering shows, where they are surfaces.
 //!
-//! Splats know distances to a per cent or so, which at neighbouring pixels is any slope at all. So a normal is that of the
+//! Splats know distances to a per cent or so, which at neighbouring pixels is any slope at all. So a normal comes from the
 //! plane that fits a window of pixels best. 1 / z of a plane, z being the depth along the camera's axis, is linear in the
 //! image: `1/z = a x + b y + c` with x and y the slopes of lines of sight, and (a, b, c) is its normal.
 

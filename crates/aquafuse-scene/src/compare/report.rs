@@ -82,7 +82,7 @@ const ABOUT: [&str; 2] = [
      renderings of the models trained on fused images beside those. PSNR of all channels, SSIM of luma. Cells: the mean over \
      views and, in brackets, its interval from 95 of 100 resamplings of them.",
     "SND is the mean angle between the surface normals of two models, as a share of 180 degrees; 1 − cos is the mean of that. \
-     A normal is that of the plane that best fits the distances of the splats in a window of 5 % of the view's width; it counts \
+     A normal comes from the plane that best fits the distances of the splats in a window of 5 % of the view's width; it counts \
      where both models are opaque and near to their planes, 2 % of the distance. The floor is the difference between two \
      runs on the original images with different seeds: a deviation up to the floor is not caused by fusion.",
 ];

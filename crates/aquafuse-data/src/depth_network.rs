@@ -85,7 +85,7 @@ pub struct NetworkOptions {
     pub side: Option<u32>,
 }
 
-/// The folder within that of a run in which the outputs of a network are kept.
+/// The folder, in the output folder of a run, in which the outputs of a network are kept.
 pub const CACHE: &str = ".aquafuse-depth";
 
 /// What became of the maps of a run.

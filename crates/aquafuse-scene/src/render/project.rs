@@ -282,7 +282,7 @@ pub(crate) fn back<T: Scalar>(
         -(left[1][0] * xy + left[1][1] * yy),
     ];
     if placed.kept > T::of(LEAST_SHARE) {
-        // Of the share that is kept, whose logarithm is half that of the determinants' ratio: half of the inverse of the
+        // Of the share that is kept, whose logarithm is half the logarithm of the determinants' ratio: half of the inverse of the
         // ellipse as it was, less half of the inverse of the dilated one.
         let [sxx, sxy, syy] = placed.sharp;
         let (by, whole) = (half * sums.moments[0], T::ONE / (placed.kept * placed.determinant));

@@ -237,7 +237,7 @@ pub(crate) struct Planes<'a, T> {
     pub(crate) transmittance: &'a [T],
 }
 
-/// From the gradient of a row of tiles to that of its footprints: one [`Sums`] for each of them, added to `sums`; gives the
+/// From the gradient of a row of tiles to the gradients of its footprints: one [`Sums`] for each of them, added to `sums`; gives the
 /// gradient of the background.
 ///
 /// With `s = g · (colour, distance)` of each splat, the loss changes with α_i by `T_i s_i - R_i / (1 - α_i)`, where R_i is

@@ -36,7 +36,7 @@ pub struct Rates {
     /// Of the logit of B∞. Open water shows it in every image, so it must not wait until splats stand there. The logarithms
     /// of β_B and β_D take a sixth: only things seen from near and from far determine them. Not published: ours.
     pub water: f64,
-    /// All of these but that of means end at this share of themselves, in (0, 1]: the logarithm falls evenly over the second
+    /// All of these but the rate of means end at this share of themselves, in (0, 1]: the logarithm falls evenly over the second
     /// half of the steps. While they stay high, each step forgets some of the views before it.
     pub last: f64,
 }
@@ -155,7 +155,7 @@ impl Options {
         (first.ln() + along.min(1.0) * (last.ln() - first.ln())).exp()
     }
 
-    /// The share of all rates but that of means that is left at this step.
+    /// The share of all rates, except the rate of means, that is left at this step.
     pub(crate) fn share(&self, step: u32) -> f64 {
         let along = f64::from(step) / f64::from(self.iterations.max(1));
         self.rates.last.powf((2.0 * along - 1.0).clamp(0.0, 1.0))

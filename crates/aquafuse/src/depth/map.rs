@@ -160,15 +160,7 @@ impl DepthMap {
     /// [`ImageError`] when a side is zero or the buffer has another length.
     pub fn from_levels(width: usize, height: usize, levels: Vec<u8>) -> Result<Self, ImageError> {
         check_size(width, height, 1, levels.len())?;
-        Ok(Self {
-            width,
-            height,
-            kind: DepthKind::Relative,
-            model: None,
-            is_inverse: false,
-            measured_to: f32::INFINITY,
-            values: Values::Levels(levels),
-        })
+        Ok(Self::relative((width, height), Values::Levels(levels)))
     }
 
     /// Relative depth from 16-bit words: `z = level / 65535`.
@@ -178,21 +170,16 @@ impl DepthMap {
     /// [`ImageError`] when a side is zero or the buffer has another length.
     pub fn from_fine_levels(width: usize, height: usize, levels: Vec<u16>) -> Result<Self, ImageError> {
         check_size(width, height, 1, levels.len())?;
-        Ok(Self {
-            width,
-            height,
-            kind: DepthKind::Relative,
-            model: None,
-            is_inverse: false,
-            measured_to: f32::INFINITY,
-            values: Values::FineLevels(levels),
-        })
+        Ok(Self::relative((width, height), Values::FineLevels(levels)))
     }
 
     /// Depth from colour in steps, of which the largest is [`LAST_STEP`], and the levels nearest to them.
     pub(super) fn from_steps((width, height): (usize, usize), steps: Vec<u16>, levels: Vec<u8>) -> Self {
         debug_assert!(steps.len() == width * height && levels.len() == steps.len());
-        let values = Values::Steps { steps, levels };
+        Self::relative((width, height), Values::Steps { steps, levels })
+    }
+
+    fn relative((width, height): (usize, usize), values: Values) -> Self {
         Self {
             width,
             height,

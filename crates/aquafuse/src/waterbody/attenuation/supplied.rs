@@ -28,7 +28,7 @@ pub(in crate::waterbody) fn fit_supplied<E: Encoding>(
     });
     let coefficients = weighed(lines, backscatter_coefficient.map(|beta| BESIDE * beta));
     std::array::from_fn(|c| {
-        // The residual is that of the slope: it says whether things of all distances look alike.
+        // This is the residual of the slope: it says whether things of all distances look alike.
         let by_slope = fit(statistics, c, veiling_light[c], backscatter_coefficient[c]);
         let curve = Attenuation { mu: [coefficients[c], 0.0, 0.0, 0.0], held_beyond: 0.0 };
         let at_camera =

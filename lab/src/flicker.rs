@@ -3,10 +3,12 @@
 mod sequences;
 
 use anyhow::{Context, Result};
+use aquafuse::fuser::Options;
 use aquafuse::fusion::Model;
 use aquafuse::image::{Image, ImageError};
 use aquafuse::metrics::{Flicker, warping_error};
 use aquafuse::stream::{EnhanceStream, RestoreStream, Steady, Stream};
+use aquafuse::waterbody::{EstimateOptions, WaterMap};
 use aquafuse::{Fuser, depth, waterbody};
 
 use crate::pages::{RESULTS, show_section};
@@ -29,7 +31,7 @@ pub(crate) fn run() -> Result<()> {
             }
         }
         for (name, frames) in WAYS {
-            let mut stream = RestoreStream::default().steady_over(frames);
+            let mut stream = RestoreStream::default().estimate(by_both()).steady_over(frames);
             let made = each(&sequence, |frame| stream.restore_mut(frame).map(|_| ()))?;
             table += &row(&sequence, "restore", name, &made)?;
         }
@@ -45,6 +47,11 @@ pub(crate) fn run() -> Result<()> {
         table += &row(&sequence, "stretch, 1 to 99 %", "frame by frame", &made)?;
     }
     show_section(RESULTS, "flicker", &table)
+}
+
+/// As the command estimates water.
+fn by_both() -> EstimateOptions {
+    EstimateOptions::default().with_water_map(WaterMap::Both)
 }
 
 /// What becomes of each frame.
@@ -65,11 +72,10 @@ type Made = Vec<(&'static str, Vec<Image<u8>>)>;
 
 /// A sequence fused frame by frame, with steady water, and with one water for all frames.
 fn fused(sequence: &Sequence, model: Model) -> Result<Made> {
-    let fuser = Fuser::new(&sequence.reference)?.model(model);
-    let estimates = sequence
-        .frames
-        .iter()
-        .map(|frame| waterbody::estimate(frame, &depth::estimate(frame), &Default::default()));
+    let options = Options::default().with_estimate(by_both());
+    let fuser = Fuser::with_options(&sequence.reference, options)?.model(model);
+    let estimates =
+        sequence.frames.iter().map(|frame| waterbody::estimate(frame, &depth::estimate(frame), &by_both()));
     let estimates = estimates.collect::<Result<Vec<_>, _>>()?;
     let one = waterbody::pool(&estimates).context("a sequence has frames")?;
     let streams = WAYS.map(|(name, frames)| (name, Stream::new(fuser.clone()).steady_over(frames)));

@@ -2,6 +2,7 @@
 
 mod arm64;
 mod bench;
+mod bounds;
 mod chance;
 mod corpus;
 mod depth;
@@ -43,6 +44,7 @@ docs/results.md
                       true depth made worse as a network's is
   depth               depth from colour compared with measured depth
   water               the veiling light of photographs compared with their open water, marked by eye
+  bounds              what each safety bound of a fusion saves, and what it costs
   flicker             how much more a sequence changes from frame to frame than its source
   pairs               restoration and enhancement beside references that people chose, and beside rivals
   published           scores of real images, beside the paper's and those of other methods
@@ -117,6 +119,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["truth", "depth"] => truth::coarse_depth(),
         ["depth"] => depth::run(),
         ["water"] => water::run(),
+        ["bounds"] => bounds::run(),
         ["flicker"] => flicker::run(),
         ["pairs"] => evaluate::pairs(),
         ["published"] => evaluate::published(),

@@ -80,12 +80,10 @@ fn rows(photographs: &[&Photograph], part: &str) -> Result<String> {
         Ok(())
     };
     let network = EstimateOptions::default().with_water_map(WaterMap::Network);
-    add("the far region by rules (default)", &|name| {
-        row(name, photographs, ours(EstimateOptions::default()))
-    })?;
+    add("the far region by rules", &|name| row(name, photographs, ours(EstimateOptions::default())))?;
     add("the far region by the network", &|name| row(name, photographs, ours(network)))?;
     let both = EstimateOptions::default().with_water_map(WaterMap::Both);
-    add("the far region by both", &|name| row(name, photographs, ours(both)))?;
+    add("the far region by both (default)", &|name| row(name, photographs, ours(both)))?;
     if part.is_empty() {
         let published = EstimateOptions::as_published();
         add("the farthest 5 % (the paper)", &|name| row(name, photographs, ours(published)))?;

@@ -14,7 +14,6 @@ use aquafuse_data::augment::{
 };
 use aquafuse_data::dataset::{Dataset, DatasetOptions, Layout, Splits};
 use aquafuse_data::files::{display, make_folder, sha256};
-use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::pipeline::MapSize;
 use aquafuse_data::run::{self, RunOptions, Summary};
 use aquafuse_data::water_file::WaterFile;
@@ -86,11 +85,10 @@ pub(crate) fn augment<'py>(
         .into());
     }
     let recipe = settings.recipe(waters, &reading)?;
-    let border = reading.border()?;
     let run_options = RunOptions {
         threads: settings.threads,
         max_failures: settings.max_errors,
-        reading: ReadOptions { border, ..ReadOptions::default() },
+        reading: reading.scene()?,
         ..RunOptions::default()
     };
     let reading = run_options.reading;

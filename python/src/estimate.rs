@@ -33,9 +33,9 @@ pub(crate) fn inspect(
     reading: Reading,
     name: String,
 ) -> PyResult<Estimate> {
-    let (border, depth) = (reading.border()?, reading.depth(depth, depth_kind)?);
+    let (how, depth) = (reading.scene()?, reading.depth(depth, depth_kind)?);
     let pixels = take(image)?.pixels;
-    let (py, (image, depth)) = (image.py(), scene(image.py(), pixels, border, depth)?);
+    let (py, (image, depth)) = (image.py(), scene(image.py(), pixels, &how, depth)?);
     Ok(threads::work(py, || {
         let Analysis { depth, depth_source, supplied, share, estimate } =
             depth.analyse(PixelEncoding::Encoded, &image)?;
@@ -113,7 +113,7 @@ impl Estimate {
     /// The sheet of `aquafuse inspect --plots`.
     fn plot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let figure = threads::work(py, || {
-            let options = EstimateOptions::default();
+            let options = EstimateOptions::default().with_water_map(self.image.water_map());
             let evidence = waterbody::evidence::<Encoded>(&*self.image.bytes(), &self.found.depth, &options)?;
             let [r, g, b] =
                 self.found.estimate.water.veiling_light.rgb().map(|value| (255.0 * value).round() as u8);

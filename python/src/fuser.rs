@@ -2,8 +2,8 @@
 
 use aquafuse::depth::DepthKind;
 use aquafuse::fusion::{Model, Options};
-use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
+use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::pipeline::{DepthEstimator, Operation, PixelEncoding, WaterEstimate};
 use aquafuse_data::video::Recipe;
 use pyo3::prelude::*;
@@ -24,6 +24,7 @@ struct Settings {
     alpha: Option<f32>,
     smooth: String,
     depth_model: ModelArgument,
+    water_map: String,
     border: String,
     linear: bool,
     metres_at_one: Option<f32>,
@@ -40,7 +41,7 @@ pub(crate) struct Fuser {
     options: Options,
     smoothing: Smoothing,
     estimator: DepthEstimator,
-    border: Border,
+    reading: ReadOptions,
     keep_lightness: bool,
 }
 
@@ -54,7 +55,8 @@ impl Fuser {
         let mut recipe = Recipe::new(Operation::Fuse { reference, options: self.options });
         recipe.depth_model = of_colour(&self.estimator, "a sequence")?;
         recipe.smoothing = self.smoothing;
-        recipe.border = self.border;
+        recipe.border = self.reading.border;
+        recipe.water_map = self.reading.water_map;
         Ok(recipe)
     }
 }
@@ -94,7 +96,7 @@ impl Fuser {
             options,
             smoothing: settings.smooth.parse()?,
             estimator: settings.depth_model.estimator()?,
-            border: settings.border.parse()?,
+            reading: crate::settings::scene(&settings.border, &settings.water_map)?,
             keep_lightness: settings.keep_lightness,
         })
     }
@@ -129,7 +131,7 @@ impl Fuser {
         let taken = take(image)?;
         check_out(out, &taken)?;
         let (pixels, report) =
-            apply(image.py(), taken.pixels, self.border, depth, &operation, self.smoothing)?;
+            apply(image.py(), taken.pixels, &self.reading, depth, &operation, self.smoothing)?;
         let quality = report.quality.unwrap_or_default();
         let outcome = report.outcome;
         let report = (

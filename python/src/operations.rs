@@ -1,9 +1,8 @@
 //! One image changed: the same pipeline as that of the command.
 
 use aquafuse::formation::RestoreOptions;
-use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
-use aquafuse_data::image_file::{ImageFile, Pixels};
+use aquafuse_data::image_file::{ImageFile, Pixels, ReadOptions};
 use aquafuse_data::pipeline::{self, Operation, Outcome};
 use pyo3::prelude::*;
 
@@ -24,12 +23,12 @@ pub(crate) struct Report {
 pub(crate) fn apply(
     py: Python<'_>,
     pixels: Pixels,
-    border: Border,
+    reading: &ReadOptions,
     depth: Depth,
     operation: &Operation,
     smoothing: Smoothing,
 ) -> PyResult<(Pixels, Report)> {
-    let (mut image, depth) = scene(py, pixels, border, depth)?;
+    let (mut image, depth) = scene(py, pixels, reading, depth)?;
     let work = || {
         let analyse = || depth.analyse(operation.encoding(), &image);
         let found = operation.needs_analysis().then(analyse).transpose()?;
@@ -45,10 +44,12 @@ pub(crate) fn apply(
 pub(crate) fn scene(
     py: Python<'_>,
     pixels: Pixels,
-    border: Border,
+    reading: &ReadOptions,
     depth: Depth,
 ) -> PyResult<(ImageFile, Known)> {
-    let image = threads::work(py, || Ok(ImageFile::new(pixels).cut_to_scene(border)?))?;
+    let image = threads::work(py, || {
+        Ok(ImageFile::new(pixels).with_water_map(reading.water_map).cut_to_scene(reading.border)?)
+    })?;
     let depth = depth.known(py, &image)?;
     Ok((image, depth))
 }
@@ -70,8 +71,8 @@ pub(crate) fn restore<'py>(
     }
     let options = RestoreOptions::default().with_max_gain([max_gain; 3]);
     let operation = Operation::Restore { options, levels: levels.options()?, encoding: reading.encoding() };
-    let (border, depth) = (reading.border()?, reading.depth(depth, depth_kind)?);
-    run(image, out, border, depth, &operation)
+    let depth = reading.depth(depth, depth_kind)?;
+    run(image, out, &reading.scene()?, depth, &operation)
 }
 
 /// Levels are set; no water is estimated.
@@ -82,21 +83,21 @@ pub(crate) fn enhance<'py>(
     levels: Levels,
     out: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let border: Border = border.parse().map_err(Fault::from)?;
+    let reading = ReadOptions { border: border.parse().map_err(Fault::from)?, ..ReadOptions::default() };
     let operation = Operation::Enhance { levels: levels.options()? };
-    run(image, out, border, Depth::default(), &operation)
+    run(image, out, &reading, Depth::default(), &operation)
 }
 
 fn run<'py>(
     image: &Bound<'py, PyAny>,
     out: Option<&Bound<'py, PyAny>>,
-    border: Border,
+    reading: &ReadOptions,
     depth: Depth,
     operation: &Operation,
 ) -> PyResult<Bound<'py, PyAny>> {
     let taken = take(image)?;
     check_out(out, &taken)?;
-    let (pixels, _) = apply(image.py(), taken.pixels, border, depth, operation, Smoothing::default())?;
+    let (pixels, _) = apply(image.py(), taken.pixels, reading, depth, operation, Smoothing::default())?;
     give(image.py(), pixels, taken.container, out)
 }
 
@@ -120,7 +121,7 @@ pub(crate) fn simulate<'py>(
     };
     let (water, scale) = (water.get(), scale(metres_at_one)?);
     let seen_through = water.per(depth.kind(), scale, visibility)?;
-    let (image, depth) = scene(py, taken.pixels, Border::None, depth)?;
+    let (image, depth) = scene(py, taken.pixels, &ReadOptions::default(), depth)?;
     let pixels = threads::work(py, || {
         let found = depth.analyse(water.encoding(), &image)?;
         let mut pixels = image.pixels;

@@ -62,7 +62,9 @@ impl Sequence {
         let options = RestoreOptions::default().with_max_gain([max_gain; 3]);
         let encoding = PixelEncoding::Encoded;
         let mut recipe = Recipe::new(Operation::Restore { options, levels: levels.options()?, encoding });
-        recipe.border = reading.border()?;
+        let scene = reading.scene()?;
+        recipe.border = scene.border;
+        recipe.water_map = scene.water_map;
         recipe.depth_model = of_colour(&reading.estimator()?, "a sequence")?;
         Self::of(recipe, steady_over)
     }

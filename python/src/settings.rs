@@ -5,7 +5,7 @@ use std::path::Path;
 use aquafuse::depth::{DepthModel, RelativeScale, SuppliedKind};
 use aquafuse::fusion::{Gain, Incidence};
 use aquafuse::levels::{LevelsOptions, Setting};
-use aquafuse::scene_area::Border;
+use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::model_file::{self, ModelFile};
 use aquafuse_data::pipeline::{DepthEstimator, PixelEncoding};
 use pyo3::prelude::*;
@@ -20,13 +20,15 @@ use crate::network::{self, DepthNetwork};
 #[pyo3(from_item_all)]
 pub(crate) struct Reading {
     depth_model: ModelArgument,
+    water_map: String,
     border: String,
     linear: bool,
 }
 
 impl Reading {
-    pub(crate) fn border(&self) -> Result<Border, Fault> {
-        Ok(self.border.parse()?)
+    /// What of an image is its scene, and what says where that shows open water.
+    pub(crate) fn scene(&self) -> Result<ReadOptions, Fault> {
+        scene(&self.border, &self.water_map)
     }
 
     pub(crate) fn encoding(&self) -> PixelEncoding {
@@ -63,6 +65,11 @@ impl ModelArgument {
             Self::Named(name) => Ok(depth_model(name)?.into()),
         }
     }
+}
+
+/// What of an image is its scene, and what says where that shows open water, by their names.
+pub(crate) fn scene(border: &str, water_map: &str) -> Result<ReadOptions, Fault> {
+    Ok(ReadOptions { border: border.parse()?, water_map: water_map.parse()?, ..ReadOptions::default() })
 }
 
 fn is_network(name: &str) -> bool {

@@ -108,6 +108,12 @@ fn conditions(below_surface: f64, camera: &str) -> Result<Conditions, Fault> {
     conditions.with_depth_below_surface(below_surface).map_err(Fault::argument)
 }
 
+/// How an image is read that gives its water: a border in numbers belongs to the contents.
+fn of_reference(reading: &Reading) -> Result<ReadOptions, Fault> {
+    let scene = reading.scene()?;
+    Ok(ReadOptions { border: scene.border.of_reference(), ..scene })
+}
+
 #[pymethods]
 impl Water {
     /// The water that an image was taken in.
@@ -119,9 +125,9 @@ impl Water {
         reading: Reading,
         name: &str,
     ) -> PyResult<Self> {
-        let (border, depth) = (reading.border()?.of_reference(), reading.depth(depth, depth_kind)?);
+        let (how, depth) = (of_reference(&reading)?, reading.depth(depth, depth_kind)?);
         let pixels = take(image)?.pixels;
-        let (py, (image, depth)) = (image.py(), scene(image.py(), pixels, border, depth)?);
+        let (py, (image, depth)) = (image.py(), scene(image.py(), pixels, &how, depth)?);
         let found = threads::work(py, || depth.analyse(reading.encoding(), &image))?;
         Ok(Self::of_estimate(name, found.depth.kind(), found.estimate))
     }
@@ -139,9 +145,8 @@ impl Water {
             let file = threads::work(py, || Ok(WaterFile::read(&path, reading.encoding())?))?;
             return Ok(Self { file, preset: None });
         }
-        let (border, depth) = (reading.border()?.of_reference(), reading.depth(depth, depth_kind)?);
+        let (options, depth) = (of_reference(&reading)?, reading.depth(depth, depth_kind)?);
         let name = aquafuse_data::files::display(&path).to_string();
-        let options = ReadOptions { border, ..ReadOptions::default() };
         let image = threads::work(py, || Ok(ImageFile::open(&path, &options)?.decode()?))?;
         let depth = depth.known(py, &image)?;
         let found = threads::work(py, || depth.analyse(reading.encoding(), &image))?;

@@ -67,6 +67,8 @@ def option_sets() -> list[dict[str, object]]:
         {"theta": 30, "alpha": 1.5},
         {"smooth": "bilateral"},
         {"depth_model": "ratio"},
+        {"water_map": "rules"},
+        {"water_map": "network"},
         {"border": "none"},
         {"border": (3, 4, 5, 6)},
         {"linear": True},

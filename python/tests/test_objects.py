@@ -69,6 +69,7 @@ def test_encodings_do_not_mix() -> None:
         ({"alpha": -1}, "0 or more"),
         ({"smooth": "very"}, "bilateral"),
         ({"depth_model": "midas"}, "FILE.toml"),
+        ({"water_map": "sea"}, "rules, published, network, both|rules, published, network or both"),
         ({"border": (1, 2, 3)}, "TOP,RIGHT,BOTTOM,LEFT"),
         ({"visibility": 3}, "exchange"),
         ({"visibility": 0, "model": "exchange"}, "0.1"),

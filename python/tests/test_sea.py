@@ -31,7 +31,7 @@ def test_each_draw_from_the_sea_is_another_water() -> None:
     assert [again.keyed(Key("reef.jpg", epoch)).sea for epoch in range(40)] == numbers
     drawn = sampler.keyed(Key("reef.jpg"))
     reef = example.reef()
-    assert np.array_equal(sampler.fuser(drawn).fuse(reef, theta=0.0), Fuser(f"sea:{drawn.sea}").fuse(reef, theta=0.0))
+    assert np.array_equal(sampler.fuser(drawn).fuse(reef, theta=0.0), Fuser(f"sea:{drawn.sea}", water_map="rules").fuse(reef, theta=0.0))
     both = WaterSampler(["sea", "preset:jerlov-3C", "preset:jerlov-I"], seed=3)
     drawn_waters = [both.keyed(Key("reef.jpg", epoch)).water for epoch in range(40)]
     assert sorted(drawn_waters) == [0] * 10 + [1] * 10 + [2] * 10 + [3] * 10

@@ -351,8 +351,9 @@ impl Fuser<'_> {
     ) -> Result<Found, ImageError> {
         let reads_share = self.options.fusion.model != Model::Aquafuse;
         on_bytes(content, |bytes| {
+            let is_same_scene = steady.as_mut().is_some_and(|steady| steady.is_same_scene(bytes));
+            scratch.glimpse.next(is_same_scene);
             if let Some(steady) = &mut steady {
-                steady.look(bytes);
                 if known.is_none() {
                     steady.is_estimated();
                 }
@@ -370,9 +371,12 @@ impl Fuser<'_> {
                 Some(water) => {
                     let (bounds, mut law) = law_by(water);
                     let share = match reads_share {
-                        true => waterbody::water_share_by(bytes, depth, &self.options.estimate, |seen| {
-                            follow(&water, &mut law, seen)
-                        })?,
+                        true => {
+                            let (options, glimpse) = (&self.options.estimate, &mut scratch.glimpse);
+                            waterbody::water_share_by(bytes, depth, options, glimpse, |seen| {
+                                follow(&water, &mut law, seen)
+                            })?
+                        }
                         false => {
                             follow(&water, &mut law, 0.0);
                             WaterShare::none(content.size())
@@ -456,7 +460,10 @@ impl Options {
             return whole.estimate_in(area.cut(image).view(), depth.as_ref(), memory);
         }
         let depth = self.depth_in(image, depth, memory);
+        // What was seen in the frames of a sequence is kept for its next one.
+        let kept = std::mem::take(&mut memory.scratch.glimpse);
         let found = self.water_in(image, &depth, memory);
+        memory.scratch.glimpse = kept;
         memory.take_back(depth);
         found
     }

@@ -10,6 +10,7 @@ mod depth_factors;
 mod evidence;
 mod far_region;
 mod given;
+mod glimpse;
 mod judge;
 mod near_colour;
 mod pool;
@@ -30,7 +31,7 @@ pub use pool::pool;
 pub use quality::{Quality, Reason, Reasons, Verdict};
 pub use share::{WaterShare, water_share};
 pub(crate) use share::{sureness, water_share_by};
-pub use veiling_light::{VeilingLight, VeilingLightMethod, VeilingLightSource};
+pub use veiling_light::{VeilingLight, VeilingLightSource};
 pub use water_map::WaterMap;
 
 use crate::bands;
@@ -39,6 +40,7 @@ use crate::image::{Encoded, Encoding, ImageError, ImageRef, TopEdge};
 use backscatter::Growth;
 use cells::Cells;
 use far_region::Region;
+use glimpse::Glimpse;
 use statistics::Statistics;
 pub(crate) use thumbnail::Scratch;
 use thumbnail::Thumbnail;
@@ -150,8 +152,6 @@ pub struct Intervals {
 pub struct EstimateOptions {
     /// The stored edge that is up as seen: the fallbacks look there for open water. Default: row 0.
     pub top: TopEdge,
-    /// Where the veiling light is looked for first. Default: smooth open water.
-    pub veiling_light: VeilingLightMethod,
     /// How the growth of backscatter is estimated. Default: from the dark envelope.
     pub backscatter: BackscatterMethod,
     /// What says where open water is. Default: rules.
@@ -161,20 +161,14 @@ pub struct EstimateOptions {
 impl EstimateOptions {
     /// The paper's estimators of veiling light and backscatter.
     pub fn as_published() -> Self {
-        let veiling_light = VeilingLightMethod::Published;
-        Self { veiling_light, backscatter: BackscatterMethod::Published, ..Self::default() }
+        let (water_map, backscatter) = (WaterMap::Published, BackscatterMethod::Published);
+        Self { water_map, backscatter, ..Self::default() }
     }
 
     /// The same with another edge on top.
     #[must_use]
     pub fn with_top(self, top: TopEdge) -> Self {
         Self { top, ..self }
-    }
-
-    /// The same with another way to the veiling light.
-    #[must_use]
-    pub fn with_veiling_light(self, veiling_light: VeilingLightMethod) -> Self {
-        Self { veiling_light, ..self }
     }
 
     /// The same with another way to the backscatter.
@@ -247,10 +241,12 @@ pub(crate) fn estimate_in<E: Encoding, R>(
     let quantised = depth.quantised();
     let whole = Seen { image, levels: &quantised.levels };
     let Some(thumbnail) = Thumbnail::of(image, &quantised, scratch) else {
-        return Ok(result(&look(whole, image, &quantised, depth, options), whole, depth));
+        let looked = look(whole, image, &quantised, depth, options, &mut scratch.glimpse);
+        return Ok(result(&looked, whole, depth));
     };
-    let looked = look(whole, thumbnail.image.view(), &thumbnail.depth, depth, options);
-    *scratch = thumbnail.into_scratch();
+    let (small, levels) = (thumbnail.image.view(), &thumbnail.depth);
+    let looked = look(whole, small, levels, depth, options, &mut scratch.glimpse);
+    thumbnail.give_back(scratch);
     Ok(result(&looked, whole, depth))
 }
 
@@ -334,18 +330,14 @@ fn look<E: Encoding>(
     quantised: &Quantised<'_>,
     depth: &DepthMap,
     options: &EstimateOptions,
+    glimpse: &mut Glimpse,
 ) -> Look<E> {
     let counted = Seen { image, levels: &quantised.levels };
     let given = depth.model().is_none();
     let (statistics, region) = bands::both(
         whole.levels.len(),
         || Statistics::<E>::gather(image, quantised),
-        || match options.veiling_light {
-            VeilingLightMethod::OpenWater => {
-                Some(Region::by(options, Cells::new(whole.image, whole.levels), whole.image, given))
-            }
-            VeilingLightMethod::Published => None,
-        },
+        || Region::by(options, Cells::new(whole.image, whole.levels), whole.image, given, glimpse),
     );
     let mut light = veiling_light::read(region.as_ref(), counted, depth.is_measured(), options.top);
     let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);

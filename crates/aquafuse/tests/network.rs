@@ -4,6 +4,7 @@ use aquafuse::depth::DepthModel;
 use aquafuse::fuser::{Fuser, Options};
 use aquafuse::fusion::Model;
 use aquafuse::image::{Encoded, Image};
+use aquafuse::stream::Stream;
 use aquafuse::truth::{Gaze, OPEN_WATER, Scene, Site, Size, View, waters};
 use aquafuse::waterbody::{EstimateOptions, WaterMap, estimate_with_share};
 
@@ -37,6 +38,28 @@ fn the_mirror_image_fuses_to_the_mirror_of_the_fusion() {
             let fused = fuser.fuse(&content).unwrap().image;
             assert_eq!(fuser.fuse(&mirrored(&content)).unwrap().image, mirrored(&fused));
         }
+    }
+}
+
+#[test]
+fn a_first_frame_of_a_stream_is_the_image_by_itself_and_so_is_each_after_a_cut() {
+    let fuser = Fuser::with_options(&seen(&Scene::new(2, SIZE), 1), options()).unwrap();
+    let frames = [seen(&Scene::new(5, SIZE), 0), seen(&Scene::new(6, SIZE), 3)];
+    let by_itself = frames.each_ref().map(|frame| fuser.fuse(frame).unwrap().image);
+    let mut stream = Stream::new(fuser.clone());
+    for (frame, fused) in frames.iter().zip(&by_itself) {
+        // As the frame stands still, so does what becomes of it, when the network looks again too.
+        for _ in 0..20 {
+            let mut made = frame.clone();
+            stream.fuse_mut(&mut made).unwrap();
+            assert_eq!(made, *fused);
+        }
+    }
+    let mut each_by_itself = Stream::new(fuser).steady_over(1);
+    for i in [0, 1, 0] {
+        let mut made = frames[i].clone();
+        each_by_itself.fuse_mut(&mut made).unwrap();
+        assert_eq!(made, by_itself[i]);
     }
 }
 

@@ -5,7 +5,7 @@ use aquafuse::fusion::{Bounded, Incidence, Model, Options, TransferLaw};
 use aquafuse::image::{Encoding, Image, ImageError};
 use aquafuse::smooth::Smoothing;
 use aquafuse::truth::Case;
-use aquafuse::waterbody::{EstimateOptions, estimate, estimate_with_share};
+use aquafuse::waterbody::{EstimateOptions, WaterMap, estimate, estimate_with_share};
 
 /// One way to read all of it.
 #[derive(Clone, Copy)]
@@ -51,7 +51,7 @@ impl Reading {
     pub(crate) fn ours(model: Model) -> Self {
         Self {
             depth: Depth::Colour(DepthModel::default()),
-            water: EstimateOptions::default(),
+            water: EstimateOptions::default().with_water_map(WaterMap::BEST),
             direct: Direct::Modulated,
             options: Options::for_model(model),
             smoothing: Smoothing::None,

@@ -6,7 +6,7 @@ use aquafuse::fusion::{Gain, Model, Options};
 use aquafuse::image::{Encoded, Encoding, Linear};
 use aquafuse::smooth::Smoothing;
 use aquafuse::truth::{Exchange, Trials};
-use aquafuse::waterbody::{BackscatterMethod, EstimateOptions, VeilingLightMethod};
+use aquafuse::waterbody::{BackscatterMethod, EstimateOptions, WaterMap};
 
 use super::reading::{Depth, Direct, Reading};
 use super::scores::{Scores, mean, rms};
@@ -80,16 +80,14 @@ fn direct_laws(exchanges: &[Exchange<Encoded>]) -> Result<String> {
 fn water(exchanges: &[Exchange<Encoded>]) -> Result<String> {
     let mut table = header("z; B∞; β_B");
     let depths = [("`eq3`", Depth::Colour(DepthModel::default())), ("given", Depth::Given)];
-    let veils =
-        [("open water", VeilingLightMethod::OpenWater), ("farthest 5 %", VeilingLightMethod::Published)];
+    let veils = [("open water", WaterMap::BEST), ("farthest 5 %", WaterMap::Published)];
     let growths = [("envelope", BackscatterMethod::Envelope), ("darkest 1 %", BackscatterMethod::Published)];
     for model in SHIFTS {
         for (z, depth) in depths {
-            for (veil, veiling_light) in veils {
+            for (veil, water_map) in veils {
                 for (growth, backscatter) in growths {
-                    let water = EstimateOptions::default()
-                        .with_veiling_light(veiling_light)
-                        .with_backscatter(backscatter);
+                    let water =
+                        EstimateOptions::default().with_water_map(water_map).with_backscatter(backscatter);
                     let name = format!("{z}; {veil}; {growth}");
                     table += &row::<_, Encoded>(
                         &name,

@@ -11,7 +11,7 @@ from aquafuse import _native
 from aquafuse._draws import has_sea, library
 from aquafuse._errors import ArgumentError
 from aquafuse._network import DepthModel, shared_model
-from aquafuse._options import Border, DepthKind, Model, Smoothing, reading
+from aquafuse._options import Border, DepthKind, Model, Smoothing, WaterMap, reading
 from aquafuse._water import SEA, as_water
 
 Kind = Literal["started", "done", "skipped", "failed"]
@@ -106,6 +106,7 @@ def augment(
     alpha: float | None = None,
     smooth: Smoothing = "none",
     depth_model: DepthModel = "eq3",
+    water_map: WaterMap = "both",
     border: Border = "auto",
     linear: bool = False,
     metres_at_one: float | None = None,
@@ -173,9 +174,9 @@ def augment(
         )
     # Once for all waters and images.
     depth_model = shared_model(depth_model)
-    how = reading(depth_model, border, linear)
-    named = [_named(name, depth_model, border, linear) for name in library(_texts(waters))]
-    instead = _named(on_doubtful, depth_model, border, linear) if on_doubtful.startswith("preset:") else None
+    how = reading(depth_model, water_map, border, linear)
+    named = [_named(name, depth_model, water_map, border, linear) for name in library(_texts(waters))]
+    instead = _named(on_doubtful, depth_model, water_map, border, linear) if on_doubtful.startswith("preset:") else None
     _native.Draws(seed, theta_range or (0.0, 0.0), alpha_range or (0.0, 0.0), with_replacement)
     listener = _Listener(on_event, progress)
     try:
@@ -226,8 +227,10 @@ def _texts(waters: Sequence[str | os.PathLike[str]] | str) -> list[str]:
     return [waters] if isinstance(waters, str) else [os.fspath(name) for name in waters]
 
 
-def _named(name: str, depth_model: DepthModel, border: Border, linear: bool) -> tuple[str, _native.Water, str | None]:
+def _named(
+    name: str, depth_model: DepthModel, water_map: WaterMap, border: Border, linear: bool
+) -> tuple[str, _native.Water, str | None]:
     """A water by its name, and its file if it has one."""
-    water = as_water(name, depth_model=depth_model, border=border, linear=linear)
+    water = as_water(name, depth_model=depth_model, water_map=water_map, border=border, linear=linear)
     path = None if name.startswith(("preset:", SEA)) else str(Path(name))
     return name, water._water, path  # pyright: ignore[reportPrivateUsage]

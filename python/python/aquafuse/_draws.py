@@ -12,8 +12,8 @@ from aquafuse import _native
 from aquafuse._errors import ArgumentError
 from aquafuse._fuser import Fuser
 from aquafuse._network import DepthModel, shared_model
-from aquafuse._options import Border, Model, Smoothing
-from aquafuse._water import SEA, Water
+from aquafuse._options import Border, Model, Smoothing, WaterMap, maps
+from aquafuse._water import SEA, Water, as_water
 
 PRESETS = "presets"
 """The name of the library of all presets."""
@@ -102,6 +102,7 @@ class WaterSampler:
         seed: int = 0,
         smooth: Smoothing = "none",
         depth_model: DepthModel = "eq3",
+        water_map: WaterMap | None = None,
         border: Border = "auto",
         linear: bool = False,
     ) -> None:
@@ -114,17 +115,21 @@ class WaterSampler:
         self._seed = seed
         self._draws = self._make_draws()
         self._model, self._smooth, self._border, self._linear = model, smooth, border, linear
-        self._depth_model = shared_model(depth_model)
+        self._depth_model, self._maps = shared_model(depth_model), maps(water_map)
         self.fusers = [self._make_fuser(water) for water in library(waters)]
         # As `aquafuse augment`: every second water is one of the sea if there are others.
         self._choices = len(self.fusers) + (max(1, len(self.fusers)) if has_sea(waters) else 0)
 
     def _make_fuser(self, water: str) -> Fuser:
+        of_stills, of_samples = self._maps
         return Fuser(
-            water,
+            as_water(
+                water, depth_model=self._depth_model, water_map=of_stills, border=self._border, linear=self._linear
+            ),
             model=self._model,
             smooth=self._smooth,
             depth_model=self._depth_model,
+            water_map=of_samples,
             border=self._border,
             linear=self._linear,
         )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, final
 
 from aquafuse import _native
 from aquafuse._network import DepthModel
-from aquafuse._options import Border, Depth, DepthKind, Verdict, reading
+from aquafuse._options import Border, Depth, DepthKind, Verdict, WaterMap, reading
 from aquafuse._water import Interval, Water
 
 # The command starts without numpy, which takes longer to import than a small image takes to fuse.
@@ -107,6 +107,7 @@ def inspect(
     depth: Depth = None,
     depth_kind: DepthKind | None = None,
     depth_model: DepthModel = "eq3",
+    water_map: WaterMap = "both",
     border: Border = "auto",
     name: str = "array",
 ) -> Estimate:
@@ -117,6 +118,7 @@ def inspect(
         depth: As in :func:`fuse`.
         depth_kind: As in :func:`fuse`.
         depth_model: As in :class:`Fuser`.
+        water_map: As in :class:`Fuser`.
         border: What surrounds the scene: ``auto``, ``none`` or (top, right, bottom, left).
         name: How the water names its source.
 
@@ -129,7 +131,7 @@ def inspect(
     >>> found.depth.shape, found.verdict in ("good", "doubtful")
     ((96, 128), True)
     """
-    settings = reading(depth_model, border, linear=False)
+    settings = reading(depth_model, water_map, border, linear=False)
     return Estimate._of(  # pyright: ignore[reportPrivateUsage]
         _native.inspect(image, depth, depth_kind, settings, name)
     )

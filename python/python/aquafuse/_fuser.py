@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeVar, final
 from aquafuse import _native
 from aquafuse._errors import ArgumentError
 from aquafuse._network import DepthModel, native_model, shared_model
-from aquafuse._options import Border, Depth, DepthKind, Model, Smoothing, Verdict, border_text
+from aquafuse._options import Border, Depth, DepthKind, Model, Smoothing, Verdict, WaterMap, border_text
 from aquafuse._water import Water, WaterSource, as_water
 
 ImageT = TypeVar("ImageT")
@@ -46,6 +46,9 @@ class Fuser:
         depth_kind: What the values of its maps are; required with it.
         depth_model: How depth is estimated otherwise: from colour by ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout``,
             ``network`` or FILE.toml of ``aquafuse fit``; or by a network, FILE.onnx or a :class:`DepthNetwork`.
+        water_map: What says where open water is: ``rules``, ``network`` (a network of 145 kB that is part of this package and was
+            trained on synthetic scenes alone), ``both`` together, which is best and takes 3 ms more an image, or ``published``, the
+            paper's way.
         border: What surrounds the scene and is left as it is: ``auto``, ``none`` or (top, right, bottom, left).
         linear: Work in linear light instead of encoded values.
         metres_at_one: Distance in metres of relative depth 1, where a water per metre meets relative depth.
@@ -79,6 +82,7 @@ class Fuser:
         depth: Callable[[Any], Any] | None = None,
         depth_kind: DepthKind | None = None,
         depth_model: DepthModel = "eq3",
+        water_map: WaterMap = "both",
         border: Border = "auto",
         linear: bool = False,
         metres_at_one: float | None = None,
@@ -89,7 +93,7 @@ class Fuser:
         # The same for the water and for all images.
         depth_model = shared_model(depth_model)
         found = as_water(
-            water, depth=depth, depth_kind=depth_kind, depth_model=depth_model, border=border, linear=linear
+            water, depth=depth, depth_kind=depth_kind, depth_model=depth_model, water_map=water_map, border=border, linear=linear
         )
         self._set(
             found,
@@ -99,6 +103,7 @@ class Fuser:
                 "alpha": alpha,
                 "smooth": smooth,
                 "depth_model": depth_model,
+                "water_map": water_map,
                 "border": border_text(border),
                 "linear": linear,
                 "metres_at_one": metres_at_one,
@@ -175,6 +180,7 @@ def fuse(
     alpha: float | None = None,
     smooth: Smoothing = "none",
     depth_model: DepthModel = "eq3",
+    water_map: WaterMap = "both",
     border: Border = "auto",
     linear: bool = False,
     metres_at_one: float | None = None,
@@ -222,6 +228,7 @@ def fuse(
         depth=depth if callable(depth) else None,
         depth_kind=depth_kind if callable(depth) else None,
         depth_model=depth_model,
+        water_map=water_map,
         border=border,
         linear=linear,
         metres_at_one=metres_at_one,

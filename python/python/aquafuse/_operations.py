@@ -8,7 +8,7 @@ from aquafuse import _native
 from aquafuse._errors import ArgumentError
 from aquafuse._fuser import Fuser, ImageT
 from aquafuse._network import DepthModel, native_model, shared_model
-from aquafuse._options import Border, Depth, DepthKind, Model, Setting, border_text, levels, reading
+from aquafuse._options import Border, Depth, DepthKind, Model, Setting, WaterMap, border_text, levels, reading
 from aquafuse._water import WaterSource, as_water
 
 # The command starts without numpy, which takes longer to import than a small image takes to fuse.
@@ -50,6 +50,7 @@ def restore(
     exposure: Setting = "auto",
     strength: float = 1.0,
     depth_model: DepthModel = "eq3",
+    water_map: WaterMap = "both",
     border: Border = "auto",
     linear: bool = False,
 ) -> ImageT:
@@ -65,6 +66,7 @@ def restore(
         exposure: Exposure, ``auto`` or ``none``.
         strength: How much of the levels is applied, 0 to 1.
         depth_model: As in :class:`Fuser`.
+        water_map: As in :class:`Fuser`.
         border: As in :class:`Fuser`.
         linear: As in :class:`Fuser`.
 
@@ -76,7 +78,7 @@ def restore(
     >>> restore(example.reef(), white="none", exposure="none").shape
     (96, 128, 3)
     """
-    settings = reading(depth_model, border, linear)
+    settings = reading(depth_model, water_map, border, linear)
     how = levels(white, exposure, strength)
     return _native.restore(image, depth, depth_kind, settings, how, max_gain, out)
 
@@ -96,6 +98,7 @@ def enhance(
     theta: float = 0.0,
     alpha: float = 0.5,
     depth_model: DepthModel = "eq3",
+    water_map: WaterMap = "both",
     linear: bool = False,
     metres_at_one: float | None = None,
     visibility: float | None = None,
@@ -125,6 +128,7 @@ def enhance(
         depth=called,
         depth_kind=None if called is None else depth_kind,
         depth_model=depth_model,
+        water_map=water_map,
         border=border,
         linear=linear,
     )
@@ -136,6 +140,7 @@ def enhance(
             "alpha": alpha,
             "smooth": "none",
             "depth_model": depth_model,
+            "water_map": water_map,
             "border": border_text(border),
             "linear": linear,
             "metres_at_one": metres_at_one,

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 Model: TypeAlias = Literal["physical", "relight", "aquafuse", "exchange"]
 DepthKind: TypeAlias = Literal["metres", "millimetres", "relative", "inverse", "disparity"]
+WaterMap: TypeAlias = Literal["both", "network", "rules", "published"]
 Smoothing: TypeAlias = Literal["none", "bilateral"]
 Setting: TypeAlias = Literal["auto", "none"]
 Verdict: TypeAlias = Literal["good", "doubtful", "failed"]
@@ -24,6 +25,7 @@ class Reading(TypedDict):
     """How depth and water of an image are estimated."""
 
     depth_model: str | _native.DepthNetwork
+    water_map: str
     border: str
     linear: bool
 
@@ -37,9 +39,19 @@ def border_text(border: Border) -> str:
     return ",".join(str(side) for side in border)
 
 
-def reading(depth_model: DepthModel, border: Border, linear: bool) -> Reading:
+def reading(depth_model: DepthModel, water_map: WaterMap, border: Border, linear: bool) -> Reading:
     """Checks nothing: the compiled part does."""
-    return {"depth_model": native_model(depth_model), "border": border_text(border), "linear": linear}
+    return {
+        "depth_model": native_model(depth_model),
+        "water_map": water_map,
+        "border": border_text(border),
+        "linear": linear,
+    }
+
+
+def maps(water_map: WaterMap | None) -> tuple[WaterMap, WaterMap]:
+    """What finds open water in an image that gives its water, and in those that are trained on."""
+    return water_map or "both", water_map or "rules"
 
 
 def levels(white: Setting, exposure: Setting, strength: float) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, final
 from aquafuse import _native
 from aquafuse._fuser import Fuser, ImageT
 from aquafuse._network import DepthModel
-from aquafuse._options import Border, Model, Setting, Smoothing, Verdict, border_text, levels, reading
+from aquafuse._options import Border, Model, Setting, Smoothing, Verdict, WaterMap, border_text, levels, reading
 from aquafuse._water import WaterSource, as_water
 
 STEADY_OVER = 8
@@ -35,6 +35,7 @@ class Sequence:
         water: As in :class:`aquafuse.Fuser`, with the options after it.
         content_water: The water that the frames were taken in, if it is known. Default: estimated.
         steady_over: Over how many frames means are taken, 1 to 100000; with 1 each frame is by itself.
+        water_map: As in :class:`aquafuse.Fuser`; the network looks at every eighth frame, and at a new scene.
 
     Raises:
         ArgumentError: An option has a value that it cannot have.
@@ -63,6 +64,7 @@ class Sequence:
         alpha: float | None = None,
         smooth: Smoothing = "none",
         depth_model: DepthModel = "eq3",
+        water_map: WaterMap = "both",
         border: Border = "auto",
         metres_at_one: float | None = None,
         visibility: float | None = None,
@@ -74,13 +76,15 @@ class Sequence:
             alpha=alpha,
             smooth=smooth,
             depth_model=depth_model,
+            water_map=water_map,
             border=border,
             metres_at_one=metres_at_one,
             visibility=visibility,
         )
         content = None
         if content_water is not None:
-            content = as_water(content_water, depth_model=depth_model, border=border, linear=False)._water
+            given = as_water(content_water, depth_model=depth_model, water_map=water_map, border=border)
+            content = given._water
         self._sequence = _native.Sequence.fused(fuser._fuser, content, steady_over)
 
     @classmethod
@@ -93,6 +97,7 @@ class Sequence:
         strength: float = 1.0,
         steady_over: int = STEADY_OVER,
         depth_model: DepthModel = "eq3",
+        water_map: WaterMap = "both",
         border: Border = "auto",
     ) -> Sequence:
         """A sequence whose frames are restored, as by :func:`aquafuse.restore`.
@@ -101,7 +106,7 @@ class Sequence:
         >>> Sequence.restoring(strength=0.5).next(example.reef()).shape
         (96, 128, 3)
         """
-        settings, how = reading(depth_model, border, False), levels(white, exposure, strength)
+        settings, how = reading(depth_model, water_map, border, False), levels(white, exposure, strength)
         return cls._of(_native.Sequence.restored(settings, how, max_gain, steady_over))
 
     @classmethod

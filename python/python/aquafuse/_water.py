@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias, cast, final
 from aquafuse import _native
 from aquafuse._errors import ArgumentError, FileError
 from aquafuse._network import DepthModel
-from aquafuse._options import Border, Depth, DepthKind, Verdict, reading
+from aquafuse._options import Border, Depth, DepthKind, Verdict, WaterMap, reading
 
 Rgb: TypeAlias = tuple[float, float, float]
 Interval: TypeAlias = tuple[float, float]
@@ -51,6 +51,7 @@ class Water:
         depth: Depth = None,
         depth_kind: DepthKind | None = None,
         depth_model: DepthModel = "eq3",
+        water_map: WaterMap = "both",
         border: Border = "auto",
         linear: bool = False,
         name: str = "array",
@@ -62,6 +63,7 @@ class Water:
             depth: As in :func:`aquafuse.fuse`.
             depth_kind: As in :func:`aquafuse.fuse`.
             depth_model: As in :class:`aquafuse.Fuser`.
+            water_map: As in :class:`aquafuse.Fuser`.
             border: What surrounds the scene; rows and columns in numbers are then found instead.
             linear: Work in linear light instead of encoded values.
             name: How the water names its source.
@@ -74,7 +76,7 @@ class Water:
         >>> Water.from_image(example.reef()).depth_kind
         'relative'
         """
-        settings = reading(depth_model, border, linear)
+        settings = reading(depth_model, water_map, border, linear)
         return cls._of(_native.Water.of_array(image, depth, depth_kind, settings, name))
 
     @classmethod
@@ -85,6 +87,7 @@ class Water:
         depth: Depth = None,
         depth_kind: DepthKind | None = None,
         depth_model: DepthModel = "eq3",
+        water_map: WaterMap = "both",
         border: Border = "auto",
         linear: bool = False,
     ) -> Water:
@@ -93,7 +96,7 @@ class Water:
         Raises:
             FileError: The file cannot be read, or is neither.
         """
-        settings = reading(depth_model, border, linear)
+        settings = reading(depth_model, water_map, border, linear)
         return cls._of(_native.Water.of_file(os.fspath(path), depth, depth_kind, settings))
 
     @classmethod
@@ -291,6 +294,7 @@ def as_water(
     depth: Depth = None,
     depth_kind: DepthKind | None = None,
     depth_model: DepthModel = "eq3",
+    water_map: WaterMap = "both",
     border: Border = "auto",
     linear: bool = False,
 ) -> Water:
@@ -309,8 +313,8 @@ def as_water(
         if str(path) in Water.presets() and not path.exists():
             raise FileError(f"there is no file {path}; did you mean preset:{path}?")
         return Water.open(
-            path, depth=depth, depth_kind=depth_kind, depth_model=depth_model, border=border, linear=linear
+            path, depth=depth, depth_kind=depth_kind, depth_model=depth_model, water_map=water_map, border=border, linear=linear
         )
     return Water.from_image(
-        source, depth=depth, depth_kind=depth_kind, depth_model=depth_model, border=border, linear=linear
+        source, depth=depth, depth_kind=depth_kind, depth_model=depth_model, water_map=water_map, border=border, linear=linear
     )

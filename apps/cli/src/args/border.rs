@@ -18,7 +18,8 @@ pub(crate) struct BorderArgument {
     /// What says where open water is: its share of each pixel, the colour that is read there, and whether there is any. `rules` weigh
     /// smoothness, height in the image, depth and brightness. `network` asks a network of 145 kB that is part of this program and was
     /// trained on synthetic scenes alone; it never saw a photograph and paints nothing itself. `both` weighs the odds of both together.
-    #[arg(long, value_name = "M", default_value = WaterMap::default().name(), value_parser = water_map())]
+    /// `published` is the paper's way: B∞ is the median of the farthest 5 % of the pixels, and no pixel is open water.
+    #[arg(long, value_name = "M", default_value = WaterMap::BEST.name(), value_parser = water_map())]
     water_map: WaterMap,
 }
 

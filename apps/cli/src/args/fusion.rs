@@ -5,6 +5,7 @@ use aquafuse::depth::DepthModel;
 use aquafuse::fusion::{Gain, Incidence, Model, Options};
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
+use aquafuse::waterbody::WaterMap;
 pub(crate) use aquafuse_data::evaluate::Settings;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -30,7 +31,7 @@ F falls with distance, from 1 at the camera to 0 in open water.
              Faded colours, and their noise, are amplified at most 2 times.
 
 --as-published means --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral
---depth-model eq3-median, and --border none. The paper states no settings; these reproduce its scores
+--depth-model eq3-median, --water-map published and --border none. The paper states no settings; these reproduce its scores
 best.
 
 Example:
@@ -69,9 +70,12 @@ impl SettingsArgs {
         }
     }
 
-    /// The common options, with images cut to their scene; the published method takes every pixel.
+    /// The common options, with images cut to their scene; the published method takes every pixel, and reads B∞ in the farthest ones.
     pub(crate) fn cutting(&self, border: &BorderArgument, common: &Common) -> Common {
-        if self.as_published { common.clone().with_border(Border::None) } else { border.cutting(common) }
+        match self.as_published {
+            true => common.clone().with_border(Border::None).with_water_map(WaterMap::Published),
+            false => border.cutting(common),
+        }
     }
 
     pub(crate) fn is_as_published(&self) -> bool {

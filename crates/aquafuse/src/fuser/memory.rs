@@ -12,7 +12,7 @@ use crate::waterbody::Scratch;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory<T> {
     pub(super) depth: Buffers,
-    pub(super) scratch: Scratch,
+    pub(crate) scratch: Scratch,
     /// What an image consists of before it is smoothed.
     pub(super) samples: Vec<T>,
     /// The part of the last image that is scene, and of how many images it has been.

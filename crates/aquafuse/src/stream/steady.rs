@@ -173,7 +173,13 @@ impl Steady {
     /// Looks at the next frame, as it is before it is changed: a cut resets, a change of exposure is followed. To be called once for
     /// each frame, before its water or its levels are used.
     pub fn look<'a>(&mut self, frame: impl Into<ImageRef<'a, u8>>) {
-        match self.glance.next(frame.into()) {
+        self.is_same_scene(frame.into());
+    }
+
+    /// [`Steady::look`]; whether the frame is to be taken together with the one before it.
+    pub(crate) fn is_same_scene(&mut self, frame: ImageRef<'_, u8>) -> bool {
+        let change = self.glance.next(frame);
+        match change {
             Change::Cut => {
                 self.reset();
                 self.brighter = 1.0;
@@ -182,6 +188,7 @@ impl Steady {
             Change::Goes(_) => {}
         }
         self.since_estimate *= self.brighter;
+        change != Change::Cut && self.frames > 1
     }
 
     /// [`fusion::fuse_mut`] with the water of the sequence. `bounded` is of this frame's estimate.

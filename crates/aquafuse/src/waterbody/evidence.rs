@@ -1,5 +1,6 @@
 //! What an estimate was fitted to, for whoever wants to see it.
 
+use super::glimpse::Glimpse;
 use super::thumbnail::Scratch;
 use super::{
     Estimate, EstimateOptions, Look, Seen, VeilingLight, WaterShare, attenuation, backscatter, estimate_in,
@@ -66,7 +67,7 @@ pub fn evidence<'a, E: Encoding>(
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
     let whole = Seen { image, levels: &quantised.levels };
-    Ok(look::<E>(whole, image, &quantised, depth, options).shown(whole))
+    Ok(look::<E>(whole, image, &quantised, depth, options, &mut Glimpse::default()).shown(whole))
 }
 
 /// [`estimate`](super::estimate), how much of each pixel is open water, and what all that was fitted to, in one pass. Of a large

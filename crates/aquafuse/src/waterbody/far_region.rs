@@ -8,6 +8,7 @@
 mod by_network;
 
 use super::cells::Cells;
+use super::glimpse::Glimpse;
 use super::{EstimateOptions, WaterMap};
 use crate::grid::mean_around;
 use crate::image::{ImageRef, TopEdge};
@@ -75,18 +76,26 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// The region of an image by the map of water that is asked for; `given` depth is not from colour.
-    pub(super) fn by(options: &EstimateOptions, cells: Cells, image: ImageRef<'_, u8>, given: bool) -> Self {
-        match options.water_map {
+    /// The region of an image by the map of water that is asked for, if it has one; `given` depth is not from colour.
+    pub(super) fn by(
+        options: &EstimateOptions,
+        cells: Cells,
+        image: ImageRef<'_, u8>,
+        given: bool,
+        glimpse: &mut Glimpse,
+    ) -> Option<Self> {
+        let top = options.top;
+        Some(match options.water_map {
+            WaterMap::Published => return None,
             WaterMap::Rules => {
-                let _ = image;
-                Self::of(cells, given, options.top)
+                let _ = (image, glimpse);
+                Self::of(cells, given, top)
             }
             #[cfg(feature = "network")]
-            WaterMap::Network => Self::by_network(cells, image, options.top),
+            WaterMap::Network => Self::by_network(cells, glimpse.sight(image, top), top),
             #[cfg(feature = "network")]
-            WaterMap::Both => Self::by_both(cells, image, given, options.top),
-        }
+            WaterMap::Both => Self::by_both(cells, glimpse.sight(image, top), given, top),
+        })
     }
 
     /// The region of the image in cells, by rules.

@@ -2,7 +2,8 @@
 
 use super::cells::Cells;
 use super::far_region::Region;
-use super::{EstimateOptions, VeilingLight, VeilingLightMethod};
+use super::glimpse::Glimpse;
+use super::{EstimateOptions, VeilingLight};
 use crate::depth::DepthMap;
 use crate::guided::{self, Guided};
 use crate::image::{Encoding, ImageError, ImageRef, Sample};
@@ -74,7 +75,7 @@ pub fn water_share<'a, E: Encoding>(
     options: &EstimateOptions,
 ) -> Result<WaterShare, ImageError> {
     let veil = veiling_light.rgb().map(E::to_encoded);
-    water_share_by(image.into(), depth, options, |seen| (veil, sureness(seen)))
+    water_share_by(image.into(), depth, options, &mut Glimpse::default(), |seen| (veil, sureness(seen)))
 }
 
 /// [`water_share`] by the water's colour and how sure it is that water is in view, which may depend on the likelihood.
@@ -82,15 +83,21 @@ pub(crate) fn water_share_by(
     image: ImageRef<'_, u8>,
     depth: &DepthMap,
     options: &EstimateOptions,
+    glimpse: &mut Glimpse,
     water: impl FnOnce(f32) -> ([f32; 3], f32),
 ) -> Result<WaterShare, ImageError> {
     depth.check_fits(image.size())?;
-    if options.veiling_light == VeilingLightMethod::Published || depth.is_measured() {
+    let region = match depth.is_measured() {
+        true => None,
+        false => {
+            let cells = Cells::new(image, &depth.quantised().levels);
+            Region::by(options, cells, image, depth.model().is_none(), glimpse)
+        }
+    };
+    let Some(region) = region else {
         water(0.0);
         return Ok(WaterShare::none(image.size()));
-    }
-    let cells = Cells::new(image, &depth.quantised().levels);
-    let region = Region::by(options, cells, image, depth.model().is_none());
+    };
     let (veil, sure) = water(region.seen);
     Ok(WaterShare::of(image.size(), &region, veil, sure))
 }

@@ -6,6 +6,7 @@
 use crate::bands;
 use crate::depth::Quantised;
 use crate::image::{Image, ImageError, ImageRef};
+use crate::waterbody::glimpse::Glimpse;
 
 /// Pixels that are kept at least; of fewer than four times as many, none is left out.
 ///
@@ -24,17 +25,16 @@ impl Thumbnail {
     /// The thumbnail of a large image; none of one that is small enough as it is.
     pub(super) fn of(image: ImageRef<'_, u8>, depth: &Quantised<'_>, scratch: &mut Scratch) -> Option<Self> {
         let stride = (image.width() * image.height() / ENOUGH).isqrt();
-        (stride > 1)
-            .then(|| Self::every(stride, image, depth, std::mem::take(scratch)).expect("the grid is full"))
+        (stride > 1).then(|| Self::every(stride, image, depth, scratch).expect("the grid is full"))
     }
 
     fn every(
         stride: usize,
         image: ImageRef<'_, u8>,
         depth: &Quantised<'_>,
-        scratch: Scratch,
+        scratch: &mut Scratch,
     ) -> Result<Self, ImageError> {
-        let Scratch { mut samples, mut levels } = scratch;
+        let [mut samples, mut levels] = [&mut scratch.samples, &mut scratch.levels].map(std::mem::take);
         let (width, rows) = (kept(image.width(), stride).count(), kept(image.height(), stride));
         let rows: Vec<usize> = rows.collect();
         samples.resize(3 * width * rows.len(), 0);
@@ -55,17 +55,19 @@ impl Thumbnail {
         })
     }
 
-    /// Its memory.
-    pub(super) fn into_scratch(self) -> Scratch {
-        Scratch { samples: self.image.into_raw(), levels: self.depth.levels.into_owned() }
+    /// Gives its memory back.
+    pub(super) fn give_back(self, scratch: &mut Scratch) {
+        scratch.samples = self.image.into_raw();
+        scratch.levels = self.depth.levels.into_owned();
     }
 }
 
-/// The memory of a thumbnail that is no longer needed.
+/// What an estimate leaves for the next: the memory of its thumbnail, and what the network saw.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     samples: Vec<u8>,
     levels: Vec<u8>,
+    pub(crate) glimpse: Glimpse,
 }
 
 /// Places along a side of `length` that are kept: each `stride`-th counted from the nearer end, so that the mirror
@@ -136,7 +138,8 @@ mod tests {
             let quantised = z.quantised();
             let whole = Seen { image: image.view(), levels: &quantised.levels };
             let options = EstimateOptions::default();
-            let all: Estimate = look(whole, image.view(), &quantised, &z, &options).judged(&z);
+            let glimpse = &mut Glimpse::default();
+            let all: Estimate = look(whole, image.view(), &quantised, &z, &options, glimpse).judged(&z);
             let some: Estimate = estimate(&image, &z, &options).unwrap();
             for c in 0..3 {
                 let [veil, found] = [all, some].map(|one| one.water.veiling_light.rgb()[c]);

@@ -53,17 +53,6 @@ impl<'de, E: Encoding> serde::Deserialize<'de> for VeilingLight<E> {
     }
 }
 
-/// Which way to the veiling light is tried first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum VeilingLightMethod {
-    /// The commonest colour of smooth bluish-green places; where there are few, the published way.
-    #[default]
-    OpenWater,
-    /// The paper's: the median of the farthest 5 %, with its fallbacks.
-    Published,
-}
-
 pub(super) use published::read_things;
 
 /// Reads the veiling light of an image: the colour of its far region. Where that is not likely to be water and depth is

@@ -62,6 +62,8 @@ pub(super) struct Way {
 /// All ways.
 pub(super) fn ways() -> Vec<Way> {
     let ours = Some(EstimateOptions::default());
+    #[cfg(feature = "network")]
+    let both = ours.map(|ours| ours.with_water_map(WaterMap::Both));
     let papers = Some(EstimateOptions::as_published());
     let eq3 = Some(DepthModel::default());
     let published = Some(DepthModel::Eq3Median);
@@ -76,13 +78,11 @@ pub(super) fn ways() -> Vec<Way> {
         way("z by `ratio`, water ours", ratio, ours),
         way("z by `ratio`, water the paper's way", ratio, papers),
         #[cfg(feature = "network")]
-        way("z by `network`, water ours", Some(DepthModel::Network), ours),
+        way("z given, water by `both`", None, both),
         #[cfg(feature = "network")]
-        way(
-            "z by `network`, water by `both`",
-            Some(DepthModel::Network),
-            ours.map(|ours| ours.with_water_map(WaterMap::Both)),
-        ),
+        way("z by `eq3`, water by `both`", eq3, both),
+        #[cfg(feature = "network")]
+        way("z by `network`, water by `both`", Some(DepthModel::Network), both),
     ]
 }
 

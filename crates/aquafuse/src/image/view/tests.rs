@@ -12,7 +12,7 @@ use crate::image::{Linear, TopEdge};
 use crate::simd::Level;
 use crate::stream::Stream;
 use crate::truth::waters;
-use crate::waterbody::{self, BackscatterMethod, Estimate, EstimateOptions, VeilingLightMethod, Waterbody};
+use crate::waterbody::{self, BackscatterMethod, Estimate, EstimateOptions, WaterMap, Waterbody};
 use crate::{metrics, smooth};
 
 /// Samples to fill padding with that would show if they were read, and their bits.
@@ -193,11 +193,11 @@ fn check_bytes(image: &Image<u8>, padding: usize) {
     let padded = Padded::of(image, padding);
     let view = padded.view();
     for z in &depths(width, height) {
-        for (veiling_light, backscatter) in [
-            (VeilingLightMethod::OpenWater, BackscatterMethod::Envelope),
-            (VeilingLightMethod::Published, BackscatterMethod::Published),
+        for (water_map, backscatter) in [
+            (WaterMap::Rules, BackscatterMethod::Envelope),
+            (WaterMap::Published, BackscatterMethod::Published),
         ] {
-            let options = EstimateOptions { veiling_light, backscatter, ..EstimateOptions::default() };
+            let options = EstimateOptions { water_map, backscatter, ..EstimateOptions::default() };
             let expected = waterbody::estimate::<Encoded>(image, z, &options);
             assert_eq!(waterbody::estimate(view, z, &options), expected);
             let expected = waterbody::estimate::<Linear>(image, z, &options);

@@ -1,7 +1,7 @@
 //! The far region as a network sees it, alone or together with rules.
 
 use super::{Region, colour_of, commonest, far_colour, height, median};
-use crate::image::{ImageRef, TopEdge};
+use crate::image::TopEdge;
 use crate::network::Sight;
 use crate::waterbody::cells::Cells;
 
@@ -19,22 +19,15 @@ const LEAST: f32 = 1e-4;
 
 impl Region {
     /// The region of the image in cells, by a network.
-    pub(in crate::waterbody) fn by_network(cells: Cells, image: ImageRef<'_, u8>, top: TopEdge) -> Self {
-        let sight = Sight::of(image, top);
+    pub(in crate::waterbody) fn by_network(cells: Cells, sight: &Sight, top: TopEdge) -> Self {
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
         let read = all_of_it(&cells, &logits, top);
-        Self::seen(cells, logits.clone(), logits, read, true, odds(&sight))
+        Self::seen(cells, logits.clone(), logits, read, true, odds(sight))
     }
 
     /// The region of the image in cells, by rules and a network.
-    pub(in crate::waterbody) fn by_both(
-        cells: Cells,
-        image: ImageRef<'_, u8>,
-        given: bool,
-        top: TopEdge,
-    ) -> Self {
-        let sight = Sight::of(image, top);
-        let Self { cells, evidence, seen, .. } = Self::of(cells, given, top);
+    pub(in crate::waterbody) fn by_both(cells: Cells, sight: &Sight, given: bool, top: TopEdge) -> Self {
+        let Self { cells, evidence, seen, inside: of_rules, middle, .. } = Self::of(cells, given, top);
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
         let both: Vec<f32> =
             evidence.iter().zip(&logits).map(|(rule, logit)| rule + OF_LOGIT * logit).collect();
@@ -42,14 +35,10 @@ impl Region {
         let (inside, ..) = far_colour(&cells, &both, SHARE);
         let (_, read, colour) = all_of_it(&cells, &logits, top);
         let read = (inside, read, colour);
-        Self::seen(
-            cells,
-            both,
-            logits,
-            read,
-            false,
-            (by_rules / (1.0 - by_rules)).ln() + OF_ODDS * odds(&sight),
-        )
+        let odds = (by_rules / (1.0 - by_rules)).ln() + OF_ODDS * odds(sight);
+        let by_both = Self::seen(cells, both, logits, read, false, odds);
+        // Where no water is likely in view, the network says nothing of what is farther, and its doubt changes from frame to frame.
+        Self { inside: of_rules, middle, ..by_both }
     }
 
     fn seen(

@@ -250,10 +250,12 @@ fn the_map_of_open_water_is_chosen_recorded_and_no_part_of_the_published_setting
         assert_eq!(report["settings"]["water_map"], map);
         run.bytes(&output)
     };
-    let (rules, network) = (fuse("rules"), fuse("network"));
-    assert_ne!(rules, network);
+    let (both, rules, network) = (fuse("both"), fuse("rules"), fuse("network"));
+    assert_ne!(both, rules);
+    assert_ne!(both, network);
+    assert_ne!(fuse("published"), rules);
     run.ok(&["fuse", "content.png", "water.png", "-o", "default.png"]);
-    assert_eq!(run.bytes("default.png"), rules);
+    assert_eq!(run.bytes("default.png"), both);
     run.fails(
         2,
         &["fuse", "content.png", "water.png", "-o", "p.png", "--as-published", "--water-map", "network"],
@@ -294,14 +296,14 @@ fn smoothing_wears_fine_texture_down_and_nothing_is_smoothed_unasked() {
 }
 
 #[test]
-fn as_published_is_a_name_for_five_settings_and_allows_none_beside_it() {
+fn as_published_is_a_name_for_its_settings_and_allows_none_beside_it() {
     let run = Run::new();
     scene(&run.path("content.png"), 1, "blue");
     scene(&run.path("water.png"), 2, "green");
     let fuse = ["fuse", "content.png", "water.png", "-o", "named.png", "--as-published"];
     run.ok(&fuse);
     let spelt = "fuse content.png water.png -o spelt.png --model aquafuse --theta 45 --alpha 1.5 --smooth bilateral \
-                 --depth-model eq3-median";
+                 --depth-model eq3-median --water-map published --border none";
     run.ok(&spelt.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.bytes("named.png"), run.bytes("spelt.png"));
     for setting in ["--model aquafuse", "--theta 45", "--alpha 1", "--smooth none", "--depth-model eq3"] {

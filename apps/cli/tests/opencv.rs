@@ -77,7 +77,8 @@ fn compare(run: &Run, python: &Path, content: &str, reference: &str, model: &str
     fused("theirs.png", &["--depth", "their_z.png"]);
     fused("fast.png", &["--fast"]);
     let median = ["--depth-model", "eq3-median", "--overwrite"];
-    run.ok(&[&["fuse", content, reference, "-o", "ours.png", "--model", model], &median[..]].concat());
+    let fuse = ["fuse", content, reference, "-o", "ours.png", "--model", model, "--water-map", "rules"];
+    run.ok(&[&fuse, &median[..]].concat());
     run.ok(&[&["depth", content, "-o", "our_z.png"], &median[..]].concat());
 
     let depth = |name: &str| image::open(run.path(name)).unwrap().into_luma16().into_raw();

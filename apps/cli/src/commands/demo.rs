@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
 use aquafuse::truth::{NamedWater, Scene, Size, waters};
+use aquafuse::waterbody::WaterMap;
 use aquafuse_data::drawing::{Cell, contact_sheet};
 use aquafuse_data::files::{display, make_folder};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
@@ -100,7 +101,8 @@ struct Made {
 
 impl Made {
     fn new(scene: &Scene, water: NamedWater) -> Result<Self, Failure> {
-        let image_file = ImageFile::new(scene.seen_through(&water.water).convert::<u8>());
+        let image = scene.seen_through(&water.water).convert::<u8>();
+        let image_file = ImageFile::new(image).with_water_map(WaterMap::BEST);
         let found = analyse(&image_file, &DepthSource::default())?;
         Ok(Self { image_file, water, found })
     }

@@ -1,8 +1,9 @@
 //! What a video keeps: times, sound, subtitles, tags, rotation, colours, bits, pixels.
 
-use aquafuse::Fuser;
+use aquafuse::fuser::{Fuser, Options};
 use aquafuse::image::Image;
 use aquafuse::stream::Stream;
+use aquafuse::waterbody::{EstimateOptions, WaterMap};
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::{DepthSource, analyse};
 
@@ -128,8 +129,11 @@ fn pixels_are_those_of_the_stream() {
     let lossless = ["-t", "0.5", "-c:v", "ffv1", "-pix_fmt", "bgr0"];
     make(&run, &[&PICTURE, &lossless, &["a.mkv"]]);
     run.ok(&["video", "a.mkv", "green.png", "-o", "out.mkv", "--codec", "ffv1"]);
-    let reference = analyse(&ImageFile::read(&run.path("green.png")).unwrap(), &DepthSource::default());
-    let mut stream = Stream::new(Fuser::from(reference.unwrap().estimate));
+    let reference = ImageFile::read(&run.path("green.png")).unwrap().with_water_map(WaterMap::BEST);
+    let reference = analyse(&reference, &DepthSource::default()).unwrap().estimate;
+    let as_the_command = EstimateOptions::default().with_water_map(WaterMap::BEST);
+    let options = Options::default().with_estimate(as_the_command);
+    let mut stream = Stream::new(Fuser::from_estimate(reference, options));
     let mut wanted = pixels(&run, "a.mkv");
     assert_eq!(wanted.len(), 15 * 128 * 96 * 3);
     for frame in wanted.chunks_exact_mut(128 * 96 * 3) {

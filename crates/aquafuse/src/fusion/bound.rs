@@ -38,7 +38,7 @@ const DOUBTFUL_GAIN: f32 = 2.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Bounds {
-    /// The reference's veil is glare: it was darkened to the brightest water, its red to its green or blue.
+    /// The reference's veil may be glare: it was darkened to the brightest water, or its red to its green or blue.
     pub glare: bool,
     /// The content is doubtful and its red faded into the veil faster than the others: it was held to them, in β_B or, where F
     /// is a table, there.
@@ -62,8 +62,8 @@ impl<E: Encoding> Bounded<E> {
     /// [`Model::Aquafuse`] needs no bound: it adds a quarter of the difference of the veils at most. Of the
     /// others, with an estimate that is not good:
     ///
-    /// - a reference whose light has no colour of water gives no brighter veil than water in the sun, and no more
-    ///   red than green or blue;
+    /// - a reference whose light has no colour of water gives no brighter veil than water in the sun, and no more red than green or
+    ///   blue, unless open water was seen in it or a supplied map says what is farthest: that water is brown;
     /// - red of a doubtful content fades no faster into the veil than green or blue: a dead red channel with a
     ///   huge β_B would otherwise turn near things red;
     /// - exchange strengthens the direct signal to its double at most; with depth from colour it leaves it as it
@@ -90,7 +90,8 @@ impl<E: Encoding> Bounded<E> {
             bounded.change_light(content, reference);
         }
         if reference.quality.reasons.contains(Reason::LightOutsideWaterHues) {
-            bounded.hold_glare();
+            let is_water = reference.veiling_light_source == VeilingLightSource::OpenWater;
+            bounded.hold_glare(is_water || reference.depth_model.is_none());
         }
         if content.quality.verdict != Verdict::Good {
             bounded.hold_red();
@@ -124,13 +125,16 @@ impl<E: Encoding> Bounded<E> {
         }
     }
 
-    fn hold_glare(&mut self) {
+    /// Water that was seen, or that lies farthest by a supplied map, may be brown.
+    fn hold_glare(&mut self, may_be_brown: bool) {
         let [red, green, blue] = self.reference.veiling_light.rgb().map(E::to_encoded);
-        let largest = green.max(blue);
+        let others = green.max(blue);
+        let held = [if may_be_brown { red } else { red.min(others) }, green, blue];
+        let largest = held[0].max(others);
         let scale = if largest > 0.0 { (BRIGHTEST_WATER / largest).min(1.0) } else { 1.0 };
-        let held = [red.min(largest), green, blue].map(|value| E::from_encoded(value * scale));
-        self.reference.veiling_light = VeilingLight::new(held);
-        self.bounds.glare = true;
+        let held = VeilingLight::new(held.map(|value| E::from_encoded(value * scale)));
+        self.bounds.glare = held != self.reference.veiling_light;
+        self.reference.veiling_light = held;
     }
 
     /// F comes nearer to 1, and so does the gain of the light: things and black water stay as they are.
@@ -201,6 +205,35 @@ mod tests {
 
     const BLUE: [f32; 3] = [0.01, 0.4, 0.6];
     const GLARE: [f32; 3] = [0.95, 0.92, 0.9];
+    const BROWN: [f32; 3] = [0.69, 0.57, 0.2];
+
+    /// A light without the colour of water, that was read off things by depth from colour.
+    fn of_things(light: [f32; 3]) -> Estimate<Encoded> {
+        Estimate {
+            veiling_light_source: VeilingLightSource::FarRegion,
+            depth_model: Some(DepthModel::default()),
+            ..estimate(light, [1.0; 3], Quality::default().with(Reason::LightOutsideWaterHues))
+        }
+    }
+
+    #[test]
+    fn water_that_was_seen_or_measured_to_be_far_may_be_brown_and_no_brighter_than_water_in_the_sun() {
+        let content = estimate(BLUE, [1.0; 3], Quality::default());
+        let taken = |reference: &Estimate<Encoded>| {
+            let bounded = Bounded::new(&content, reference, Options::for_model(Model::Physical));
+            (bounded.reference.veiling_light.rgb(), bounded.bounds.glare)
+        };
+        let things = of_things(BROWN);
+        assert_eq!(taken(&things), ([0.57, 0.57, 0.2], true));
+        let seen = Estimate { veiling_light_source: VeilingLightSource::OpenWater, ..things };
+        let measured = Estimate { depth_model: None, ..things };
+        assert_eq!(taken(&seen), (BROWN, false));
+        assert_eq!(taken(&measured), (BROWN, false));
+        let bright = VeilingLight::new(GLARE);
+        let bright = Estimate { water: Waterbody { veiling_light: bright, ..seen.water }, ..seen };
+        let (light, is_held) = taken(&bright);
+        assert!(is_held && light.iter().all(|value| *value < 0.851), "{light:?}");
+    }
 
     #[test]
     fn of_a_black_veil_nothing_is_exchanged_with_depth_from_colour() {
@@ -240,8 +273,7 @@ mod tests {
     #[test]
     fn a_dead_red_channel_and_glare_add_no_more_red_than_green_or_blue() {
         let content = estimate(BLUE, [9.0, 1.0, 1.2], Quality::default().with(Reason::DeadRed));
-        let glare = Quality::default().with(Reason::LightOutsideWaterHues);
-        let reference = estimate(GLARE, [1.0; 3], glare);
+        let reference = of_things(GLARE);
         for model in [Model::Physical, Model::Exchange] {
             let bounded = Bounded::new(&content, &reference, Options::for_model(model));
             assert!(bounded.bounds.glare && bounded.bounds.red);
@@ -250,15 +282,14 @@ mod tests {
             assert!(red <= green.max(blue) && green.max(blue) <= 0.85 + 1e-6);
             assert_eq!(waters.content.backscatter_coefficient, [1.2, 1.0, 1.2]);
             let gain = TransferLaw::new(waters, &bounded.options).at(2.0).gain;
-            assert!(gain.iter().all(|gain| *gain <= 2.0), "{model:?} strengthens the direct signal too much");
+            assert_eq!(gain, [1.0; 3], "{model:?} changes the direct signal");
+            let measured = Estimate { depth_model: None, ..reference };
             let asked = Options::for_model(model).with_max_gain(8.0);
-            let bounded = Bounded::new(&content, &reference, asked);
+            let bounded = Bounded::new(&content, &measured, asked);
             let held = if model == Model::Exchange { (true, 2.0) } else { (false, 8.0) };
             assert_eq!((bounded.bounds.gain, bounded.options.max_gain), held);
-            let by_colour = Estimate { depth_model: Some(DepthModel::Ratio), ..reference };
-            let bounded = Bounded::new(&content, &by_colour, Options::for_model(model));
             let gain = TransferLaw::new(bounded.waters(), &bounded.options).at(2.0).gain;
-            assert_eq!(gain, [1.0; 3], "{model:?} changes the direct signal");
+            assert!(gain.iter().all(|gain| *gain <= 2.0), "{model:?} strengthens the direct signal too much");
         }
         let paper = Bounded::new(&content, &reference, Options::for_model(Model::Aquafuse));
         assert!(!paper.bounds.any());

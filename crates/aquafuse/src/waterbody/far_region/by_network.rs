@@ -27,13 +27,21 @@ impl Region {
 
     /// The region of the image in cells, by rules and a network.
     pub(in crate::waterbody) fn by_both(cells: Cells, sight: &Sight, given: bool, top: TopEdge) -> Self {
-        let Self { cells, evidence, seen, inside: of_rules, middle, .. } = Self::of(cells, given, top);
+        let rules = Self::of(cells, given, top);
+        let Self { cells, evidence, seen, inside: of_rules, middle, .. } = rules;
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
         let both: Vec<f32> =
             evidence.iter().zip(&logits).map(|(rule, logit)| rule + OF_LOGIT * logit).collect();
         let by_rules = seen.clamp(LEAST, 1.0 - LEAST);
         let (inside, ..) = far_colour(&cells, &both, SHARE);
-        let (_, read, colour) = all_of_it(&cells, &logits, top);
+        // A network that sees no water knows no colour of it.
+        let (read, colour) = match odds(sight) < 0.0 {
+            true => (rules.read, rules.colour),
+            false => {
+                let (_, read, colour) = all_of_it(&cells, &logits, top);
+                (read, colour)
+            }
+        };
         let read = (inside, read, colour);
         let odds = (by_rules / (1.0 - by_rules)).ln() + OF_ODDS * odds(sight);
         let by_both = Self::seen(cells, both, logits, read, false, odds);

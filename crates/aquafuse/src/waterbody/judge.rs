@@ -85,7 +85,7 @@ const FROM_COLOUR: Demands = Demands { floor: 0.08, on_curve: 0.25, ln_deviation
 
 /// Open water that is less likely than this may be a smooth thing: of 31 photographs of which a person could not say whether
 /// open water is in view, none is surer and `good`.
-const SURE: f32 = 0.97;
+const SURE: f32 = 0.99;
 /// Depths that span less than this share of z95 are alike.
 const FLAT: f32 = 0.12;
 /// More than this share of the image at one end of the levels of depth from colour is too much.

@@ -31,8 +31,8 @@ pub struct Pixels {
     strides: Vec<i32>,
     /// The frame in three bytes a pixel, where it is not that itself.
     rgb: Vec<u8>,
-    /// The same before it is changed, where only the difference is written.
-    before: Vec<u8>,
+    /// The same as it was read, where only the difference is written.
+    planes: yuv::Memory,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ impl Pixels {
             height: usize::try_from(info.height()).ok()?,
             strides: Vec::new(),
             rgb: Vec::new(),
-            before: Vec::new(),
+            planes: yuv::Memory::default(),
         })
     }
 
@@ -88,7 +88,7 @@ impl Pixels {
         frame: &mut VideoFrameRef<&mut gst::BufferRef>,
         change: impl FnOnce(ImageMut<'_, u8>) -> Result<R, ImageError>,
     ) -> Result<R, ImageError> {
-        let Self { layout, width, height, strides, rgb, before } = self;
+        let Self { layout, width, height, strides, rgb, planes: memory } = self;
         let (width, height) = (*width, *height);
         strides.clear();
         strides.extend_from_slice(frame.plane_stride());
@@ -127,11 +127,9 @@ impl Pixels {
                     chroma: [(second, stride(1)), (third, stride(2))],
                     layout: *chroma,
                 };
-                planes.read(colours, width, rgb);
-                before.clear();
-                before.extend_from_slice(rgb);
+                planes.read(colours, width, memory, rgb);
                 let result = change(ImageMut::new(width, height, rgb)?)?;
-                planes.write(colours, width, before, rgb);
+                planes.write(colours, width, memory, rgb);
                 Ok(result)
             }
         }

@@ -51,14 +51,6 @@ impl Colours {
             ],
         })
     }
-
-    #[inline]
-    fn rgb(&self, y: u8, u: u8, v: u8) -> [u8; 3] {
-        let y = (i32::from(y) - self.black) * self.luma + HALF;
-        let (u, v) = (i32::from(u) - 128, i32::from(v) - 128);
-        [y + self.of_v[0] * v, y + self.of_v[1] * v + self.of_u[0] * u, y + self.of_u[1] * u]
-            .map(|value| byte(value >> BITS))
-    }
 }
 
 /// The planes of a frame, each with its stride.
@@ -68,78 +60,127 @@ pub(super) struct Planes<'a> {
     pub(super) layout: Chroma,
 }
 
+/// A frame in planes, in memory that is used again. Loops over such rows become vectors; those over three interleaved bytes do not.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    /// Red, green and blue of the frame as it was read.
+    colours: [Vec<u8>; 3],
+    /// What chroma adds to red, green and blue of each pixel of a row.
+    tint: [Vec<i32>; 3],
+    /// What has changed of red, green and blue in a row.
+    steps: [Vec<i32>; 3],
+    /// The same of two pixels, or four.
+    sums: [Vec<i32>; 3],
+}
+
+impl Memory {
+    /// For a frame of this size; an odd last pixel of a row has a neighbour that stays empty.
+    fn resize(&mut self, width: usize, height: usize) {
+        let even = width.next_multiple_of(2);
+        self.tint.iter_mut().chain(&mut self.steps).for_each(|row| row.resize(even, 0));
+        self.sums.iter_mut().for_each(|row| row.resize(even / 2, 0));
+        self.colours.iter_mut().for_each(|plane| plane.resize(width * height, 0));
+    }
+
+    fn tint(&mut self, colours: &Colours, at: usize, u: u8, v: u8) {
+        let (u, v) = (i32::from(u) - 128, i32::from(v) - 128);
+        let tint = [colours.of_v[0] * v, colours.of_v[1] * v + colours.of_u[0] * u, colours.of_u[1] * u];
+        for (row, tint) in self.tint.iter_mut().zip(tint) {
+            row[2 * at..][..2].fill(tint);
+        }
+    }
+}
+
 impl Planes<'_> {
     /// The frame in red, green and blue: chroma values are taken for each of their four pixels.
-    pub(super) fn read(&self, colours: &Colours, width: usize, rgb: &mut [u8]) {
+    pub(super) fn read(&self, colours: &Colours, width: usize, memory: &mut Memory, rgb: &mut [u8]) {
+        memory.resize(width, rgb.len() / (3 * width));
+        let columns = width.div_ceil(2);
         let [first, second] = &self.chroma;
         for (y, rgb) in rgb.chunks_exact_mut(3 * width).enumerate() {
+            if y % 2 == 0 {
+                let first = &first.0[y / 2 * first.1..];
+                match self.layout {
+                    Chroma::Interleaved => first.as_chunks::<2>().0[..columns]
+                        .iter()
+                        .enumerate()
+                        .for_each(|(at, &[u, v])| memory.tint(colours, at, u, v)),
+                    Chroma::Planar => first[..columns]
+                        .iter()
+                        .zip(&second.0[y / 2 * second.1..])
+                        .enumerate()
+                        .for_each(|(at, (&u, &v))| memory.tint(colours, at, u, v)),
+                }
+            }
             let luma = &self.luma.0[y * self.luma.1..][..width];
-            let of_row = |plane: &(&mut [u8], usize)| y / 2 * plane.1;
-            let pixels = luma.chunks(2).zip(rgb.chunks_mut(6));
-            match self.layout {
-                Chroma::Interleaved => {
-                    let pairs = first.0[of_row(first)..].as_chunks::<2>().0;
-                    pixels.zip(pairs).for_each(|((luma, rgb), &[u, v])| colour(colours, luma, u, v, rgb));
+            for (plane, tint) in memory.colours.iter_mut().zip(&memory.tint) {
+                let row = &mut plane[y * width..][..width];
+                for ((value, &y), tint) in row.iter_mut().zip(luma).zip(tint) {
+                    *value = byte(((i32::from(y) - colours.black) * colours.luma + HALF + tint) >> BITS);
                 }
-                Chroma::Planar => {
-                    let pairs = first.0[of_row(first)..].iter().zip(&second.0[of_row(second)..]);
-                    pixels.zip(pairs).for_each(|((luma, rgb), (&u, &v))| colour(colours, luma, u, v, rgb));
-                }
+            }
+            let [red, green, blue] = memory.colours.each_ref().map(|plane| &plane[y * width..][..width]);
+            let own = red.iter().zip(green).zip(blue);
+            for (pixel, ((&r, &g), &b)) in rgb.as_chunks_mut().0.iter_mut().zip(own) {
+                *pixel = [r, g, b];
             }
         }
     }
 
     /// Adds what has changed of red, green and blue; chroma by the mean of its four pixels.
-    pub(super) fn write(&mut self, colours: &Colours, width: usize, before: &[u8], after: &[u8]) {
-        let height = after.len() / (3 * width);
-        let [first, second] = &mut self.chroma;
-        for y in (0..height).step_by(2) {
-            let rows = y..(y + 2).min(height);
-            for x in (0..width).step_by(2) {
-                let (mut sum, mut count) = ([0; 3], 0);
-                for y in rows.clone() {
-                    for x in x..(x + 2).min(width) {
-                        let at = 3 * (y * width + x);
-                        let step: [i32; 3] =
-                            std::array::from_fn(|c| i32::from(after[at + c]) - i32::from(before[at + c]));
-                        add(&mut self.luma.0[y * self.luma.1 + x], dot(colours.rows[0], step), 1);
-                        (0..3).for_each(|c| sum[c] += step[c]);
-                        count += 1;
+    pub(super) fn write(&mut self, colours: &Colours, width: usize, memory: &mut Memory, after: &[u8]) {
+        let (columns, height) = (width.div_ceil(2), after.len() / (3 * width));
+        for (y, after) in after.chunks_exact(3 * width).enumerate() {
+            let after = after.as_chunks::<3>().0;
+            for (c, steps) in memory.steps.iter_mut().enumerate() {
+                let before = &memory.colours[c][y * width..][..width];
+                for ((step, before), after) in steps.iter_mut().zip(before).zip(after) {
+                    *step = i32::from(after[c]) - i32::from(*before);
+                }
+            }
+            let luma = &mut self.luma.0[y * self.luma.1..][..width];
+            let [red, green, blue] = &memory.steps;
+            let of_luma = colours.rows[0];
+            for (value, ((&r, &g), &b)) in luma.iter_mut().zip(red.iter().zip(green).zip(blue)) {
+                let step = of_luma[0] * r + of_luma[1] * g + of_luma[2] * b;
+                *value = byte(i32::from(*value) + ((step + HALF) >> BITS));
+            }
+            let is_first = y % 2 == 0;
+            for (sums, steps) in memory.sums.iter_mut().zip(&memory.steps) {
+                for (sum, &[left, right]) in sums.iter_mut().zip(steps.as_chunks::<2>().0) {
+                    *sum = if is_first { 0 } else { *sum } + left + right;
+                }
+            }
+            if is_first && y + 1 < height {
+                continue;
+            }
+            let [red, green, blue] = &memory.sums;
+            // Means of one, two or four pixels: of one row where the height is odd, of one column where the width is.
+            let lines = u32::from(!is_first);
+            let step = |row: usize, at: usize| -> i32 {
+                let [r, g, b] = colours.rows[row];
+                let bits = BITS + lines + u32::from(2 * at + 1 < width);
+                (r * red[at] + g * green[at] + b * blue[at] + (1 << (bits - 1))) >> bits
+            };
+            let [first, second] = &mut self.chroma;
+            let first = &mut first.0[y / 2 * first.1..];
+            match self.layout {
+                Chroma::Interleaved => {
+                    for (at, pair) in first.as_chunks_mut::<2>().0[..columns].iter_mut().enumerate() {
+                        *pair =
+                            [byte(i32::from(pair[0]) + step(1, at)), byte(i32::from(pair[1]) + step(2, at))];
                     }
                 }
-                let [u, v] = [1, 2].map(|row| dot(colours.rows[row], sum));
-                match self.layout {
-                    Chroma::Interleaved => {
-                        let at = y / 2 * first.1 + x;
-                        add(&mut first.0[at], u, count);
-                        add(&mut first.0[at + 1], v, count);
-                    }
-                    Chroma::Planar => {
-                        add(&mut first.0[y / 2 * first.1 + x / 2], u, count);
-                        add(&mut second.0[y / 2 * second.1 + x / 2], v, count);
+                Chroma::Planar => {
+                    let second = &mut second.0[y / 2 * second.1..];
+                    for (at, (u, v)) in first[..columns].iter_mut().zip(second).enumerate() {
+                        *u = byte(i32::from(*u) + step(1, at));
+                        *v = byte(i32::from(*v) + step(2, at));
                     }
                 }
             }
         }
     }
-}
-
-/// One or two pixels of a row, which share their chroma.
-#[inline]
-fn colour(colours: &Colours, luma: &[u8], u: u8, v: u8, rgb: &mut [u8]) {
-    luma.iter().zip(rgb.as_chunks_mut::<3>().0).for_each(|(&y, rgb)| *rgb = colours.rgb(y, u, v));
-}
-
-#[inline]
-fn dot(row: [i32; 3], step: [i32; 3]) -> i32 {
-    row[0] * step[0] + row[1] * step[1] + row[2] * step[2]
-}
-
-/// Adds the mean of `count` steps, whose sum is given in fractions.
-#[inline]
-fn add(value: &mut u8, sum: i32, count: i32) {
-    let whole = count << BITS;
-    *value = byte(i32::from(*value) + (2 * sum + whole).div_euclid(2 * whole));
 }
 
 #[inline]

@@ -15,12 +15,12 @@ use gst::prelude::*;
 use gst_video::prelude::*;
 
 /// Says why a test is not run, as the runner of all tests counts it.
-pub fn skip(why: &str) {
+pub(crate) fn skip(why: &str) {
     println!("skipped: {why}");
 }
 
 /// What is not installed of these elements, if anything; makes ours known.
-pub fn missing(elements: &[&str]) -> Option<String> {
+pub(crate) fn missing(elements: &[&str]) -> Option<String> {
     gst::init().unwrap();
     gstaquafuse::plugin_register_static().unwrap();
     let lacking: Vec<&str> =
@@ -29,7 +29,7 @@ pub fn missing(elements: &[&str]) -> Option<String> {
 }
 
 /// The core's stream into a water of this name.
-pub fn reference_stream(name: &str) -> Stream<'static> {
+pub(crate) fn reference_stream(name: &str) -> Stream<'static> {
     let file = match name.strip_prefix("sea:") {
         Some(number) => WaterFile::sea(number.parse().unwrap(), PixelEncoding::Encoded),
         None => WaterFile {
@@ -49,10 +49,10 @@ pub fn reference_stream(name: &str) -> Stream<'static> {
 }
 
 /// A file that goes with its value.
-pub struct Temporary(PathBuf);
+pub(crate) struct Temporary(PathBuf);
 
 impl Temporary {
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.0
     }
 }
@@ -64,19 +64,19 @@ impl Drop for Temporary {
 }
 
 /// The name of a file that is not there.
-pub fn temporary(name: &str) -> Temporary {
+pub(crate) fn temporary(name: &str) -> Temporary {
     static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
     let number = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     Temporary(std::env::temp_dir().join(format!("aquafuse-gst-{}-{number}-{name}", std::process::id())))
 }
 
 /// Frames of a camera that moves, as raw red, green and blue in a file.
-pub struct SceneFile {
+pub(crate) struct SceneFile {
     file: Temporary,
     size: (u32, u32),
 }
 
-pub fn scene_file(size: (u32, u32), frames: usize) -> SceneFile {
+pub(crate) fn scene_file(size: (u32, u32), frames: usize) -> SceneFile {
     let area = Size { width: size.0 as usize, height: size.1 as usize };
     let mut bytes = Vec::new();
     for step in 0..frames {
@@ -96,7 +96,7 @@ pub fn scene_file(size: (u32, u32), frames: usize) -> SceneFile {
 
 impl SceneFile {
     /// A pipeline that reads it, in this format.
-    pub fn source(&self, format: &str) -> String {
+    pub(crate) fn source(&self, format: &str) -> String {
         let (width, height) = self.size;
         let place = self.file.path().display();
         let convert = if format == "RGB" { "" } else { "videoconvert ! " };
@@ -108,9 +108,9 @@ impl SceneFile {
 
 /// A frame as it lies in memory.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub(crate) struct Frame {
     info: gst_video::VideoInfo,
-    pub strides: Vec<usize>,
+    pub(crate) strides: Vec<usize>,
     planes: Vec<Vec<u8>>,
 }
 
@@ -154,7 +154,7 @@ impl Frame {
     }
 
     /// The frame in red, green and blue, chroma taken for each of its pixels.
-    pub fn rgb(&self) -> Image<u8> {
+    pub(crate) fn rgb(&self) -> Image<u8> {
         let (width, height) = self.size();
         let mut samples = Vec::with_capacity(3 * width * height);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
@@ -173,7 +173,7 @@ impl Frame {
     }
 
     /// The frame with the difference of these colours from its own added, in floats.
-    pub fn with_colours(&self, image: &Image<u8>) -> Self {
+    pub(crate) fn with_colours(&self, image: &Image<u8>) -> Self {
         let ([kr, kg, kb], _, [luma, chroma]) = self.matrix();
         let own = self.rgb();
         let (width, height) = self.size();
@@ -206,7 +206,7 @@ impl Frame {
     }
 
     /// The largest and the mean difference of components.
-    pub fn distance(&self, other: &Self) -> (u8, f64) {
+    pub(crate) fn distance(&self, other: &Self) -> (u8, f64) {
         let (width, height) = self.size();
         let (mut worst, mut sum) = (0, 0.0);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
@@ -219,7 +219,7 @@ impl Frame {
     }
 
     /// The bytes that are neither red, green nor blue of a pixel.
-    pub fn others(&self) -> Vec<u8> {
+    pub(crate) fn others(&self) -> Vec<u8> {
         let (width, height) = self.size();
         let mut is_colour = vec![false; self.planes[0].len()];
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
@@ -232,7 +232,7 @@ impl Frame {
 type Act = (usize, Box<dyn Fn(&gst::Element) + Send + Sync>);
 
 /// A pipeline with the element between a source and a sink.
-pub struct Run {
+pub(crate) struct Run {
     pipeline: gst::Pipeline,
     element: gst::Element,
     acts: Vec<Act>,
@@ -241,15 +241,15 @@ pub struct Run {
 
 /// What went in, what came out, and what was said.
 #[derive(Default)]
-pub struct Ran {
-    pub before: Vec<Frame>,
-    pub after: Vec<Frame>,
-    pub errors: Vec<String>,
-    pub warnings: Vec<String>,
+pub(crate) struct Ran {
+    pub(crate) before: Vec<Frame>,
+    pub(crate) after: Vec<Frame>,
+    pub(crate) errors: Vec<String>,
+    pub(crate) warnings: Vec<String>,
 }
 
 impl Run {
-    pub fn new(source: &str, properties: &str) -> Self {
+    pub(crate) fn new(source: &str, properties: &str) -> Self {
         let text = format!("{source} ! aquafuse name=ours {properties} ! fakesink sync=false");
         let pipeline = gst::parse::launch(&text).unwrap().downcast::<gst::Pipeline>().unwrap();
         let element = pipeline.by_name("ours").unwrap();
@@ -257,18 +257,22 @@ impl Run {
     }
 
     /// Does something just before this frame enters.
-    pub fn at_frame(mut self, frame: usize, act: impl Fn(&gst::Element) + Send + Sync + 'static) -> Self {
+    pub(crate) fn at_frame(
+        mut self,
+        frame: usize,
+        act: impl Fn(&gst::Element) + Send + Sync + 'static,
+    ) -> Self {
         self.acts.push((frame, Box::new(act)));
         self
     }
 
     /// Lays the rows of each frame so many bytes apart, with what an in-place change should leave in between.
-    pub fn with_stride(mut self, stride: usize) -> Self {
+    pub(crate) fn with_stride(mut self, stride: usize) -> Self {
         self.stride = Some(stride);
         self
     }
 
-    pub fn to_end(self) -> Ran {
+    pub(crate) fn to_end(self) -> Ran {
         self.until(|_| false)
     }
 
@@ -354,7 +358,7 @@ fn laid_out(buffer: &gst::Buffer, info: &gst_video::VideoInfo, stride: usize) ->
 }
 
 /// A camera that sends JPEG by RTP to this machine, received and changed until so many frames have come out.
-pub fn over_rtp(properties: &str, frames: usize) -> Ran {
+pub(crate) fn over_rtp(properties: &str, frames: usize) -> Ran {
     let caps = "application/x-rtp,media=video,encoding-name=JPEG,payload=26,clock-rate=90000";
     let source =
         format!("udpsrc name=receiver port=0 address=127.0.0.1 caps={caps} ! rtpjpegdepay ! jpegdec");

@@ -130,3 +130,9 @@ pub fn change(
     let depth = depth.as_ref();
     copy::run(&copy::Job { input, output, topics, depth, overwrite: *overwrite, recipe, options }, each)
 }
+
+/// Any bytes as a message of a log, for fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_message(bytes: &[u8], options: &crate::image_file::ReadOptions) {
+    picture::try_message(bytes, options);
+}

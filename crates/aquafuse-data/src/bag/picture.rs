@@ -195,3 +195,33 @@ fn file_changed(
     }
     image.encode(&Path::new("image").with_extension(extension), QUALITY).map_err(damaged)
 }
+
+/// Any bytes as a message, whose kind the first of them says: it stays, or is changed to one of the same shape.
+#[cfg(feature = "fuzz-targets")]
+pub(super) fn try_message(bytes: &[u8], options: &ReadOptions) {
+    use super::wire::Wire::{Cdr, Ros1};
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    let kind = match first % 5 {
+        0 => Kind::Raw(Cdr),
+        1 => Kind::Raw(Ros1),
+        2 => Kind::Packed(Cdr),
+        3 => Kind::Packed(Ros1),
+        _ => Kind::Foxglove,
+    };
+    let stamp = message::stamp(kind, bytes);
+    let _ = super::depth::decoded(kind, bytes);
+    let recipe = Recipe::new(crate::pipeline::Operation::Enhance { levels: Default::default() });
+    let frames = recipe.frames().expect("levels are set frame by frame");
+    let mut sequence = Sequence::ByColour(Box::new(frames));
+    let Outcome::Changed(message) =
+        changed(kind, bytes, &mut sequence, None, Path::new(crate::targets::NAME), options)
+    else {
+        return;
+    };
+    assert_eq!(message::stamp(kind, &message), stamp, "the header stays");
+    match kind {
+        Kind::Raw(wire) => assert_eq!(message::raw(&message, wire), message::raw(bytes, wire)),
+        Kind::Packed(wire) => assert!(message::packed(&message, wire).is_some()),
+        Kind::Foxglove => assert!(message::foxglove(&message).is_some()),
+    }
+}

@@ -38,13 +38,15 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// A camera that moves along a synthetic place, in the format of the pipeline.
 fn frames(info: &VideoInfo) -> Result<Vec<gst::Buffer>, Box<dyn Error>> {
     let (width, height) = SIZE;
-    let size = Size { width: width + 8 * FRAMES, height };
+    // Rendered at half the size, which takes a quarter of the time; each pixel of it is four.
+    let size = Size { width: width / 2 + 4 * FRAMES, height: height / 2 };
     let place: Image<u8> = Scene::new(3, size).seen_through(&waters()[0].water).convert();
     let rgb = VideoInfo::builder(VideoFormat::Rgb, info.width(), info.height()).fps(info.fps()).build()?;
     let convert = gst_video::VideoConverter::new(&rgb, info, None)?;
     let frame = |step: usize| {
-        let rows = place.view().rows().flat_map(|row| row[8 * step..][..width].as_flattened());
-        let mut source = gst::Buffer::from_mut_slice(rows.copied().collect::<Vec<u8>>());
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let colours = pixels.flat_map(|(x, y)| place.row(y / 2)[4 * step + x / 2]);
+        let mut source = gst::Buffer::from_mut_slice(colours.collect::<Vec<u8>>());
         let mut made = gst::Buffer::with_size(info.size())?;
         let (source, target) = (source.make_mut(), made.make_mut());
         let source = gst_video::VideoFrameRef::from_buffer_ref_readable(source, &rgb)?;

@@ -1,5 +1,6 @@
 //! `lab corpus`: the examples that fuzzing starts from and the tests replay, made again.
 
+mod logs;
 mod networks;
 mod scenes;
 #[cfg(feature = "parquet")]
@@ -125,6 +126,7 @@ pub(crate) fn run() -> Result<()> {
     for (name, table) in tables {
         add(&corpus, "dataset-parquet", name, &table)?;
     }
+    logs::add_all(&corpus)?;
     networks::add_all(&corpus)?;
     scenes::add_all(&corpus)?;
     counts(&corpus)

@@ -9,6 +9,7 @@ mod depth;
 mod evaluate;
 mod flicker;
 mod forge;
+mod gst;
 mod helps;
 mod hostile;
 mod instructions;
@@ -46,6 +47,7 @@ docs/results.md
   water               the veiling light of photographs compared with their open water, marked by eye
   bounds              what each safety bound of a fusion saves, and what it costs
   flicker             how much more a sequence changes from frame to frame than its source
+  gst                 the GStreamer element in a live pipeline: dropped frames, processor, latency
   pairs               restoration and enhancement beside references that people chose, and beside rivals
   published           scores of real images, beside the paper's and those of other methods
   hostile             over a thousand bad files, given to `aquafuse` and to a rival
@@ -121,6 +123,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["water"] => water::run(),
         ["bounds"] => bounds::run(),
         ["flicker"] => flicker::run(),
+        ["gst"] => gst::run(),
         ["pairs"] => evaluate::pairs(),
         ["published"] => evaluate::published(),
         ["hostile"] => hostile::run(),

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use xtask::clock::Steps;
-use xtask::setup::Tools;
-use xtask::shell::{cargo, command, root, run as call};
+use xtask::setup::{Tools, lacks_gstreamer};
+use xtask::shell::{GST_WORKSPACE, cargo, command, root, run as call, target};
 
 use crate::api;
 
@@ -22,7 +22,10 @@ const FEATURES: [&[&str]; 6] = [
 
 /// What was skipped, a line each.
 pub(crate) fn run(tools: &Tools, steps: &mut Steps) -> Result<Vec<String>> {
-    steps.time("Format", || call(cargo(&["fmt", "--all", "--check"])))?;
+    steps.time("Format", || {
+        call(cargo(&["fmt", "--all", "--check"]))?;
+        call(cargo(&[&["fmt"], &GST_WORKSPACE[..], &["--check"]].concat()))
+    })?;
     steps.time("Spelling", || call(command(&tools.typos, &[])))?;
     steps.time("Lints", || {
         let everything = ["clippy", "--workspace", "--all-targets", "--all-features", "--locked"];
@@ -34,10 +37,21 @@ pub(crate) fn run(tools: &Tools, steps: &mut Steps) -> Result<Vec<String>> {
             call(cargo(&[&["clippy"], &core[..], features, &STRICT].concat()))
         })
     })?;
+    let mut skipped = Vec::new();
+    match lacks_gstreamer() {
+        Some(why) => skipped.push(format!("lints of the GStreamer element: {why}")),
+        None => steps.time("Lints of the GStreamer element", || {
+            let target = target().to_string_lossy().into_owned();
+            let element = ["--all-targets", "--locked", "--target-dir", &target];
+            call(cargo(&[&["clippy"], &GST_WORKSPACE[..], &element, &STRICT].concat()))
+        })?,
+    }
     steps.time("Documentation", api::document)?;
-    let skipped = steps.time("Public items, compared with api.txt", api::compare)?;
+    skipped.extend(steps.time("Public items, compared with api.txt", api::compare)?);
     steps.time("Licences, bans and sources of every dependency", || {
-        call(command(&tools.cargo_deny, &["check", "licenses", "bans", "sources"]))
+        let asked = ["check", "licenses", "bans", "sources"];
+        call(command(&tools.cargo_deny, &asked))?;
+        call(command(&tools.cargo_deny, &[&GST_WORKSPACE[..], &asked].concat()))
     })?;
     steps.time("Packages, each built from its own tarball", || {
         let target = root().join("target/packages");
@@ -50,7 +64,7 @@ pub(crate) fn run(tools: &Tools, steps: &mut Steps) -> Result<Vec<String>> {
         package.env("CARGO_PROFILE_DEV_DEBUG", "0").env("CARGO_TARGET_DIR", target);
         call(package)
     })?;
-    Ok(skipped.into_iter().collect())
+    Ok(skipped)
 }
 
 /// Removes what cargo has unpacked and built of our packages before: it keeps both by name and version, and ours change

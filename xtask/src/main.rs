@@ -15,8 +15,8 @@ use xtask::shell::{cargo, run as call};
 const USAGE: &str = "\
 cargo xtask COMMAND
 
-  setup   installs what the other commands need: Python's venv module and ffmpeg from the system's packages if they are missing and
-          we are root, a Python environment under target/, cargo-deny
+  setup   installs what the other commands need: Python's venv module, ffmpeg and GStreamer from the system's packages if they are
+          missing and we are root, a Python environment under target/, cargo-deny
   check   format, spelling, lints, documentation, public items, licences, packages: what a reviewer would say first
   test    `setup`, `check` and every test: what CI runs
   wheel   builds, installs and tests the Python package alone

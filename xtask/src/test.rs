@@ -5,8 +5,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 use xtask::clock::Steps;
-use xtask::setup::{Tools, install_system_packages, set_up};
-use xtask::shell::{cargo, command, target};
+use xtask::setup::{Tools, install_system_packages, lacks_gstreamer, set_up};
+use xtask::shell::{GST_WORKSPACE, cargo, command, target};
 
 /// What property tests draw their cases from: the same ones wherever this runs, so that what failed once fails again.
 /// Other cases are for `cargo lab soak`, and for `cargo test`, which draws again each time.
@@ -30,6 +30,12 @@ pub(crate) fn run(steps: &mut Steps) -> Result<()> {
     ];
     for (name, arguments) in parts {
         total.add(&steps.time(name, || test(&tools, arguments))?);
+    }
+    match lacks_gstreamer() {
+        Some(why) => total.guarded(&format!("skipped: the GStreamer element: {why}")),
+        None => total.add(&steps.time("The GStreamer element, in pipelines", || {
+            test(&tools, &[&GST_WORKSPACE[..], &["--target-dir", &target().to_string_lossy()]].concat())
+        })?),
     }
     let wheel = steps.time("Python wheel: built, installed and tested", || crate::wheel::test(&tools))?;
     total.add(&Tally {

@@ -6,16 +6,21 @@
 //! | `sensor_msgs/msg/CompressedImage`, `sensor_msgs/CompressedImage` | `cdr`, `ros1` | the JPEG, PNG or WebP file in it |
 //! | `foxglove.CompressedImage` | `protobuf` | the same |
 //!
+//! Depth is estimated from colour, or comes from another topic ([`DepthTopic`]).
+//!
 //! Each topic is a sequence of its own. Grey images, depth and Bayer patterns are no colours and stay as they are. Schemas, channels,
 //! times, attachments, metadata and the messages of other topics are copied byte for byte; chunks and indices are written again.
 
 mod copy;
+mod depth;
 mod error;
 mod message;
 mod picture;
+mod records;
 mod wire;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 pub use error::BagError;
 
@@ -34,15 +39,30 @@ pub struct Request {
     pub inputs: Vec<PathBuf>,
     /// The topics that are changed; empty: all that have images in colour.
     pub topics: Vec<String>,
+    /// The topic that depth comes from; none: it is estimated from colour.
+    pub depth: Option<DepthTopic>,
     /// Replace an existing output.
     pub overwrite: bool,
+}
+
+/// A topic with the depth of the images, from a camera's view of the same size.
+///
+/// `sensor_msgs/Image` in `16UC1` or `mono16` is in millimetres and in `32FC1` in metres; `sensor_msgs/CompressedImage` is a PNG of 16 bits
+/// in millimetres, also as `compressedDepth`. An image takes the map whose time, that of their headers, is nearest; one
+/// without a map stays as it is. Waters are then per metre.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DepthTopic {
+    /// Its name.
+    pub name: String,
+    /// The times of an image and its depth differ by no more than this.
+    pub within: Duration,
 }
 
 impl Request {
     /// A log and where it goes, with nothing else asked for.
     pub fn new(input: impl Into<PathBuf>, output: impl Into<PathBuf>) -> Self {
         let (input, output) = (input.into(), output.into());
-        Self { input, output, inputs: Vec::new(), topics: Vec::new(), overwrite: false }
+        Self { input, output, inputs: Vec::new(), topics: Vec::new(), depth: None, overwrite: false }
     }
 }
 
@@ -104,8 +124,15 @@ pub fn change(
     options: &RunOptions,
     each: &mut dyn FnMut(),
 ) -> Result<Summary, BagError> {
-    let Request { input, output, inputs, topics, overwrite } = request;
+    let Request { input, output, inputs, topics, depth, overwrite } = request;
     let inputs = inputs.iter().map(PathBuf::as_path).chain([input.as_path()]);
     refuse_inputs([output.as_path()], inputs.collect::<Vec<&Path>>())?;
-    copy::run(&copy::Job { input, output, topics, overwrite: *overwrite, recipe, options }, each)
+    let depth = depth.as_ref();
+    copy::run(&copy::Job { input, output, topics, depth, overwrite: *overwrite, recipe, options }, each)
+}
+
+/// Any bytes as a message of a log, for fuzzing.
+#[cfg(feature = "fuzz-targets")]
+pub(crate) fn try_message(bytes: &[u8], options: &crate::image_file::ReadOptions) {
+    picture::try_message(bytes, options);
 }

@@ -15,6 +15,7 @@ use aquafuse::waterbody::WaterMap;
 
 use crate::augment::try_coco;
 use crate::augment::try_manifest;
+use crate::bag::try_message;
 use crate::batch;
 use crate::dataset::{try_shards, try_tables, try_voc, try_yolo};
 use crate::depth_file;
@@ -37,6 +38,8 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
+/// Messages in logs of robots.
+pub const BAG_MESSAGE: Target = Target { name: "bag-message", run: |bytes| try_message(bytes, &LIMITS) };
 /// Images as BMP.
 pub const BMP: Target = Target { name: "bmp", run: |bytes| image(Format::Bmp, bytes) };
 /// EXIF blocks.
@@ -91,7 +94,8 @@ pub const VIDEO_Y4M: Target = Target { name: "video-y4m", run: try_y4m };
 pub const WATER_FILE: Target = Target { name: "water-file", run: water };
 
 /// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
-pub const ALL: [Target; 25] = [
+pub const ALL: [Target; 26] = [
+    BAG_MESSAGE,
     BMP,
     EXIF,
     GIF,

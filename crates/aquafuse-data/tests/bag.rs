@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case should fail loudly")]
 
+#[path = "bag/depth.rs"]
+mod depth;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -30,12 +33,16 @@ struct Fields {
 
 impl Fields {
     fn header(is_aligned: bool) -> Self {
+        Self::header_at(is_aligned, 5)
+    }
+
+    fn header_at(is_aligned: bool, nanoseconds: u32) -> Self {
         let mut fields = Self { bytes: if is_aligned { vec![0, 1, 0, 0] } else { Vec::new() }, is_aligned };
         if !is_aligned {
             fields.number(7);
         }
         fields.number(1_700_000_000);
-        fields.number(5);
+        fields.number(nanoseconds);
         // Eight letters and a zero: what follows is not aligned by chance.
         fields.text("cam_left");
         fields

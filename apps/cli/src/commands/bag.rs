@@ -28,7 +28,8 @@ This command is part of programs built with `--features bag`, which needs a comp
 
 Examples:
   aquafuse bag dive.mcap green.jpg -o green_dive.mcap
-  aquafuse bag dive.mcap --restore -o clear_dive.mcap --topic /camera/image_raw";
+  aquafuse bag dive.mcap --restore -o clear_dive.mcap --topic /camera/image_raw
+  aquafuse bag dive.mcap preset:jerlov-3C -o green_dive.mcap --model exchange --depth-topic /camera/depth";
 
 /// Put the images in a robot's log into another water, restore or enhance them.
 #[derive(Args)]
@@ -75,6 +76,13 @@ pub(crate) struct Bag {
     /// Water and levels are means over about so many images of a topic. 1: each by itself.
     #[arg(long, value_name = "IMAGES", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..))]
     steady_over: u16,
+    /// Take the depth of images from this topic: 16UC1 in millimetres, 32FC1 in metres, or PNG of 16 bits, of the size of the images.
+    /// Without it depth is estimated from colour.
+    #[arg(long, value_name = "TOPIC", conflicts_with_all = ["enhance", "depth_model", "as_published"])]
+    depth_topic: Option<String>,
+    /// How far the times of an image and its depth may be apart. Images without depth stay as they are.
+    #[arg(long, value_name = "MILLISECONDS", default_value_t = 50, requires = "depth_topic", value_parser = clap::value_parser!(u32).range(0..=60_000))]
+    depth_within: u32,
     /// Replace an existing output.
     #[arg(long)]
     overwrite: bool,

@@ -10,21 +10,21 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::write::PrivateRecordOptions;
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 
-use super::message::Kind;
-use super::picture::{Outcome, changed};
-use super::{BagError, Summary, Topic};
-use crate::files::{FileError, Staged, catch_panic};
+use super::depth::Ahead;
+use super::message::{self, Kind};
+use super::picture::{AtDepth, Outcome, Sequence, changed};
+use super::records::{LONGEST, Next, Records};
+use super::{BagError, DepthTopic, Summary, Topic};
+use crate::files::{FileError, Staged};
 use crate::image_file::ReadOptions;
 use crate::run::RunOptions;
-use crate::video::{Frames, Recipe};
-
-/// The longest record that is read: an image of 8K in 16 bits takes 200 MB.
-const LONGEST: usize = 512 << 20;
+use crate::video::Recipe;
 
 pub(super) struct Job<'a> {
     pub(super) input: &'a Path,
     pub(super) output: &'a Path,
     pub(super) topics: &'a [String],
+    pub(super) depth: Option<&'a DepthTopic>,
     pub(super) overwrite: bool,
     pub(super) recipe: &'a Recipe,
     pub(super) options: &'a RunOptions,
@@ -46,67 +46,25 @@ pub(super) fn run(job: &Job<'_>, each: &mut dyn FnMut()) -> Result<Summary, BagE
         writer,
         schemas: HashMap::new(),
         images: HashMap::new(),
-        streams: HashMap::new(),
+        sequences: HashMap::new(),
+        depth: job.depth.map(|topic| Ahead::new(job.input, topic)).transpose()?,
         topics: BTreeMap::new(),
         messages: 0,
     };
-    let cut = each_record(job.input, &mut |record| {
-        each();
-        copying.take(record)
-    })?;
+    let mut records = Records::new(job.input)?;
+    let cut = loop {
+        match records.next()? {
+            Next::Record(record) => {
+                each();
+                copying.take(record)?;
+            }
+            Next::End => break None,
+            Next::Cut(why) => break Some(why),
+        }
+    };
     let summary = copying.end(cut)?;
     staged.persist()?;
     Ok(summary)
-}
-
-/// Calls `take` with each record; says why, if the log ends too early.
-fn each_record(
-    path: &Path,
-    take: &mut dyn FnMut(Record<'_>) -> Result<(), BagError>,
-) -> Result<Option<String>, BagError> {
-    let unread = |error| FileError::Read { path: path.to_owned(), error };
-    let mut file = File::open(path).map_err(unread)?;
-    let options =
-        LinearReaderOptions::default().with_validate_chunk_crcs(true).with_record_length_limit(LONGEST);
-    let mut reader = LinearReader::new_with_options(options);
-    let damaged = |error: &McapError| match error {
-        McapError::BadMagic => BagError::Foreign { path: path.to_owned() },
-        error => BagError::Damaged { path: path.to_owned(), cause: error.to_string() },
-    };
-    let mut records = 0_u64;
-    loop {
-        // The library trusts some lengths; whatever it does with a bad file, it is the file that is named.
-        let event = catch_panic(|| {
-            let request = match reader.next_event() {
-                None => return Ok(None),
-                Some(Ok(LinearReadEvent::ReadRequest(wanted))) => wanted,
-                Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                    return mcap::parse_record(opcode, data).map(|record| Some(Err(record.into_owned())));
-                }
-                Some(Err(error)) => return Err(error),
-            };
-            Ok(Some(Ok(request)))
-        });
-        let event = event.ok_or_else(|| BagError::Damaged {
-            path: path.to_owned(),
-            cause: "its reader panicked".into(),
-        })?;
-        match event {
-            Ok(None) => return Ok(None),
-            Ok(Some(Ok(wanted))) => {
-                let read = file.read(reader.insert(wanted)).map_err(unread)?;
-                reader.notify_read(read);
-            }
-            Ok(Some(Err(record))) => {
-                records = records.saturating_add(1);
-                take(record)?;
-            }
-            Err(McapError::UnexpectedEof | McapError::UnexpectedEoc) if records > 0 => {
-                return Ok(Some("it ends in the middle of a record".into()));
-            }
-            Err(error) => return Err(damaged(&error)),
-        }
-    }
 }
 
 /// The profile of a log, and the compression of its first chunk.
@@ -149,7 +107,9 @@ struct Copying<'a, W: Write + Seek> {
     schemas: HashMap<u16, String>,
     /// Channels with images: what these are, and the topic.
     images: HashMap<u16, (Kind, String)>,
-    streams: HashMap<u16, Frames<u8>>,
+    sequences: HashMap<u16, Sequence>,
+    /// Where depth comes from, if not from colour.
+    depth: Option<Ahead<'a>>,
     topics: BTreeMap<String, Topic>,
     messages: u64,
 }
@@ -218,12 +178,27 @@ impl<W: Write + Seek> Copying<'_, W> {
         if !self.job.topics.is_empty() && !self.job.topics.contains(name) {
             return Ok(None);
         }
-        let frames = match self.streams.entry(channel) {
-            std::collections::hash_map::Entry::Occupied(frames) => frames.into_mut(),
-            std::collections::hash_map::Entry::Vacant(place) => place.insert(self.job.recipe.frames()?),
+        if self.job.depth.is_some_and(|depth| depth.name == *name) {
+            return Ok(None);
+        }
+        let recipe = self.job.recipe;
+        let depth = match &mut self.depth {
+            // A message without a time is cut short, which is found out again where it is changed.
+            Some(ahead) => message::stamp(*kind, data).map(|stamp| ahead.of(stamp)).transpose()?,
+            None => None,
+        };
+        let sequence = match self.sequences.entry(channel) {
+            std::collections::hash_map::Entry::Occupied(sequence) => sequence.into_mut(),
+            std::collections::hash_map::Entry::Vacant(place) => place.insert(match self.job.depth {
+                Some(_) => Sequence::AtDepth(Box::new(AtDepth::new(recipe))),
+                None => Sequence::ByColour(Box::new(recipe.frames()?)),
+            }),
         };
         let reading: &ReadOptions = &self.job.options.reading;
-        let outcome = changed(*kind, data, frames, Path::new(name), reading);
+        let outcome = match depth {
+            Some(Err(why)) => Outcome::Kept(why),
+            depth => changed(*kind, data, sequence, depth.and_then(Result::ok), Path::new(name), reading),
+        };
         let Some(topic) = self.topics.get_mut(name) else { return Ok(None) };
         Ok(match outcome {
             Outcome::Changed(message) => {

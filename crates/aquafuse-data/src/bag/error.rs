@@ -42,6 +42,17 @@ pub enum BagError {
         /// Those that are there.
         there: String,
     },
+    /// There is no depth.
+    #[error(
+        "{} has no depth on the topic {topic}: no sensor_msgs Image or CompressedImage. Check its topics with `mcap list channels`",
+        display(path)
+    )]
+    NoDepth {
+        /// The file.
+        path: PathBuf,
+        /// The topic that was asked for.
+        topic: String,
+    },
     /// There is nothing to change.
     #[error(
         "{} has no topic with images that are known: sensor_msgs Image and CompressedImage (cdr, ros1) and \

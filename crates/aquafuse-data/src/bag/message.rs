@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::wire::{Fields, Wire};
+use super::wire::{Fields, Wire, time};
 
 /// What the messages of a channel hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +32,14 @@ impl Kind {
     }
 }
 
+/// When the image of a message was taken, in nanoseconds; nothing where the message is cut short.
+pub(super) fn stamp(kind: Kind, bytes: &[u8]) -> Option<i64> {
+    match kind {
+        Kind::Raw(wire) | Kind::Packed(wire) => Fields::new(bytes, wire)?.header(),
+        Kind::Foxglove => foxglove(bytes).map(|packed| packed.stamp),
+    }
+}
+
 /// `sensor_msgs/Image`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Raw<'a> {
@@ -40,6 +48,8 @@ pub(super) struct Raw<'a> {
     /// Bytes from row to row.
     pub(super) step: usize,
     pub(super) encoding: &'a str,
+    /// Whether words begin with their largest digits.
+    pub(super) is_big: bool,
     pub(super) data: Range<usize>,
 }
 
@@ -49,15 +59,17 @@ pub(super) fn raw(bytes: &[u8], wire: Wire) -> Option<Raw<'_>> {
     fields.header()?;
     let [height, width] = [fields.number()?, fields.number()?].map(usize::try_from);
     let encoding = fields.text()?;
-    fields.byte()?;
+    let is_big = fields.byte()? != 0;
     let step = usize::try_from(fields.number()?).ok()?;
     let data = fields.block()?;
-    Some(Raw { width: width.ok()?, height: height.ok()?, step, encoding, data })
+    Some(Raw { width: width.ok()?, height: height.ok()?, step, encoding, is_big, data })
 }
 
 /// A message that holds the file of an image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Packed<'a> {
+    /// When it was taken, in nanoseconds.
+    pub(super) stamp: i64,
     pub(super) format: &'a str,
     pub(super) data: Range<usize>,
     /// Where the length of the data begins.
@@ -92,22 +104,23 @@ impl Packed<'_> {
 /// The file of a message of ROS; nothing where it is cut short.
 pub(super) fn packed(bytes: &[u8], wire: Wire) -> Option<Packed<'_>> {
     let mut fields = Fields::new(bytes, wire)?;
-    fields.header()?;
+    let stamp = fields.header()?;
     let format = fields.text()?;
     let is_big = fields.is_big();
     let data = fields.block()?;
     let length_at = data.start.checked_sub(4)?;
-    Some(Packed { format, data, length_at, length: Length::Number { is_big } })
+    Some(Packed { stamp, format, data, length_at, length: Length::Number { is_big } })
 }
 
 /// Fields of `foxglove.CompressedImage`.
+const STAMP: u64 = 1;
 const DATA: u64 = 2;
 const FORMAT: u64 = 3;
 
 /// The file of a message of Foxglove; nothing where it is cut short or has none. Of a field that is there twice the last counts, as
 /// protocol buffers have it, and then nothing is changed.
 pub(super) fn foxglove(bytes: &[u8]) -> Option<Packed<'_>> {
-    let (mut at, mut found, mut format) = (0, None, "");
+    let (mut at, mut found, mut format, mut stamp) = (0, None, "", 0);
     while at < bytes.len() {
         let tag = read_varint(bytes, &mut at)?;
         match tag & 7 {
@@ -125,6 +138,7 @@ pub(super) fn foxglove(bytes: &[u8]) -> Option<Packed<'_>> {
                 match tag >> 3 {
                     DATA if found.is_some() => return None,
                     DATA => found = Some((length_at, data)),
+                    STAMP => stamp = timestamp(content)?,
                     FORMAT => format = std::str::from_utf8(content).ok()?,
                     _ => {}
                 }
@@ -133,7 +147,20 @@ pub(super) fn foxglove(bytes: &[u8]) -> Option<Packed<'_>> {
         }
     }
     let (length_at, data) = found.filter(|_| at == bytes.len())?;
-    Some(Packed { format, data, length_at, length: Length::Varint })
+    Some(Packed { stamp, format, data, length_at, length: Length::Varint })
+}
+
+/// `google.protobuf.Timestamp`: seconds and nanoseconds, each left out where it is 0.
+fn timestamp(bytes: &[u8]) -> Option<i64> {
+    let (mut at, mut parts) = (0, [0_u64; 2]);
+    while at < bytes.len() {
+        let tag = read_varint(bytes, &mut at)?;
+        let value = (tag & 7 == 0).then(|| read_varint(bytes, &mut at)).flatten()?;
+        let part = usize::try_from(tag >> 3).ok()?.checked_sub(1)?;
+        *parts.get_mut(part)? = value;
+    }
+    let [seconds, nanoseconds] = parts.map(u64::cast_signed);
+    time(seconds, nanoseconds)
 }
 
 fn read_varint(bytes: &[u8], at: &mut usize) -> Option<u64> {

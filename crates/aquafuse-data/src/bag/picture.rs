@@ -2,11 +2,15 @@
 
 use std::path::Path;
 
-use aquafuse::image::{Image, ImageMut};
+use aquafuse::depth::Supplied;
+use aquafuse::image::Image;
+use aquafuse::scene_area::Border;
+use aquafuse::stream::Steady;
 
 use super::message::{self, Kind, Raw};
 use crate::image_file::{ImageFile, Pixels, ReadOptions};
-use crate::video::Frames;
+use crate::pipeline::{PixelEncoding, analyse_supplied};
+use crate::video::{Frames, Recipe};
 
 /// What became of a message.
 pub(super) enum Outcome {
@@ -18,6 +22,53 @@ pub(super) enum Outcome {
     Damaged(String),
 }
 
+/// The images of a topic, one after another.
+pub(super) enum Sequence {
+    /// Depth is estimated of each.
+    ByColour(Box<Frames<u8>>),
+    /// Depth comes with each.
+    AtDepth(Box<AtDepth>),
+}
+
+/// What is done to images with depth, and what those so far have shown.
+pub(super) struct AtDepth {
+    recipe: Recipe,
+    steady: Steady,
+}
+
+impl AtDepth {
+    pub(super) fn new(recipe: &Recipe) -> Self {
+        Self { recipe: recipe.clone(), steady: Steady::over(recipe.steady_over) }
+    }
+
+    fn change(&mut self, image: &mut Image<u8>, map: Supplied) -> Result<(), String> {
+        let Self { recipe, steady } = self;
+        let file = ImageFile::new(image.clone()).with_water_map(recipe.water_map);
+        let mut file = file.cut_to_scene(recipe.border).map_err(|error| error.to_string())?;
+        let found = analyse_supplied(PixelEncoding::Encoded, &file, map)
+            .map_err(|error| format!("its depth: {error}"))?;
+        let done = recipe.operation.apply_next(&mut file.pixels, Some(&found), steady);
+        done.map_err(|error| error.to_string())?;
+        if let Pixels::Bytes(layers) = file.joined().pixels {
+            *image = recipe.smoothing.apply(layers.image);
+        }
+        Ok(())
+    }
+}
+
+impl Sequence {
+    /// Changes the next image; in words, why it stays.
+    fn change(&mut self, image: &mut Image<u8>, depth: Option<Supplied>) -> Result<(), String> {
+        match (self, depth) {
+            (Self::ByColour(frames), _) => {
+                frames.change(image.view_mut()).map(|_| ()).map_err(|error| error.to_string())
+            }
+            (Self::AtDepth(at_depth), Some(map)) => at_depth.change(image, map),
+            (Self::AtDepth(_), None) => Err("it has no depth".into()),
+        }
+    }
+}
+
 /// Quality of JPEG files.
 const QUALITY: u8 = 95;
 
@@ -25,13 +76,17 @@ const QUALITY: u8 = 95;
 pub(super) fn changed(
     kind: Kind,
     bytes: &[u8],
-    frames: &mut Frames<u8>,
+    sequence: &mut Sequence,
+    depth: Option<Supplied>,
     topic: &Path,
     options: &ReadOptions,
 ) -> Outcome {
     let cut = || Outcome::Damaged("the message is cut short, or has other fields than its schema".into());
     match kind {
-        Kind::Raw(wire) => message::raw(bytes, wire).map_or_else(cut, |raw| raw_changed(bytes, &raw, frames)),
+        Kind::Raw(wire) => match message::raw(bytes, wire) {
+            Some(raw) => raw_changed(bytes, &raw, sequence, depth),
+            None => cut(),
+        },
         Kind::Packed(_) | Kind::Foxglove => {
             let packed = match kind {
                 Kind::Packed(wire) => message::packed(bytes, wire),
@@ -42,7 +97,7 @@ pub(super) fn changed(
                 return Outcome::Kept("it is depth".into());
             }
             let file = bytes.get(packed.data.clone()).unwrap_or_default();
-            match file_changed(file, packed.format, frames, topic, options) {
+            match file_changed(file, packed.format, (sequence, depth), topic, options) {
                 Ok(file) => match packed.with(bytes, &file) {
                     Some(message) => Outcome::Changed(message),
                     None => Outcome::Kept("its file would be too long".into()),
@@ -65,7 +120,7 @@ fn colours(encoding: &str) -> Option<([usize; 3], usize)> {
     })
 }
 
-fn raw_changed(bytes: &[u8], raw: &Raw<'_>, frames: &mut Frames<u8>) -> Outcome {
+fn raw_changed(bytes: &[u8], raw: &Raw<'_>, sequence: &mut Sequence, depth: Option<Supplied>) -> Outcome {
     let Some((places, channels)) = colours(raw.encoding) else {
         return Outcome::Kept(format!("its encoding {} is not 8 bits of red, green and blue", raw.encoding));
     };
@@ -83,13 +138,16 @@ fn raw_changed(bytes: &[u8], raw: &Raw<'_>, frames: &mut Frames<u8>) -> Outcome 
     let data = message.get_mut(raw.data.clone()).unwrap_or_default();
     let rows = || data.chunks(step).take(height);
     let pixel = |pixel: &[u8]| places.map(|place| pixel.get(place).copied().unwrap_or_default());
-    let mut samples: Vec<u8> =
+    let samples: Vec<u8> =
         rows().flat_map(|line| line.chunks_exact(channels).take(width).flat_map(pixel)).collect();
-    let change = ImageMut::new(width, height, &mut samples).and_then(|image| frames.change(image));
-    if let Err(error) = change {
-        return Outcome::Damaged(error.to_string());
+    let mut image = match Image::from_raw(width, height, samples) {
+        Ok(image) => image,
+        Err(error) => return Outcome::Damaged(error.to_string()),
+    };
+    if let Err(why) = sequence.change(&mut image, depth) {
+        return Outcome::Kept(why);
     }
-    let mut changed = samples.as_chunks::<3>().0.iter();
+    let mut changed = image.pixels().iter();
     for line in data.chunks_mut(step).take(height) {
         for (pixel, colour) in line.chunks_exact_mut(channels).take(width).zip(&mut changed) {
             for (place, value) in places.into_iter().zip(colour) {
@@ -113,7 +171,7 @@ fn extension(file: &[u8]) -> Option<&'static str> {
 fn file_changed(
     file: &[u8],
     format: &str,
-    frames: &mut Frames<u8>,
+    (sequence, depth): (&mut Sequence, Option<Supplied>),
     topic: &Path,
     options: &ReadOptions,
 ) -> Result<Vec<u8>, Outcome> {
@@ -121,7 +179,9 @@ fn file_changed(
         return Err(Outcome::Kept(format!("its format {format} is not JPEG, PNG or WebP")));
     };
     let damaged = |error: crate::files::FileError| Outcome::Damaged(error.to_string());
-    let mut image = ImageFile::from_bytes(topic, file, options).map_err(damaged)?;
+    // The sequence looks for the border, as it does in images that are no files.
+    let whole = ReadOptions { border: Border::None, ..*options };
+    let mut image = ImageFile::from_bytes(topic, file, &whole).map_err(damaged)?;
     let mut colours: Image<u8> = match &image.pixels {
         Pixels::Bytes(layers) => layers.image.clone(),
         _ => return Err(Outcome::Kept("it has more than 8 bits".into())),
@@ -129,9 +189,39 @@ fn file_changed(
     if colours.pixels().iter().all(|[red, green, blue]| red == green && green == blue) {
         return Err(Outcome::Kept("it is grey".into()));
     }
-    frames.change(colours.view_mut()).map_err(|error| Outcome::Damaged(error.to_string()))?;
+    sequence.change(&mut colours, depth).map_err(Outcome::Kept)?;
     if let Pixels::Bytes(layers) = &mut image.pixels {
         layers.image = colours;
     }
     image.encode(&Path::new("image").with_extension(extension), QUALITY).map_err(damaged)
+}
+
+/// Any bytes as a message, whose kind the first of them says: it stays, or is changed to one of the same shape.
+#[cfg(feature = "fuzz-targets")]
+pub(super) fn try_message(bytes: &[u8], options: &ReadOptions) {
+    use super::wire::Wire::{Cdr, Ros1};
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    let kind = match first % 5 {
+        0 => Kind::Raw(Cdr),
+        1 => Kind::Raw(Ros1),
+        2 => Kind::Packed(Cdr),
+        3 => Kind::Packed(Ros1),
+        _ => Kind::Foxglove,
+    };
+    let stamp = message::stamp(kind, bytes);
+    let _ = super::depth::decoded(kind, bytes);
+    let recipe = Recipe::new(crate::pipeline::Operation::Enhance { levels: Default::default() });
+    let frames = recipe.frames().expect("levels are set frame by frame");
+    let mut sequence = Sequence::ByColour(Box::new(frames));
+    let Outcome::Changed(message) =
+        changed(kind, bytes, &mut sequence, None, Path::new(crate::targets::NAME), options)
+    else {
+        return;
+    };
+    assert_eq!(message::stamp(kind, &message), stamp, "the header stays");
+    match kind {
+        Kind::Raw(wire) => assert_eq!(message::raw(&message, wire), message::raw(bytes, wire)),
+        Kind::Packed(wire) => assert!(message::packed(&message, wire).is_some()),
+        Kind::Foxglove => assert!(message::foxglove(&message).is_some()),
+    }
 }

@@ -81,13 +81,20 @@ impl<'a> Fields<'a> {
         self.take(usize::try_from(length).ok()?)
     }
 
-    /// Passes over `std_msgs/Header`: time and frame.
-    pub(super) fn header(&mut self) -> Option<()> {
+    /// Passes over `std_msgs/Header`, time and frame; the time in nanoseconds.
+    pub(super) fn header(&mut self) -> Option<i64> {
         if self.origin.is_none() {
             self.number()?;
         }
-        self.number()?;
-        self.number()?;
-        self.block().map(|_| ())
+        // Seconds have a sign in ROS 2.
+        let seconds = self.number()?.cast_signed();
+        let nanoseconds = self.number()?;
+        self.block()?;
+        time(seconds.into(), nanoseconds.into())
     }
+}
+
+/// A time in nanoseconds.
+pub(super) fn time(seconds: i64, nanoseconds: i64) -> Option<i64> {
+    seconds.checked_mul(1_000_000_000)?.checked_add(nanoseconds)
 }

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anyhow::anyhow;
 use aquafuse::depth::DepthKind;
-use aquafuse_data::bag::{self, Request, Summary};
+use aquafuse_data::bag::{self, DepthTopic, Request, Summary};
 use aquafuse_data::files::display;
 use aquafuse_data::pipeline::{Operation, PixelEncoding};
 use aquafuse_data::video::Recipe;
@@ -26,6 +27,10 @@ impl Bag {
         let mut request = Request::new(&self.input, &self.output);
         request.inputs = water.as_ref().and_then(WaterSource::path).map(PathBuf::from).into_iter().collect();
         request.topics.clone_from(&self.topics);
+        request.depth = self
+            .depth_topic
+            .clone()
+            .map(|name| DepthTopic { name, within: Duration::from_millis(self.depth_within.into()) });
         request.overwrite = self.overwrite;
         let progress = Progress::new(common.quiet);
         let ended = bag::change(&request, &recipe, &common.run_options(), &mut || progress.done(""));
@@ -51,7 +56,8 @@ impl Bag {
                 self.waters.refuse_unread(settings.options.model)?;
                 let file =
                     self.waters.read(water, &depth_model.into(), PixelEncoding::Encoded, &common.reading)?;
-                let reference = self.waters.per(DepthKind::Relative, &file)?;
+                let unit = if self.depth_topic.is_some() { DepthKind::Metres } else { DepthKind::Relative };
+                let reference = self.waters.per(unit, &file)?;
                 Operation::Fuse { reference, options: settings.options }
             }
         };

@@ -353,10 +353,8 @@ impl Fuser<'_> {
         on_bytes(content, |bytes| {
             let is_same_scene = steady.as_mut().is_some_and(|steady| steady.is_same_scene(bytes));
             scratch.glimpse.next(is_same_scene);
-            if let Some(steady) = &mut steady {
-                if known.is_none() {
-                    steady.is_estimated();
-                }
+            if let Some(steady) = steady.as_mut().filter(|_| known.is_none()) {
+                steady.is_estimated();
             }
             let law_by = |water: Estimate| {
                 let bounded = Bounded::new(&water, &self.reference, self.options.fusion);

@@ -20,11 +20,10 @@ pub(crate) struct Glimpse {
 impl Glimpse {
     /// Another image comes: of the same scene as the one before it, or not.
     pub(crate) fn next(&mut self, is_same_scene: bool) {
-        if is_same_scene && self.age < EVERY {
-            self.age += 1;
-        } else {
-            *self = Self { age: 1, ..Self::default() };
+        if !is_same_scene || self.age == EVERY {
+            *self = Self::default();
         }
+        self.age += 1;
     }
 
     /// What it sees in this image, or saw in the one that it looked at last.

@@ -29,7 +29,7 @@ fn packed_frames_are_those_of_the_cores_stream() {
     }
     for format in ["RGB", "BGR", "RGBx", "BGRx", "RGBA", "BGRA", "xRGB"] {
         let file = scene_file(ODD, 4);
-        let run = Run::new(&file.source(format), "water=preset:jerlov-3C").to_end();
+        let run = Run::new(&file.source(format), "water=preset:jerlov-3C").run_to_end();
         assert_eq!(run.errors, [""; 0]);
         assert_eq!((run.before.len(), run.after.len()), (4, 4), "{format}");
         let expected = fused(&run.before, reference_stream("preset:jerlov-3C"));
@@ -47,7 +47,7 @@ fn any_stride_of_a_buffer_is_kept() {
         return skip(&why);
     }
     let file = scene_file(ODD, 3);
-    let run = Run::new(&file.source("RGB"), "water=preset:jerlov-3C").with_stride(3 * 101 + 29).to_end();
+    let run = Run::new(&file.source("RGB"), "water=preset:jerlov-3C").with_stride(3 * 101 + 29).run_to_end();
     let expected = fused(&run.before, reference_stream("preset:jerlov-3C"));
     assert_eq!(expected.len(), 3);
     for ((before, after), expected) in run.before.iter().zip(&run.after).zip(&expected) {
@@ -65,7 +65,7 @@ fn luma_and_chroma_change_by_what_changes_of_the_colours() {
     for (format, colorimetry) in [("NV12", "bt709"), ("I420", "bt601"), ("I420", "1:4:7:1")] {
         let file = scene_file(ODD, 3);
         let source = format!("{},colorimetry={colorimetry}", file.source(format));
-        let run = Run::new(&source, "water=preset:jerlov-3C").to_end();
+        let run = Run::new(&source, "water=preset:jerlov-3C").run_to_end();
         let expected = fused(&run.before, reference_stream("preset:jerlov-3C"));
         assert_eq!(expected.len(), 3, "{:?}", run.errors);
         for ((before, after), expected) in run.before.iter().zip(&run.after).zip(&expected) {
@@ -75,7 +75,7 @@ fn luma_and_chroma_change_by_what_changes_of_the_colours() {
             assert!(after.distance(before).1 > 2.0, "{format} {colorimetry}: it changes");
         }
         // At 90 degrees nothing changes, not even by rounding.
-        let run = Run::new(&source, "water=preset:jerlov-3C theta=90").to_end();
+        let run = Run::new(&source, "water=preset:jerlov-3C theta=90").run_to_end();
         assert_eq!(run.after, run.before, "{format} {colorimetry}");
     }
 }
@@ -86,14 +86,14 @@ fn restoration_and_enhancement_are_those_of_the_core() {
         return skip(&why);
     }
     let file = scene_file((96, 64), 4);
-    let restored = Run::new(&file.source("RGB"), "effect=restore steady-over=3").to_end();
+    let restored = Run::new(&file.source("RGB"), "effect=restore steady-over=3").run_to_end();
     let mut stream = RestoreStream::default().steady_over(3);
     for (before, after) in restored.before.iter().zip(&restored.after) {
         let mut image = before.rgb();
         stream.restore_mut(&mut image).unwrap();
         assert_eq!(after.rgb(), image);
     }
-    let enhanced = Run::new(&file.source("RGB"), "effect=enhance strength=0.5").to_end();
+    let enhanced = Run::new(&file.source("RGB"), "effect=enhance strength=0.5").run_to_end();
     let mut stream =
         EnhanceStream::default().levels(aquafuse::levels::LevelsOptions::default().with_strength(0.5));
     for (before, after) in enhanced.before.iter().zip(&enhanced.after) {
@@ -119,7 +119,7 @@ fn properties_change_while_frames_come() {
             element.set_property_from_str("effect", "fuse");
             element.set_property("theta", 0.0_f32);
         })
-        .to_end();
+        .run_to_end();
     assert_eq!(run.after.len(), 50, "{:?}", run.errors);
     let changed: Vec<bool> =
         run.before.iter().zip(&run.after).map(|(before, after)| before != after).collect();
@@ -142,7 +142,7 @@ fn a_water_that_is_missing_is_an_error_with_its_remedy() {
         ("water=sea:1 content-water=frame.png", "water extract"),
         ("water=sea:1 content-water=sea:2 one-water=true", "leave one of them out"),
     ] {
-        let run = Run::new(source, properties).to_end();
+        let run = Run::new(source, properties).run_to_end();
         assert!(run.errors.iter().any(|error| error.contains(said)), "{properties}: {:?}", run.errors);
         assert!(run.after.is_empty());
     }
@@ -156,7 +156,7 @@ fn a_wrong_water_while_playing_is_a_warning_and_frames_go_on() {
     let source = "videotestsrc num-buffers=8 ! video/x-raw,format=RGB,width=64,height=48";
     let run = Run::new(source, "water=preset:jerlov-3C")
         .at_frame(4, |element| element.set_property("water", "nowhere.water.json"))
-        .to_end();
+        .run_to_end();
     assert_eq!(run.errors, [""; 0]);
     assert!(run.warnings.iter().any(|warning| warning.contains("nowhere.water.json")), "{:?}", run.warnings);
     let expected = fused(&run.before, reference_stream("preset:jerlov-3C"));
@@ -171,7 +171,7 @@ fn one_water_is_pooled_of_the_first_frames_and_kept() {
     }
     let frames = gstaquafuse::effect::POOLED + 4;
     let file = scene_file((64, 48), frames);
-    let run = Run::new(&file.source("RGB"), "water=sea:7 one-water=true").to_end();
+    let run = Run::new(&file.source("RGB"), "water=sea:7 one-water=true").run_to_end();
     let mut stream = reference_stream("sea:7");
     let mut waters = Vec::new();
     for (i, (before, after)) in run.before.iter().zip(&run.after).enumerate() {
@@ -198,9 +198,9 @@ fn frames_are_dropped_only_where_a_sink_says_that_they_are_late() {
             .build();
         assert!(element.static_pad("src").unwrap().send_event(event));
     };
-    let run = Run::new(source, "water=sea:1").at_frame(5, late).to_end();
+    let run = Run::new(source, "water=sea:1").at_frame(5, late).run_to_end();
     assert_eq!(run.after.len(), 5);
-    let run = Run::new(source, "water=sea:1 qos=false").at_frame(5, late).to_end();
+    let run = Run::new(source, "water=sea:1 qos=false").at_frame(5, late).run_to_end();
     assert_eq!(run.after.len(), 10);
 }
 

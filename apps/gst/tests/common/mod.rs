@@ -272,7 +272,7 @@ impl Run {
         self
     }
 
-    pub(crate) fn to_end(self) -> Ran {
+    pub(crate) fn run_to_end(self) -> Ran {
         self.until(|_| false)
     }
 

@@ -258,6 +258,10 @@ fn enhancement_is_told_image_by_image() {
     dives(&run);
     let evaluate = ["evaluate", "enhancement", "dives", "--reference", "dives", "--method", "same=dives"];
     let report = json(&run, &evaluate);
+    // Quiet hides progress, not what was asked for; a file is what was asked for, if there is one.
+    let quiet = run.ok(&[&evaluate[..], &["--quiet"]].concat());
+    assert!(quiet.stdout.contains("| AquaFuse enhance |") && quiet.stderr.is_empty());
+    assert_eq!(run.ok(&[&evaluate[..], &["--quiet", "--output", "r.md"]].concat()).stdout, "");
     // The references are the images themselves here, so that each change is a loss.
     let score =
         |method: &str, score: &str| row(&report, "scores", &[("method", method)])[score]["mean"].as_f64();

@@ -50,7 +50,8 @@ impl ReportArguments {
         }
         if self.json {
             output::print(&report::json(&report))?;
-        } else if !common.quiet {
+        } else if !common.quiet || self.output.is_none() {
+            // The tables are what was asked for, unless a file has them.
             output::print(&text(&report, self.output.as_deref()))?;
         }
         match report.failed.len() {

@@ -101,6 +101,10 @@ pub(super) fn read(path: &Path, reading: &ReadOptions) -> Result<Splats<f32>, Sc
 }
 
 fn parse(path: &Path, file: &[u8], most: u64) -> Result<Splats<f32>, SceneFileError> {
+    if file.starts_with(&MARK) {
+        let cause = "it is of version 4, and 2 and 3 are read. Export it again as version 3, or as .ply";
+        return Err(SceneFileError::content(path, cause));
+    }
     let mut raw = Vec::new();
     // Its array and the rows that are made of it: bytes become floats.
     let room = most.checked_div(8).unwrap_or(0);
@@ -281,6 +285,7 @@ mod tests {
         let file = spz_bytes(&some(1)).unwrap();
         let said = |bytes: &[u8], most: u64| parse(Path::new("a.spz"), bytes, most).unwrap_err().to_string();
         assert!(said(&file[..40], u64::MAX).contains("a.spz"));
+        assert!(said(b"NGSP\x04\0\0\0", u64::MAX).contains("version 4"));
         assert!(said(b"no gzip", u64::MAX).contains("no gzip file"));
         assert!(said(&file, 800).contains("--max-memory"));
         let of = |raw: &[u8]| unpacked(Path::new("a.spz"), raw).unwrap_err().to_string();

@@ -90,11 +90,11 @@ pub(crate) fn read(
 }
 
 /// Writes cameras as `transforms.json`, as nerfstudio reads it, whole or not at all. Images lie in the folder `images`, relative
-/// to the file's own.
+/// to the file's own. A file that holds the same already is left as it is.
 ///
 /// # Errors
 ///
-/// [`SceneFileError`] when a name is no UTF-8, the file exists and may not be replaced, or the system refuses.
+/// [`SceneFileError`] when a name is no UTF-8, another file exists and may not be replaced, or the system refuses.
 pub fn write_transforms(
     path: &Path,
     posed: &[PosedImage],
@@ -125,7 +125,8 @@ pub fn write_transforms(
     });
     let frames: Vec<serde_json::Value> = frames.collect::<Result<_, _>>()?;
     let text = format!("{:#}\n", json!({ "camera_model": "OPENCV", "frames": frames }));
-    Ok(write_text(path, &text, overwrite)?)
+    let holds = || std::fs::read(path).is_ok_and(|held| held == text.as_bytes());
+    if !overwrite && holds() { Ok(()) } else { Ok(write_text(path, &text, overwrite)?) }
 }
 
 impl Pose {
@@ -228,7 +229,10 @@ mod tests {
         let text = FILE.replace("[[1,0,0,2],[0,1,0,3],[0,0,1,4]", "[[0,0,1,2],[0.6,0.8,0,3],[-0.8,0.6,0,4]");
         let mut posed = read(Path::new("t.json"), text.as_bytes(), &|_| None).unwrap();
         posed[0].lens.distortion = [0.1, -0.02, 0.003, 0.0];
-        write_transforms(&path, &posed, Path::new("images"), false).unwrap();
+        let write = |posed: &[PosedImage]| write_transforms(&path, posed, Path::new("images"), false);
+        write(&posed).unwrap();
+        write(&posed).unwrap();
+        assert!(write(&[]).is_err());
         let found = read(&path, &std::fs::read(&path).unwrap(), &|_| None).unwrap();
         assert_eq!(found[0].name, Path::new("images/train/r_0.png"));
         let [a, b] = [&posed[0].lens, &found[0].lens];

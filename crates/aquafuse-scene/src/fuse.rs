@@ -315,7 +315,8 @@ impl Plan {
         if !is_copied {
             let images = self.items.first().zip(self.cameras.images.first());
             let images = images.and_then(|(item, one)| folder_without(&item.output, &one.name));
-            let images = images.and_then(|folder| folder.strip_prefix(&self.output).ok()).unwrap_or(Path::new(""));
+            let images =
+                images.and_then(|folder| folder.strip_prefix(&self.output).ok()).unwrap_or(Path::new(""));
             write_transforms(&path, &self.cameras.images, images, true)?;
         }
         Ok(())

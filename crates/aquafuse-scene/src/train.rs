@@ -133,6 +133,7 @@ impl Trainer {
             let veil = self.options.rates.water as f32;
             let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
+            water::keep_colours(&mut state.splats);
         }
         if self.options.estimates_water_after(state.step) {
             Self::estimate_water(&self.views, state);

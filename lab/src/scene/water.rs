@@ -49,7 +49,8 @@ pub(super) fn table() -> Result<String> {
         for weight in [0.0, usual] {
             let (splats, found) = trained(&views, its, weight)?;
             let seen = |water: &Waterbody| Medium::Known { water: *water, per_unit: 1.0 };
-            let own = scores(&views, &splats, &Medium::Learned(found.clone()), |v| v.seen_through(&its.water))?;
+            let own =
+                scores(&views, &splats, &Medium::Learned(found.clone()), |v| v.seen_through(&its.water))?;
             let dry = scores(&views, &splats, &Medium::Air, TruthView::clear)?;
             let there = scores(&views, &splats, &seen(&other.water), |v| v.seen_through(&other.water))?;
             let [veil, growth, fading] = off(&its.water, &found);
@@ -80,12 +81,8 @@ fn trained(views: &[TruthView], water: &NamedWater, weight: f64) -> Result<(Spla
         growth.map(|beta| 0.7 * beta),
         fading.map(|beta| 0.68 * beta),
     );
-    let options = Options {
-        iterations: STEPS,
-        max_splats: SPLATS,
-        transmittance_reg: weight,
-        ..Options::default()
-    };
+    let options =
+        Options { iterations: STEPS, max_splats: SPLATS, transmittance_reg: weight, ..Options::default() };
     let mut trainer = Trainer::new(options, shots.collect(), begin, Some(guess));
     while !trainer.is_done() {
         trainer.step();

@@ -123,7 +123,8 @@ fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {
 
     let width = Splats::<f32>::width_of(degree);
     if bytes.left() < header.bytes() {
-        let cause = format!("it promises {} splats of {} bytes, but is shorter", header.count, header.stride());
+        let cause =
+            format!("it promises {} splats of {} bytes, but is shorter", header.count, header.stride());
         return Err(bytes.wrong(cause));
     }
     let mut splats = Splats::new(degree);
@@ -257,11 +258,7 @@ impl Header {
                         return Err(wrong(format!("its first element is {name:?}, not \"vertex\"")));
                     }
                     let count = count.parse().map_err(|_| wrong(format!("{count:?} is no count")))?;
-                    header.elements.push(Element {
-                        name: (*name).to_owned(),
-                        count,
-                        properties: Vec::new(),
-                    });
+                    header.elements.push(Element { name: (*name).to_owned(), count, properties: Vec::new() });
                 }
                 // What other elements have comes after the splats.
                 ["property", ..] if header.is_past_splats() => {}

@@ -23,8 +23,8 @@ pub(super) fn unpacked(word: u32, order: Order) -> [f32; 4] {
         Order::Even => 2.0 * half * (bits as f32 / 1023.0 - 0.5),
     };
     let mut others = [20_u32, 10, 0].into_iter().map(|shift| number(word >> shift & 0x3ff));
-    let mut four: [f32; 4] = [0_u32, 1, 2, 3]
-        .map(|place| if place == largest { 0.0 } else { others.next().unwrap_or(0.0) });
+    let mut four: [f32; 4] =
+        [0_u32, 1, 2, 3].map(|place| if place == largest { 0.0 } else { others.next().unwrap_or(0.0) });
     let left = (1.0 - four.iter().map(|q| q * q).fold(0.0, |sum, q| sum + q)).max(0.0).sqrt();
     if let Some(cell) = four.get_mut(largest as usize) {
         *cell = left;
@@ -40,9 +40,9 @@ pub(super) fn unpacked(word: u32, order: Order) -> [f32; 4] {
 )]
 pub(super) fn packed(four: [f32; 4]) -> u32 {
     let size = |q: &f32| q.abs();
-    let (largest, most) = (0_u32..).zip(four).fold((0, 0.0_f32), |found, (place, q)| {
-        if size(&q) > size(&found.1) { (place, q) } else { found }
-    });
+    let (largest, most) = (0_u32..)
+        .zip(four)
+        .fold((0, 0.0_f32), |found, (place, q)| if size(&q) > size(&found.1) { (place, q) } else { found });
     let others = (0_u32..).zip(four).filter(|(place, _)| *place != largest);
     others.fold(largest, |word, (_, q)| {
         let level = (size(&q) * std::f32::consts::SQRT_2 * 511.0).round().min(511.0) as u32;

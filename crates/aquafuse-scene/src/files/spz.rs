@@ -29,8 +29,7 @@ const COLOUR: f32 = 0.15;
 /// Bits of a harmonic of degree 1, and of a higher one, as the reference has them.
 const STEPS: [f32; 2] = [8.0, 16.0];
 /// The signs of the harmonics beyond the first where y and z point the other way.
-const TURNED: [f32; 15] =
-    [-1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0];
+const TURNED: [f32; 15] = [-1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0];
 /// Opacities of 0 and 1 have no logit: half a step is kept off both.
 const EDGE: f32 = 0.5 / 255.0;
 /// Bytes of a splat without its harmonics, in the file.
@@ -43,7 +42,8 @@ const LEAST: usize = 9 + 1 + 3 + 3 + 3;
 /// [`SceneFileError`] when a position is no number that fits, the file exists and may not be replaced, or the system refuses.
 pub fn write_spz(path: &Path, splats: &Splats<f32>, overwrite: bool) -> Result<(), SceneFileError> {
     let Some(bytes) = spz_bytes(splats) else {
-        let cause = "a splat lies too far away for .spz, beyond 8,388,607 units of the scene. Write .ply instead";
+        let cause =
+            "a splat lies too far away for .spz, beyond 8,388,607 units of the scene. Write .ply instead";
         return Err(SceneFileError::content(path, cause));
     };
     Ok(write_bytes(path, &bytes, overwrite)?)
@@ -111,7 +111,8 @@ fn parse(path: &Path, file: &[u8], most: u64) -> Result<Splats<f32>, SceneFileEr
     let read = MultiGzDecoder::new(file).take(room.saturating_add(1)).read_to_end(&mut raw);
     read.map_err(|error| SceneFileError::content(path, format!("it is no gzip file, or damaged: {error}")))?;
     if raw.len() as u64 > room {
-        let cause = format!("unpacked it has more than {room} bytes, an eighth of --max-memory. Raise the limit");
+        let cause =
+            format!("unpacked it has more than {room} bytes, an eighth of --max-memory. Raise the limit");
         return Err(FileError::TooLarge { path: path.to_owned(), cause }.into());
     }
     unpacked(path, &raw)
@@ -129,7 +130,9 @@ fn unpacked(path: &Path, raw: &[u8]) -> Result<Splats<f32>, SceneFileError> {
     let count = bytes.word()? as usize;
     let [degree, fraction, _, _] = bytes.take()?;
     if degree > MAX_SH_DEGREE || fraction > 23 {
-        return Err(bytes.wrong(format!("it has harmonics of degree {degree} and positions of {fraction} bits")));
+        return Err(
+            bytes.wrong(format!("it has harmonics of degree {degree} and positions of {fraction} bits"))
+        );
     }
     let width = Splats::<f32>::width_of(degree);
     let turn = if version == 3 { 4_usize } else { 3 };
@@ -250,9 +253,8 @@ mod tests {
             let (splats, found) = (some(degree), again(&some(degree)));
             assert_eq!((found.len(), found.sh_degree()), (splats.len(), degree));
             for i in 0..splats.len() {
-                let near = |a: &[f32], b: &[f32], within: f32| {
-                    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= within)
-                };
+                let near =
+                    |a: &[f32], b: &[f32], within: f32| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= within);
                 let (a, b) = (splats.row(i), found.row(i));
                 assert!(near(&a[MEAN..LOG_SCALE], &b[MEAN..LOG_SCALE], 0.5 / 4096.0 + 1e-6));
                 assert!(near(&a[LOG_SCALE..ROTATION], &b[LOG_SCALE..ROTATION], 1.0 / 32.0 + 1e-5));

@@ -236,8 +236,13 @@ mod tests {
         let found = read(&path, &std::fs::read(&path).unwrap(), &|_| None).unwrap();
         assert_eq!(found[0].name, Path::new("images/train/r_0.png"));
         let [a, b] = [&posed[0].lens, &found[0].lens];
-        assert_eq!((a.distortion, a.camera.focal, a.camera.centre), (b.distortion, b.camera.focal, b.camera.centre));
-        let flat = |lens: &crate::lens::Lens| [lens.camera.rotation.as_flattened(), &lens.camera.translation].concat();
+        assert_eq!(
+            (a.distortion, a.camera.focal, a.camera.centre),
+            (b.distortion, b.camera.focal, b.camera.centre)
+        );
+        let flat = |lens: &crate::lens::Lens| {
+            [lens.camera.rotation.as_flattened(), &lens.camera.translation].concat()
+        };
         assert!(flat(a).iter().zip(flat(b)).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
     }
 

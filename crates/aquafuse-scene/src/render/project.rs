@@ -243,9 +243,7 @@ pub(crate) fn back<T: Scalar>(
     let (mut of_colour, through) = between.back(own, placed.distance, sums.colour, water);
     of_distance += through;
     for c in 0..3 {
-        // A colour that is cut off may come back, but goes no farther: what red is left of far things is little, and a splat
-        // that fell below 0 once would stay there.
-        if raw[c] < T::ZERO && of_colour[c] > T::ZERO {
+        if raw[c] < T::ZERO {
             of_colour[c] = T::ZERO;
         }
     }

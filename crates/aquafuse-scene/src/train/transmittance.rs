@@ -26,7 +26,12 @@ pub(super) struct Push {
 impl Push {
     /// The gradient of the loss by T, pixel by pixel: of `1 - T` in open water, and of `T (1 - T)²` elsewhere, which is least
     /// at 0 and at 1 and highest at a third.
-    pub(super) fn gradient(self, target: &Target<f32>, medium: &Medium<f32>, transmittance: &[f32]) -> Vec<f32> {
+    pub(super) fn gradient(
+        self,
+        target: &Target<f32>,
+        medium: &Medium<f32>,
+        transmittance: &[f32],
+    ) -> Vec<f32> {
         let each = self.weight / transmittance.len().max(1) as f32;
         let veil = match medium {
             Medium::Air => None,

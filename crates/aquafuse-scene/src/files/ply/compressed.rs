@@ -13,8 +13,18 @@ use crate::splats::{self, FLAT, HARMONICS, LOG_SCALE, MAX_SH_DEGREE, MEAN, OPACI
 /// Splats that share bounds.
 const CHUNK: usize = 256;
 const BOUNDS: [&str; 12] = [
-    "min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y", "min_scale_z",
-    "max_scale_x", "max_scale_y", "max_scale_z",
+    "min_x",
+    "min_y",
+    "min_z",
+    "max_x",
+    "max_y",
+    "max_z",
+    "min_scale_x",
+    "min_scale_y",
+    "min_scale_z",
+    "max_scale_x",
+    "max_scale_y",
+    "max_scale_z",
 ];
 /// Of colours, which older files do not have: 0 and 1.
 const COLOURS: [&str; 6] = ["min_r", "min_g", "min_b", "max_r", "max_g", "max_b"];
@@ -36,7 +46,8 @@ pub(super) fn parse(
     mut bytes: Bytes<'_>,
 ) -> Result<Splats<f32>, SceneFileError> {
     let unlike = || {
-        let cause = "it is no compressed PLY as SuperSplat writes it. Export it again, as .ply without compression";
+        let cause =
+            "it is no compressed PLY as SuperSplat writes it. Export it again, as .ply without compression";
         SceneFileError::content(path, cause)
     };
     let (chunk, vertex, harmonic) = match elements {
@@ -45,7 +56,8 @@ pub(super) fn parse(
         _ => return Err(unlike()),
     };
     let is = |element: &Element, name: &str, kind: Kind, wanted: &[&str]| {
-        let alike = |(property, wanted): (&Property, &&str)| property.name == **wanted && property.kind == kind;
+        let alike =
+            |(property, wanted): (&Property, &&str)| property.name == **wanted && property.kind == kind;
         element.name == name
             && element.properties.len() == wanted.len()
             && element.properties.iter().zip(wanted).all(alike)
@@ -206,7 +218,8 @@ mod tests {
     fn what_is_unlike_it_is_refused() {
         let whole = file(true, &[SPLAT; 3], &[]);
         assert!(read(&whole[..whole.len() - 1]).unwrap_err().to_string().contains("promises"));
-        let text = String::from_utf8_lossy(&file(false, &[[0; 4]], &[])).replace("packed_scale", "packed_size");
+        let text =
+            String::from_utf8_lossy(&file(false, &[[0; 4]], &[])).replace("packed_scale", "packed_size");
         assert!(read(text.as_bytes()).unwrap_err().to_string().contains("no compressed PLY"));
         let mut wild = whole;
         let at = wild.len() - 3 * 16 - 18 * 4;

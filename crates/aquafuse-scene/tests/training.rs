@@ -191,6 +191,6 @@ fn surfaces_are_closed_and_open_water_stays_empty() {
     };
     let [usual, without] = [Options::default().transmittance_reg, 0.0].map(let_through);
     println!("{usual:?}, {without:?} without");
-    assert!(usual[0] < 0.5 * without[0], "{usual:?} {without:?}");
-    assert!(usual[1] > 0.9 && usual[1] > without[1] - 0.02, "{usual:?} {without:?}");
+    assert!(usual[0] < 0.75 * without[0], "{usual:?} {without:?}");
+    assert!(usual[1] > 0.9 && usual[1] > without[1], "{usual:?} {without:?}");
 }

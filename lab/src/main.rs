@@ -63,8 +63,11 @@ docs/results.md
                       `helps --table` writes the table of the runs that are finished
   scene [FOLDER]      splats trained on a synthetic scene and on fused scenes; FOLDER is for images to look at
   scene-cost          what a step of training costs, a part of `scene`
-  scene-quality [truth|pool]
-                      what each measure of training is worth on views held out of a synthetic scene and of a pool
+  scene-files         splats of ours read by other programs, and theirs by us
+  scene-fused         the paper's table of view synthesis, a part of `scene`
+  scene-quality [truth|water|pool]
+                      what each measure of training is worth on views held out of a synthetic scene, on the same without its
+                      water, and on a pool
   soak [MINUTES] [PARSER...]
                       every parser fuzzed, every law tried on 100,000 cases, a folder's job killed 1,000 times;
                       with PARSER, these parsers are fuzzed and nothing else is done
@@ -140,8 +143,10 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["scene"] => scene::run(None),
         ["scene", folder] => scene::run(Some(Path::new(folder))),
         ["scene-cost"] => scene::cost(),
+        ["scene-files"] => scene::files(),
+        ["scene-fused"] => scene::fused(),
         ["scene-quality"] => scene::quality(None),
-        ["scene-quality", only @ ("truth" | "pool")] => scene::quality(Some(only)),
+        ["scene-quality", only @ ("truth" | "water" | "pool")] => scene::quality(Some(only)),
         ["soak"] => soak::run(soak::DEFAULT_MINUTES, &[]),
         ["soak", minutes, ref parsers @ ..] => soak::run(minutes.parse().ok()?, parsers),
         ["readings"] => readings::run(None),

@@ -3,9 +3,12 @@
 
 mod bed;
 mod cost;
+mod files;
 mod quality;
 mod training;
+mod water;
 
+pub(crate) use files::run as files;
 pub(crate) use quality::run as quality;
 
 use std::path::Path;
@@ -22,8 +25,6 @@ const TRAINED: [&str; 8] = ["--longest", "200", "--iterations", "700", "--splats
 
 /// Images of the truth scene to look at go into a folder, if one is given.
 pub(crate) fn run(images: Option<&Path>) -> Result<()> {
-    let (aquafuse, truth_scene) =
-        (programs::aquafuse()?, programs::example("aquafuse-scene", "truth_scene")?);
     say("Training on a truth scene, on one thread (some minutes)");
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let [learned, water] = one_thread.install(|| training::tables(images))?;
@@ -31,7 +32,13 @@ pub(crate) fn run(images: Option<&Path>) -> Result<()> {
         show_section(RESULTS, name, &table)?;
     }
     cost()?;
+    fused()
+}
 
+/// The paper's table of view synthesis: scenes fused, and trained on as they were.
+pub(crate) fn fused() -> Result<()> {
+    let (aquafuse, truth_scene) =
+        (programs::aquafuse()?, programs::example("aquafuse-scene", "truth_scene")?);
     let work = root().join("target/scenes");
     if work.exists() {
         std::fs::remove_dir_all(&work).with_context(|| format!("cannot empty {}", work.display()))?;

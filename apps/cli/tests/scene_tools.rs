@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use aquafuse::truth::Size;
 use aquafuse_data::image_file::{ImageFile, ReadOptions, WriteOptions};
 use aquafuse_scene::camera::Camera;
-use aquafuse_scene::files::{read_cameras, read_ply};
+use aquafuse_scene::files::{read_cameras, read_splats};
 use aquafuse_scene::truth::views;
 use run::{Run, program, reef};
 
@@ -214,8 +214,8 @@ fn brush_trains_on_the_images_that_we_would_train_on() {
     assert_eq!(std::fs::read_to_string(run.path("pictures.txt")).unwrap().lines().count(), 7);
     assert!(std::fs::read_to_string(run.path("lens.txt")).unwrap().starts_with("1 PINHOLE 32 24 "));
     assert_eq!(
-        read_ply(&run.path("brush.ply"), &ReadOptions::default()).unwrap(),
-        read_ply(&run.path("ready.ply"), &ReadOptions::default()).unwrap()
+        read_splats(&run.path("brush.ply"), &ReadOptions::default()).unwrap(),
+        read_splats(&run.path("ready.ply"), &ReadOptions::default()).unwrap()
     );
     assert!(!run.path("brush.ply.brush").exists());
 

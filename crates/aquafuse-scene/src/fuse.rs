@@ -28,7 +28,7 @@ use aquafuse_data::water_file::Numbers;
 use serde_json::json;
 
 use crate::capture::{CaptureError, Unused, images_of, without_unused};
-use crate::files::{Cameras, SceneFileError, read_cameras};
+use crate::files::{Cameras, SceneFileError, read_cameras, write_transforms};
 use crate::lens::Lens;
 use crate::shared_water::{self, MissingUnit, SharedWater, SharedWaterError, in_scene};
 
@@ -41,6 +41,9 @@ const DEPTH_IN_SCENE: u64 = 16;
 /// Bytes a pixel of a relative depth map: in steps from colour, in floats from a network.
 const RELATIVE_DEPTH: [u64; 2] = [2, 4];
 
+/// What nerfstudio calls its file of cameras.
+const TRANSFORMS: &str = "transforms.json";
+
 /// The files of a COLMAP or NeRF model.
 const MODEL: [&str; 8] = [
     "cameras.bin",
@@ -49,7 +52,7 @@ const MODEL: [&str; 8] = [
     "cameras.txt",
     "images.txt",
     "points3D.txt",
-    "transforms.json",
+    TRANSFORMS,
     "transforms_train.json",
 ];
 
@@ -296,8 +299,8 @@ impl Plan {
         Ok(records)
     }
 
-    /// Copies the cameras and points as they are.
-    fn copy_model(&self) -> Result<(), FileError> {
+    /// Copies the cameras and points as they are, and writes `transforms.json` beside a COLMAP model: nerfstudio reads it.
+    fn copy_model(&self) -> Result<(), FuseError> {
         let model = &self.cameras.model;
         let (from, to) = (self.scene.join(model), self.output.join(model));
         make_folder(&to)?;
@@ -307,8 +310,22 @@ impl Plan {
             let bytes = std::fs::read(&path).map_err(|error| FileError::Read { path, error })?;
             write_bytes(&to.join(name), &bytes, true)?;
         }
+        let [path, other] = [TRANSFORMS, "transforms_train.json"].map(|name| self.output.join(name));
+        let is_copied = [&path, &other].iter().any(|path| from == self.scene && path.is_file());
+        if !is_copied {
+            let images = self.items.first().zip(self.cameras.images.first());
+            let images = images.and_then(|(item, one)| folder_without(&item.output, &one.name));
+            let images =
+                images.and_then(|folder| folder.strip_prefix(&self.output).ok()).unwrap_or(Path::new(""));
+            write_transforms(&path, &self.cameras.images, images, true)?;
+        }
         Ok(())
     }
+}
+
+/// The path without its last parts, which are those of `name`.
+fn folder_without<'a>(path: &'a Path, name: &Path) -> Option<&'a Path> {
+    path.ancestors().nth(name.components().count())
 }
 
 fn folder_of(item: &Item) -> &Path {

@@ -12,7 +12,7 @@ use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::pipeline::{PixelEncoding, WaterEstimate};
 use aquafuse_data::water_file::{WaterFile, WaterFileError};
 
-use crate::files::{SceneFileError, ply_bytes, read_ply};
+use crate::files::{SceneFileError, ply_bytes, read_splats};
 use crate::medium::Medium;
 use crate::splats::Splats;
 
@@ -81,7 +81,7 @@ impl Model {
     ///
     /// [`ModelError`] when one of them cannot be read, or there are no splats.
     pub fn read(path: &Path, reading: &ReadOptions) -> Result<Self, ModelError> {
-        let splats = read_ply(path, reading)?;
+        let splats = read_splats(path, reading)?;
         if splats.is_empty() {
             return Err(ModelError::NoSplats { path: path.to_owned() });
         }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use aquafuse_data::targets::{Target, check_error};
 
-use crate::files::{SceneFileError, try_colmap_binary, try_colmap_text, try_ply, try_transforms};
+use crate::files::{SceneFileError, try_colmap_binary, try_colmap_text, try_ply, try_spz, try_transforms};
 use crate::train::try_state;
 
 /// States of training.
@@ -23,13 +23,15 @@ pub const SCENE_COLMAP_TEXT: Target = Target {
 };
 /// Splats as PLY.
 pub const SCENE_PLY: Target = Target { name: "scene-ply", run: |bytes| refusals(&[try_ply(file(), bytes)]) };
+/// Splats as `.spz`, without gzip around them.
+pub const SCENE_SPZ: Target = Target { name: "scene-spz", run: |bytes| refusals(&[try_spz(file(), bytes)]) };
 /// Cameras as `transforms.json`.
 pub const SCENE_TRANSFORMS: Target =
     Target { name: "scene-transforms", run: |bytes| refusals(&[try_transforms(file(), bytes, &|_| None)]) };
 
 /// Every parser there is. A program that fuzzes one names that one alone, so that the others are not linked to it.
-pub const ALL: [Target; 5] =
-    [SCENE_CHECKPOINT, SCENE_COLMAP_BINARY, SCENE_COLMAP_TEXT, SCENE_PLY, SCENE_TRANSFORMS];
+pub const ALL: [Target; 6] =
+    [SCENE_CHECKPOINT, SCENE_COLMAP_BINARY, SCENE_COLMAP_TEXT, SCENE_PLY, SCENE_SPZ, SCENE_TRANSFORMS];
 
 fn file() -> &'static Path {
     Path::new(aquafuse_data::targets::NAME)

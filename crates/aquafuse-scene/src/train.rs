@@ -11,6 +11,7 @@ mod density;
 pub mod loss;
 mod options;
 mod state;
+mod transmittance;
 mod water;
 
 pub use checkpoint::CheckpointError;
@@ -27,6 +28,7 @@ use adam::Moments;
 use aquafuse::random::{FNV_BASIS, fnv};
 use loss::{Loss, Target, loss};
 use state::State;
+use transmittance::Push;
 
 /// An image to train on and the camera that took it.
 #[derive(Clone, Debug)]
@@ -114,7 +116,12 @@ impl Trainer {
         let degree = self.options.degree(self.state.step, self.state.splats.sh_degree());
         let medium = self.state.medium();
         let rendered = render(&self.state.splats, degree, camera, &medium);
-        let (loss, of_rendering) = loss(&rendered.rendering, target, self.options.lambda);
+        let (loss, mut of_rendering) = loss(&rendered.rendering, target, self.options.lambda);
+        let push = Push {
+            weight: self.options.transmittance_reg as f32,
+            closes: self.options.closes_surfaces(self.state.step),
+        };
+        of_rendering.transmittance = push.gradient(target, &medium, &rendered.rendering.transmittance);
         let gradient = rendered.back(&self.state.splats, &medium, &of_rendering);
 
         self.state.density.note(&gradient, camera.width, camera.height);
@@ -126,6 +133,7 @@ impl Trainer {
             let veil = self.options.rates.water as f32;
             let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
+            water::keep_colours(&mut state.splats);
         }
         if self.options.estimates_water_after(state.step) {
             Self::estimate_water(&self.views, state);

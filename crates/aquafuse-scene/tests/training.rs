@@ -4,7 +4,7 @@
 
 use aquafuse::image::Image;
 use aquafuse::metrics::psnr;
-use aquafuse::truth::{Size, waters};
+use aquafuse::truth::{OPEN_WATER, Size, waters};
 use aquafuse_scene::compare::image;
 use aquafuse_scene::files::ply_bytes;
 use aquafuse_scene::medium::{Medium, Water};
@@ -160,4 +160,37 @@ fn a_water_is_learned_and_taken_out() {
     };
     println!("RMSE to the clear place: {:.3} dewatered, {:.3} as seen", error(&dry), error(&images[HELD]));
     assert!(error(&dry) < 0.7 * error(&images[HELD]));
+}
+
+#[test]
+fn surfaces_are_closed_and_open_water_stays_empty() {
+    let place = Place::new();
+    let truth = waters()[0].water;
+    let images = place.seen(|view| view.seen_through(&truth));
+    let water = || {
+        let fading = truth.attenuation.each_ref().map(|curve| f64::from(curve.coefficient(0.0)));
+        let growth = truth.backscatter_coefficient.map(f64::from);
+        Some(Water::new(truth.veiling_light.rgb().map(f64::from), growth, fading))
+    };
+    // The mean transmittance of things in front, and of open water.
+    let let_through = |transmittance_reg: f64| {
+        let how = Options { transmittance_reg, ..options(300) };
+        let mut trainer = Trainer::new(how, place.shots(&images), place.splats(&images), water());
+        while !trainer.is_done() {
+            trainer.step();
+        }
+        let view = &place.views[HELD];
+        let drawn = render(trainer.splats(), 1, &view.camera, &trainer.medium()).rendering;
+        let distances = view.scene.depth.distances();
+        let mean = |is: &dyn Fn(f32) -> bool| {
+            let those = drawn.transmittance.iter().zip(&distances).filter(|(_, z)| is(**z));
+            let (sum, count) = those.fold((0.0, 0.0), |(sum, count), (t, _)| (sum + t, count + 1.0));
+            sum / count
+        };
+        [mean(&|z| z < 5.0), mean(&|z| z >= OPEN_WATER)]
+    };
+    let [usual, without] = [Options::default().transmittance_reg, 0.0].map(let_through);
+    println!("{usual:?}, {without:?} without");
+    assert!(usual[0] < 0.75 * without[0], "{usual:?} {without:?}");
+    assert!(usual[1] > 0.9 && usual[1] > without[1], "{usual:?} {without:?}");
 }

@@ -1,10 +1,11 @@
 //! Small files for each parser of a scene, from which fuzzing starts.
 
+use std::io::Read;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use aquafuse::truth::Size;
-use aquafuse_scene::files::ply_bytes;
+use aquafuse_scene::files::{ply_bytes, spz_bytes};
 use aquafuse_scene::medium::Water;
 use aquafuse_scene::splats::Splats;
 use aquafuse_scene::train::loss::Target;
@@ -37,10 +38,47 @@ pub(super) fn add_all(corpus: &Path) -> Result<()> {
         splats.push(&Splats::<f32>::ball(degree, [0.1, 0.2, 4.0], 0.3, 0.5, [0.9, 0.5, 0.1]));
         splats.push(&Splats::<f32>::ball(degree, [0.0, 0.0, 5.0], 0.1, 0.9, [0.2; 3]));
         add(corpus, "scene-ply", &format!("degree_{degree}.ply"), &ply_bytes(&splats))?;
+        let packed = spz_bytes(&splats).context("splats near the origin fit")?;
+        let mut raw = Vec::new();
+        flate2::read::GzDecoder::new(&packed[..]).read_to_end(&mut raw)?;
+        add(corpus, "scene-spz", &format!("degree_{degree}"), &raw)?;
+        // Version 2: one byte less in each quaternion.
+        let turns = 16 + 2 * 16;
+        raw.drain(turns + 7..turns + 8);
+        raw.drain(turns + 3..turns + 4);
+        raw[4] = 2;
+        add(corpus, "scene-spz", &format!("degree_{degree}_version_2"), &raw)?;
         add(corpus, "scene-checkpoint", &format!("degree_{degree}"), &state(splats))?;
     }
-    Ok(())
+    add(corpus, "scene-ply", "compressed.ply", &compressed())
 }
+
+/// Splats as SuperSplat compresses them: the bounds of a chunk, four words for each of two, and a harmonic's byte.
+fn compressed() -> Vec<u8> {
+    let names = |kind: &str, names: &[&str]| {
+        names.iter().map(|name| format!("property {kind} {name}\n")).collect::<String>()
+    };
+    let axes = |of: &str| ["min", "max"].map(|end| ["x", "y", "z"].map(|axis| format!("{end}{of}_{axis}")));
+    let bounds = [axes(""), axes("_scale")].concat().concat();
+    let bounds: Vec<&str> = bounds.iter().map(String::as_str).chain(COLOURS).collect();
+    let harmonics: Vec<String> = (0..9).map(|i| format!("f_rest_{i}")).collect();
+    let harmonics: Vec<&str> = harmonics.iter().map(String::as_str).collect();
+    let head = [
+        "ply\nformat binary_little_endian 1.0\nelement chunk 1\n",
+        &names("float", &bounds),
+        "element vertex 2\n",
+        &names("uint", &["packed_position", "packed_rotation", "packed_scale", "packed_color"]),
+        "element sh 2\n",
+        &names("uchar", &harmonics),
+        "end_header\n",
+    ];
+    let values = [[-1.0_f32; 3], [1.0; 3], [-6.0; 3], [-2.0; 3], [0.0; 3], [1.0; 3]];
+    let values = values.as_flattened().iter().flat_map(|v| v.to_le_bytes());
+    let words = [0x8420_1234_u32, 0xdfff_0abc, 0x4080_8080, 0x80ff_40ff].map(u32::to_le_bytes).concat();
+    head.concat().into_bytes().into_iter().chain(values).chain(words.repeat(2)).chain([100; 18]).collect()
+}
+
+const COLOURS: [&str; 6] = ["min_r", "min_g", "min_b", "max_r", "max_g", "max_b"];
 
 /// A checkpoint without its mark, its options and what the images come to.
 fn state(splats: Splats<f32>) -> Vec<u8> {

@@ -11,6 +11,7 @@ use xtask::shell::{command, root, run as call, say};
 
 use super::bed::{Bed, Outcome};
 use super::training::SIZE;
+use super::water;
 use crate::pages::{RESULTS, real_images, show_section};
 use crate::programs;
 
@@ -35,13 +36,16 @@ const LONGEST: usize = 400;
 const POOL_STEPS: u32 = 700;
 const POOL_SPLATS: usize = 30_000;
 
-/// All scenes, or those whose names begin with one word: `truth` or `pool`.
+/// All scenes, or those of one name: `truth`, `water` or `pool`.
 pub(crate) fn run(only: Option<&str>) -> Result<()> {
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     one_thread.install(|| {
         let is_asked_for = |name: &str| only.is_none_or(|only| only == name);
         if is_asked_for("truth") {
             show_section(RESULTS, "scene-quality-truth", &truth()?)?;
+        }
+        if is_asked_for("water") {
+            show_section(RESULTS, "scene-quality-water", &water::table()?)?;
         }
         if is_asked_for("pool") {
             match real_images() {

@@ -99,6 +99,11 @@ impl<'a> Bytes<'a> {
         Ok(text)
     }
 
+    /// Bytes that are left.
+    pub(super) fn left(&self) -> usize {
+        self.rest.len()
+    }
+
     pub(super) fn is_at_end(&self) -> bool {
         self.rest.is_empty()
     }

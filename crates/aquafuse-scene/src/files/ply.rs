@@ -1,7 +1,10 @@
-//! Splats as PLY, in the layout that Kerbl et al. write and every viewer reads.
+//! Splats as PLY, in the layout that Kerbl et al. write and every viewer reads; the compressed one of SuperSplat
+//! (`ply/compressed.rs`) is read too.
 //!
 //! Not with `serde-ply` (0.2.2 was tried): a header without an end costs it 20 s a GiB, of two properties of one name the
 //! last wins, lines it does not know and whole numbers pass in silence, and its errors name no line.
+
+mod compressed;
 
 use std::io::Write;
 use std::path::Path;
@@ -70,12 +73,20 @@ pub fn ply_bytes(splats: &Splats<f32>) -> Vec<u8> {
 ///
 /// [`SceneFileError`] when it is no such file, lacks a property, is cut short, holds a value that is no number, or takes more
 /// memory than `reading` allows.
-pub fn read_ply(path: &Path, reading: &ReadOptions) -> Result<Splats<f32>, SceneFileError> {
+pub(super) fn read(path: &Path, reading: &ReadOptions) -> Result<Splats<f32>, SceneFileError> {
     parse(path, &bytes::read(path, reading)?)
 }
 
 fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {
-    let header = Header::read(path, file)?;
+    let Header { elements, length } = Header::read(path, file)?;
+    let mut bytes = Bytes::new(path, file);
+    bytes.skip(length)?;
+    if compressed::is_one(&elements) {
+        return compressed::parse(path, &elements, bytes);
+    }
+    let Some(header) = elements.first() else {
+        return Err(SceneFileError::content(path, "it has no element. Name a PLY file of splats"));
+    };
     let rest = header.properties.iter().filter(|property| property.name.starts_with("f_rest_")).count();
     let degree = (0..=MAX_SH_DEGREE)
         .find(|&degree| splats::harmonics(degree).saturating_sub(1).saturating_mul(3) == rest)
@@ -111,14 +122,10 @@ fn parse(path: &Path, file: &[u8]) -> Result<Splats<f32>, SceneFileError> {
         header.properties.iter().map(|property| (property.kind, goes(&property.name))).collect();
 
     let width = Splats::<f32>::width_of(degree);
-    let mut bytes = Bytes::new(path, file);
-    bytes.skip(header.length)?;
-    let stride = header.properties.iter().fold(0_usize, |sum, p| sum.saturating_add(p.kind.size()));
-    let needed = header.count.saturating_mul(stride);
-    if file.len().saturating_sub(header.length) < needed {
-        return Err(
-            bytes.wrong(format!("it promises {} splats of {stride} bytes, but is shorter", header.count))
-        );
+    if bytes.left() < header.bytes() {
+        let cause =
+            format!("it promises {} splats of {} bytes, but is shorter", header.count, header.stride());
+        return Err(bytes.wrong(cause));
     }
     let mut splats = Splats::new(degree);
     let mut row = vec![0.0; width];
@@ -199,10 +206,27 @@ struct Property {
     kind: Kind,
 }
 
-struct Header {
+/// Things of one kind, one after the other.
+struct Element {
+    name: String,
     count: usize,
     properties: Vec<Property>,
-    /// Bytes until the first splat.
+}
+
+impl Element {
+    /// Bytes of one of them.
+    fn stride(&self) -> usize {
+        self.properties.iter().fold(0, |sum, property| sum.saturating_add(property.kind.size()))
+    }
+
+    fn bytes(&self) -> usize {
+        self.count.saturating_mul(self.stride())
+    }
+}
+
+struct Header {
+    elements: Vec<Element>,
+    /// Bytes until the first of them.
     length: usize,
 }
 
@@ -219,9 +243,7 @@ impl Header {
         let Some(text) = text.filter(|text| text.starts_with("ply\n")) else {
             return Err(SceneFileError::content(path, "it is no PLY file. Name one of splats"));
         };
-        let mut header =
-            Self { count: 0, properties: Vec::new(), length: text.len().saturating_add(end.len()) };
-        let mut elements = 0_usize;
+        let mut header = Self { elements: Vec::new(), length: text.len().saturating_add(end.len()) };
         for (line, number) in text.lines().zip(1_usize..) {
             let wrong = |cause: String| SceneFileError::line(path, number, cause);
             let words: Vec<&str> = line.split_whitespace().collect();
@@ -232,28 +254,33 @@ impl Header {
                     return Err(wrong(format!("it is {kind}, but only binary_little_endian is read")));
                 }
                 ["element", name, count] => {
-                    elements = elements.saturating_add(1);
-                    if *name != "vertex" && elements == 1 {
+                    if header.elements.is_empty() && !matches!(*name, "vertex" | "chunk") {
                         return Err(wrong(format!("its first element is {name:?}, not \"vertex\"")));
                     }
-                    if elements == 1 {
-                        header.count = count.parse().map_err(|_| wrong(format!("{count:?} is no count")))?;
-                    }
+                    let count = count.parse().map_err(|_| wrong(format!("{count:?} is no count")))?;
+                    header.elements.push(Element { name: (*name).to_owned(), count, properties: Vec::new() });
                 }
                 // What other elements have comes after the splats.
-                ["property", ..] if elements != 1 => {}
+                ["property", ..] if header.is_past_splats() => {}
                 ["property", kind, name] => {
                     let kind =
                         Kind::named(kind).ok_or_else(|| wrong(format!("{kind:?} is no kind of number")))?;
-                    header.properties.push(Property { name: (*name).to_owned(), kind });
+                    let Some(element) = header.elements.last_mut() else { continue };
+                    element.properties.push(Property { kind, name: (*name).to_owned() });
                 }
                 _ => return Err(wrong(format!("{line:?} is no line of a header of splats"))),
             }
-            if header.properties.len() > MOST_PROPERTIES {
+            let properties = header.elements.last().map_or(0, |element| element.properties.len());
+            if properties.max(header.elements.len()) > MOST_PROPERTIES {
                 return Err(wrong(format!("it has more than {MOST_PROPERTIES} properties")));
             }
         }
         Ok(header)
+    }
+
+    /// Whether splats, which are the first element unless they are compressed, lie before the element that was begun.
+    fn is_past_splats(&self) -> bool {
+        self.elements.len() != 1 && !compressed::is_one(&self.elements)
     }
 }
 

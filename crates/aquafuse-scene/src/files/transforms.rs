@@ -2,10 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use aquafuse_data::files::{display, write_text};
 use serde::Deserialize;
+use serde_json::json;
 
 use super::SceneFileError;
 use super::cameras::{Intrinsics, OTHER_MODEL, PosedImage, inside};
+use crate::camera::Camera;
 
 /// A frame, or the whole file: a frame's own numbers come before the file's.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -84,6 +87,46 @@ pub(crate) fn read(
             })
         })
         .collect()
+}
+
+/// Writes cameras as `transforms.json`, as nerfstudio reads it, whole or not at all. Images lie in the folder `images`, relative
+/// to the file's own. A file that holds the same already is left as it is.
+///
+/// # Errors
+///
+/// [`SceneFileError`] when a name is no UTF-8, another file exists and may not be replaced, or the system refuses.
+pub fn write_transforms(
+    path: &Path,
+    posed: &[PosedImage],
+    images: &Path,
+    overwrite: bool,
+) -> Result<(), SceneFileError> {
+    let frames = posed.iter().map(|one| {
+        let name = images.join(&one.name);
+        let Some(name) = name.to_str() else {
+            let cause = format!("the name {} is no UTF-8; rename the image", display(&one.name));
+            return Err(SceneFileError::content(path, cause));
+        };
+        let Camera { width, height, focal: [fx, fy], centre: [cx, cy], rotation, .. } = &one.lens.camera;
+        let ([right, down, ahead], [x, y, z]) = (rotation, one.lens.camera.position());
+        let row = |[right, down, ahead]: [f64; 3], at: f64| [right, -down, -ahead, at];
+        let matrix = [
+            row([right[0], down[0], ahead[0]], x),
+            row([right[1], down[1], ahead[1]], y),
+            row([right[2], down[2], ahead[2]], z),
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        let [k1, k2, p1, p2] = one.lens.distortion;
+        Ok(json!({
+            "file_path": name.replace('\\', "/"), "transform_matrix": matrix,
+            "w": width, "h": height, "fl_x": fx, "fl_y": fy, "cx": cx, "cy": cy,
+            "k1": k1, "k2": k2, "p1": p1, "p2": p2,
+        }))
+    });
+    let frames: Vec<serde_json::Value> = frames.collect::<Result<_, _>>()?;
+    let text = format!("{:#}\n", json!({ "camera_model": "OPENCV", "frames": frames }));
+    let holds = || std::fs::read(path).is_ok_and(|held| held == text.as_bytes());
+    if !overwrite && holds() { Ok(()) } else { Ok(write_text(path, &text, overwrite)?) }
 }
 
 impl Pose {
@@ -177,6 +220,30 @@ mod tests {
         let size_of = |name: &Path| (name == Path::new("train/r_0.jpg")).then_some((40, 30));
         let posed = read(Path::new("t.json"), text.as_bytes(), &size_of).unwrap();
         assert_eq!((posed[0].lens.camera.width, posed[0].lens.camera.height), (40, 30));
+    }
+
+    #[test]
+    fn cameras_come_back_as_they_went() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("transforms.json");
+        let text = FILE.replace("[[1,0,0,2],[0,1,0,3],[0,0,1,4]", "[[0,0,1,2],[0.6,0.8,0,3],[-0.8,0.6,0,4]");
+        let mut posed = read(Path::new("t.json"), text.as_bytes(), &|_| None).unwrap();
+        posed[0].lens.distortion = [0.1, -0.02, 0.003, 0.0];
+        let write = |posed: &[PosedImage]| write_transforms(&path, posed, Path::new("images"), false);
+        write(&posed).unwrap();
+        write(&posed).unwrap();
+        assert!(write(&[]).is_err());
+        let found = read(&path, &std::fs::read(&path).unwrap(), &|_| None).unwrap();
+        assert_eq!(found[0].name, Path::new("images/train/r_0.png"));
+        let [a, b] = [&posed[0].lens, &found[0].lens];
+        assert_eq!(
+            (a.distortion, a.camera.focal, a.camera.centre),
+            (b.distortion, b.camera.focal, b.camera.centre)
+        );
+        let flat = |lens: &crate::lens::Lens| {
+            [lens.camera.rotation.as_flattened(), &lens.camera.translation].concat()
+        };
+        assert!(flat(a).iter().zip(flat(b)).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
     }
 
     #[test]

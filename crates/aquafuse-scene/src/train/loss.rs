@@ -68,6 +68,14 @@ impl<T: Scalar> Target<T> {
         })
     }
 
+    /// Whether no channel of a pixel differs by more than `within` from a colour.
+    pub(crate) fn is_near(&self, pixel: usize, colour: [T; 3], within: T) -> bool {
+        self.planes
+            .iter()
+            .zip(colour)
+            .all(|(channel, value)| (channel.values[pixel] - value).magnitude() <= within)
+    }
+
     /// All values, channel by channel.
     pub(crate) fn values(&self) -> impl Iterator<Item = T> {
         self.planes.iter().flat_map(|channel| channel.values.iter().copied())

@@ -12,6 +12,9 @@ pub struct Options {
     pub seed: u64,
     /// λ, the weight of 1 - SSIM beside L1. At .4, views held out are as good, but a learned water is worse. Default: .2.
     pub lambda: f64,
+    /// Weight of the loss of the transmittance T, which asks for 0 on things and for 1 in open water. Without it, surfaces let a
+    /// few per cent of the light through, which shows once the water is removed. Not published: ours. Default: .03.
+    pub transmittance_reg: f64,
     /// The most splats there may be (`cap_max` of gsplat): the cost of a step grows with them. Default: 100,000.
     pub max_splats: usize,
     /// Learning rates.
@@ -91,6 +94,7 @@ impl Default for Options {
             iterations: 2000,
             seed: 0,
             lambda: 0.2,
+            transmittance_reg: 0.03,
             max_splats: 100_000,
             rates: Rates::quick(),
             density: DensityOptions {
@@ -129,6 +133,11 @@ impl Options {
     /// Whether a learned water is estimated again after this step, from the distances known by then.
     pub(crate) fn estimates_water_after(&self, step: u32) -> bool {
         WATER_AT.iter().any(|&time| step == self.time(time))
+    }
+
+    /// Whether surfaces are closed at this step: once distances, B∞ and β are about right, and no splat is added any more.
+    pub(crate) fn closes_surfaces(&self, step: u32) -> bool {
+        step >= self.time(15_000.0)
     }
 
     /// Whether opacities are reset after this step.

@@ -171,6 +171,20 @@ pub(super) fn repaint(splats: &mut Splats<f32>, views: &[TrainView], old: &Mediu
     }
 }
 
+/// The least colour that a splat keeps while a water is learned.
+const DARKEST: f32 = 1.0 / 512.0;
+
+/// Keeps colours from falling below 0, where they have no gradient: the red of far things is so little that a step leads past
+/// 0, and none would lead back.
+pub(super) fn keep_colours(splats: &mut Splats<f32>) {
+    for i in 0..splats.len() {
+        let colour = splats.colour(i);
+        if colour.iter().any(|value| *value < DARKEST) {
+            splats.paint(i, colour.map(|value| value.max(DARKEST)));
+        }
+    }
+}
+
 fn half_way(cameras: &[[f64; 3]], position: [f64; 3]) -> f32 {
     let apart = |camera: &[f64; 3]| (0..3).map(|a| (camera[a] - position[a]).powi(2)).sum::<f64>().sqrt();
     let ends = cameras
@@ -203,6 +217,15 @@ mod tests {
         let channel = Channel { places: &places, c: 1, veil: 0.5 };
         let [growth, fading] = searched(&channel, [0.12, 0.5]);
         assert!((growth / 0.2 - 1.0).abs() < 0.03 && (fading / 0.35 - 1.0).abs() < 0.03, "{growth} {fading}");
+    }
+
+    #[test]
+    fn no_colour_falls_below_0() {
+        let mut splats = Splats::<f32>::new(0);
+        splats.push(&Splats::<f32>::ball(0, [0.0; 3], 0.1, 0.5, [-0.2, 0.5, 0.9]));
+        keep_colours(&mut splats);
+        let [red, green, blue] = splats.colour(0);
+        assert!(red > 0.0 && red < 0.01 && (green - 0.5).abs() < 1e-6 && (blue - 0.9).abs() < 1e-6);
     }
 
     #[test]

@@ -7,13 +7,14 @@ use anyhow::anyhow;
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse_data::batch::{Item, Record};
 use aquafuse_data::depth_file;
-use aquafuse_data::files::{display, make_folder, remove_stale_parts, sha256};
+use aquafuse_data::files::{display, make_folder, place_of, remove_stale_parts, sha256};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pipeline::DepthSource;
 use aquafuse_scene::around::Around;
 use aquafuse_scene::camera::Camera;
 use aquafuse_scene::compare::{distances, image};
-use aquafuse_scene::files::read_cameras;
+use aquafuse_scene::files::{PosedImage, read_cameras, write_transforms};
+use aquafuse_scene::lens::Lens;
 use aquafuse_scene::medium::Medium;
 use aquafuse_scene::model::Model;
 use aquafuse_scene::render::{memory, render};
@@ -28,6 +29,8 @@ use crate::report::output;
 use crate::report::progress::Progress;
 
 /// Render a trained scene from its cameras, or from an orbit around it.
+///
+/// The cameras of the views are written beside them, transforms.json: the folder is a scene, for other programs too.
 #[derive(Args)]
 #[command(after_help = "\
 Renders through the learned water unless --water names another. A unit of the scene counts as a metre unless
@@ -35,7 +38,7 @@ Renders through the learned water unless --water names another. A unit of the sc
 
 Examples:
   aquafuse scene render reef.ply reef/ -o views/
-  aquafuse scene render reef.ply reef/ -o dewatered/ --water none
+  aquafuse scene render reef.ply reef/ -o dewatered/ --water none            stills for other programs
   aquafuse scene render reef.ply reef/ -o coast/ --water preset:jerlov-3C --depth
   aquafuse scene render reef.ply reef/ -o murky/ --water preset:jerlov-5C --visibility 4 --metres-per-unit 0.2
   aquafuse scene render reef.ply reef/ -o orbit/ --orbit 120       orbit/orbit_000.png, ...; frames of a film")]
@@ -93,6 +96,15 @@ impl Render {
             progress.done(&display(&item.output).to_string());
         }
         progress.finish();
+        // The cameras that were rendered from, which may stand in that folder, are never replaced.
+        if place_of(&self.output) != place_of(&self.scene) {
+            let posed = views.iter().map(|(name, camera)| PosedImage {
+                name: format!("{name}.png").into(),
+                lens: Lens { camera: self.scaled(camera), distortion: [0.0; 4] },
+            });
+            let path = self.output.join("transforms.json");
+            write_transforms(&path, &posed.collect::<Vec<_>>(), Path::new(""), self.overwrite)?;
+        }
         let skipped = match skipped {
             0 => String::new(),
             skipped => format!("; {skipped} were rendered by an earlier run"),
@@ -112,9 +124,7 @@ impl Render {
         overwrite: bool,
         common: &Common,
     ) -> Result<(), Failure> {
-        let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
-        let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
-        let camera = camera.scaled_to(side(camera.width), side(camera.height));
+        let camera = self.scaled(camera);
         let (needed, most) =
             (memory(splats, MAX_SH_DEGREE, &camera, medium), common.reading.options().max_memory);
         if needed > most {
@@ -131,6 +141,13 @@ impl Render {
             depth_file::write(&path.with_extension("depth.tiff"), &map.map_err(Failure::work)?, &writing)?;
         }
         Ok(())
+    }
+
+    /// The camera on the pixels that are asked for.
+    fn scaled(&self, camera: &Camera) -> Camera {
+        let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
+        let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
+        camera.scaled_to(side(camera.width), side(camera.height))
     }
 
     /// The views to render: a name and a camera each.

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, anyhow};
 use aquafuse_data::files::{FileError, make_folder, make_work_folder};
 use aquafuse_data::image_file::{ImageFile, ReadOptions, WriteOptions};
-use aquafuse_scene::files::{Cameras, PosedImage, read_ply, write_cameras};
+use aquafuse_scene::files::{Cameras, PosedImage, read_splats, write_cameras};
 use aquafuse_scene::lens::Lens;
 use aquafuse_scene::medium::Medium;
 use aquafuse_scene::model::Model;
@@ -73,7 +73,7 @@ impl Brush {
         tool::run(&mut self.command(training, &scene, &into), &work.join("log.txt"))
             .context("Brush did not train")
             .map_err(Failure::work)?;
-        let splats = read_ply(&into.join(SPLATS), reading)?;
+        let splats = read_splats(&into.join(SPLATS), reading)?;
         Ok(Model { splats, medium: Medium::Air })
     }
 

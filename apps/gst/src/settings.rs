@@ -24,7 +24,7 @@ use crate::effect::{Effect, Fusion};
 pub enum EffectKind {
     /// Their water is exchanged for another.
     #[default]
-    #[enum_value(name = "Exchange the water for that of `water`", nick = "fuse")]
+    #[enum_value(name = "Exchange the water for the one of `water`", nick = "fuse")]
     Fuse,
     /// Their water is removed.
     #[enum_value(name = "Remove the water and set levels", nick = "restore")]

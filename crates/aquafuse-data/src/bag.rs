@@ -48,7 +48,7 @@ pub struct Request {
 /// A topic with the depth of the images, from a camera's view of the same size.
 ///
 /// `sensor_msgs/Image` in `16UC1` or `mono16` is in millimetres and in `32FC1` in metres; `sensor_msgs/CompressedImage` is a PNG of 16 bits
-/// in millimetres, also as `compressedDepth`. An image takes the map whose time, that of their headers, is nearest; one
+/// in millimetres, also as `compressedDepth`. An image takes the map whose time, by their headers, is nearest; one
 /// without a map stays as it is. Waters are then per metre.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DepthTopic {

@@ -41,7 +41,7 @@ impl<'a> Ahead<'a> {
         })
     }
 
-    /// The depth map whose time is nearest to that of an image; in words, why there is none.
+    /// The depth map whose time is nearest to the image's; in words, why there is none.
     pub(super) fn of(&mut self, stamp: i64) -> Result<Result<Supplied, String>, BagError> {
         while !self.has_ended && self.near.back().is_none_or(|(time, ..)| *time < stamp) {
             self.step()?;

@@ -96,7 +96,7 @@ impl Render {
             progress.done(&display(&item.output).to_string());
         }
         progress.finish();
-        // The cameras that were rendered from, which may stand in that folder, are never replaced.
+        // The cameras that were rendered from, which may lie in that folder, are never replaced.
         if place_of(&self.output) != place_of(&self.scene) {
             let posed = views.iter().map(|(name, camera)| PosedImage {
                 name: format!("{name}.png").into(),

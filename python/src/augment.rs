@@ -2,9 +2,6 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::Mutex;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::Duration;
 
 use aquafuse::depth::DepthKind;
 use aquafuse::fusion::Options;
@@ -15,12 +12,13 @@ use aquafuse_data::augment::{
 use aquafuse_data::dataset::{Dataset, DatasetOptions, Layout, Splits};
 use aquafuse_data::files::{display, make_folder, sha256};
 use aquafuse_data::pipeline::MapSize;
-use aquafuse_data::run::{self, RunOptions, Summary};
+use aquafuse_data::run::{RunOptions, Summary};
 use aquafuse_data::water_file::WaterFile;
 use pyo3::prelude::*;
 
 use crate::depth::kind_of;
 use crate::error::Fault;
+use crate::runs;
 use crate::settings::{Reading, gain, incidence, kind, scale};
 use crate::threads;
 use crate::water::{Water, checked};
@@ -63,9 +61,6 @@ pub(crate) struct Settings<'py> {
     visibility: Option<f32>,
 }
 
-/// What a run reports: `started` with a total, then `done`, `skipped` or `failed` with an item and a message.
-type Told = (&'static str, String, String, usize);
-
 /// Multiplies a dataset; returns how many images are done, skipped, failed and left.
 #[pyfunction]
 pub(crate) fn augment<'py>(
@@ -77,13 +72,7 @@ pub(crate) fn augment<'py>(
     settings: Settings<'py>,
     listener: &Bound<'py, PyAny>,
 ) -> PyResult<(usize, usize, usize, usize)> {
-    if threads::is_forked() {
-        return Err(Fault::run(
-            "this process was forked from one that uses aquafuse, whose threads it does not have; start it by the method \
-             spawn, or run the command `aquafuse augment`",
-        )
-        .into());
-    }
+    runs::refuse_fork("augment")?;
     let recipe = settings.recipe(waters, &reading)?;
     let run_options = RunOptions {
         threads: settings.threads,
@@ -106,53 +95,12 @@ pub(crate) fn augment<'py>(
         let manifest_table = false;
         Ok(Augmentation { dataset, output, recipe, shard, overwrite, manifest_table, preview, run_options })
     })?;
-    let Summary { done, skipped, failed, left } = run(py, &job, listener)?;
-    Ok((done, skipped, failed, left))
-}
-
-/// Runs beside this thread, which passes events on and looks for signals. An exception of either stops the run.
-fn run(py: Python<'_>, job: &Augmentation, listener: &Bound<'_, PyAny>) -> PyResult<Summary> {
     let plan = job.plan().map_err(Fault::run)?;
     make_folder(&job.output).map_err(Fault::from)?;
-    let (told, heard) = channel::<Told>();
-    std::thread::scope(|scope| {
-        let worker = scope.spawn(move || {
-            job.run(&plan, &|event| {
-                let event = match event {
-                    run::Event::Started { total } => ("started", String::new(), String::new(), total),
-                    run::Event::Done { item, .. } => ("done", item.to_owned(), String::new(), 0),
-                    run::Event::Skipped { item } => ("skipped", item.to_owned(), String::new(), 0),
-                    run::Event::Failed { item, error } => ("failed", item.to_owned(), error.to_string(), 0),
-                    _ => return,
-                };
-                // Whoever listened is gone if the run is stopped.
-                let _ = told.send(event);
-            })
-        });
-        let listened = listen(py, &Mutex::new(heard), listener);
-        if listened.is_err() {
-            job.run_options.stop.stop();
-        }
-        let ended = py.detach(|| worker.join());
-        let ended = ended.map_err(|cause| Fault::panic(&*cause));
-        listened?;
-        Ok(ended?.map_err(Fault::run)?)
-    })
-}
-
-/// Passes events on until the run has ended.
-fn listen(py: Python<'_>, heard: &Mutex<Receiver<Told>>, listener: &Bound<'_, PyAny>) -> PyResult<()> {
-    const OFTEN: Duration = Duration::from_millis(50);
-    loop {
-        match py.detach(|| {
-            heard.lock().map_or(Err(RecvTimeoutError::Disconnected), |heard| heard.recv_timeout(OFTEN))
-        }) {
-            Ok(event) => listener.call1(event).map(drop)?,
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
-        }
-        py.check_signals()?;
-    }
+    let Summary { done, skipped, failed, left } = runs::run(py, &job.run_options.stop, listener, |told| {
+        job.run(&plan, &|event| told.hear(&event, str::to_owned)).map_err(Fault::run)
+    })?;
+    Ok((done, skipped, failed, left))
 }
 
 fn layout(name: &str) -> Result<Layout, Fault> {

@@ -52,11 +52,11 @@ impl Fault {
     }
 
     fn file(message: impl Display) -> Self {
-        Self { kind: Kind::File, message: message.to_string() }
+        Self { kind: Kind::File, message: in_python(&message.to_string()) }
     }
 
     pub(crate) fn run(message: impl Display) -> Self {
-        Self { kind: Kind::Run, message: message.to_string() }
+        Self { kind: Kind::Run, message: in_python(&message.to_string()) }
     }
 
     /// A panic: its message is what the person who mends it needs.
@@ -69,6 +69,16 @@ impl Fault {
         );
         Self { kind: Kind::Internal, message }
     }
+}
+
+/// A message of the libraries with the options of Python: `max_memory` for `--max-memory`, `output` for `-o`.
+fn in_python(message: &str) -> String {
+    let word = |word: &str| match word.strip_prefix("--") {
+        Some(name) if name.starts_with(|c: char| c.is_ascii_lowercase()) => name.replace('-', "_"),
+        _ if word == "-o" => "output".to_owned(),
+        _ => word.to_owned(),
+    };
+    message.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 impl From<Fault> for PyErr {
@@ -118,11 +128,10 @@ impl From<SuppliedError> for Fault {
 impl From<FileError> for Fault {
     fn from(error: FileError) -> Self {
         match error {
-            // The options have these names here.
-            FileError::UnfitNetwork { .. } => {
-                let said = error.to_string().replace("--depth-model-kind ", "kind=");
-                Self::file(said.replace("--depth-model-kind", "kind").replace("--depth-model-size", "size"))
-            }
+            // The options of a network have these names in Python.
+            FileError::UnfitNetwork { .. } => Self::file(
+                error.to_string().replace("--depth-model-kind ", "kind=").replace("--depth-model-", ""),
+            ),
             _ => Self::file(error),
         }
     }

@@ -11,10 +11,13 @@ mod depth;
 mod draws;
 mod error;
 mod estimate;
+mod evaluate;
 mod fuser;
 mod metrics;
 mod network;
 mod operations;
+mod runs;
+mod scene;
 mod sequence;
 mod settings;
 mod threads;
@@ -36,6 +39,8 @@ mod _native {
     #[pymodule_export]
     use crate::estimate::{Estimate, inspect};
     #[pymodule_export]
+    use crate::evaluate::{PyReport, evaluate_depth, evaluate_enhancement, evaluate_fusion, evaluate_truth};
+    #[pymodule_export]
     use crate::fuser::Fuser;
     #[pymodule_export]
     use crate::metrics::{depth_rmse, psnr, scores, ssim};
@@ -43,6 +48,8 @@ mod _native {
     use crate::network::DepthNetwork;
     #[pymodule_export]
     use crate::operations::{enhance, restore, simulate};
+    #[pymodule_export]
+    use crate::scene::{fuse_scene, render_scene, train_scene};
     #[pymodule_export]
     use crate::sequence::Sequence;
     #[pymodule_export]

@@ -62,13 +62,18 @@ pub(crate) fn work<R: Send>(
     work: impl FnOnce() -> Result<R, Fault> + Send,
 ) -> Result<R, Fault> {
     py.detach(|| {
-        let guarded =
-            || catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| Err(Fault::panic(&*cause)));
-        match pool(get_threads()) {
-            Some(pool) => pool.install(guarded),
-            None => aquafuse::on_this_thread(guarded),
-        }
+        install(get_threads(), || {
+            catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| Err(Fault::panic(&*cause)))
+        })
     })
+}
+
+/// Does work on so many threads.
+pub(crate) fn install<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
+    match pool(threads) {
+        Some(pool) => pool.install(work),
+        None => aquafuse::on_this_thread(work),
+    }
 }
 
 /// Panics within work, for the test that a panic becomes an exception.

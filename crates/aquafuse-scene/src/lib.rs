@@ -2,7 +2,7 @@
 //!
 //! # Where do I start?
 //!
-//! [`training`] trains a scene's folder and [`fuse`] fuses one, as `aquafuse scene` does it. The example of
+//! [`training`] trains a scene's folder, [`views`] renders it and [`fuse`] fuses one, as `aquafuse scene` does it. The example of
 //! [`train::Trainer`] is a whole run in memory: images with [cameras](camera), [points] to begin with, steps.
 //! [`render::render`] renders the result through the learned water, through air, or through any other water
 //! ([`medium::Medium`]).
@@ -17,6 +17,7 @@
 //! | [`train`], [`training`] | images → splats, and the water between: steps in memory, and runs with resume |
 //! | [`model`] | splats and their medium on disk |
 //! | [`fuse`] | a scene → the same scene in another water, on the threads and in the memory of one run |
+//! | [`views`] | a model and cameras → a folder of views, through any medium |
 //! | [`page`] | a model and cameras → one HTML page that shows it |
 //! | [`around`] | cameras and splats → new views: an orbit, from above |
 //! | [`compare`] | two scenes → how alike their images and surfaces are |
@@ -53,3 +54,4 @@ pub mod targets;
 pub mod train;
 pub mod training;
 pub mod truth;
+pub mod views;

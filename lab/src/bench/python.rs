@@ -9,6 +9,7 @@ use aquafuse::fusion::Options;
 use aquafuse::image::Image;
 use aquafuse::scene_area::Border;
 use aquafuse::truth::{Scene, Size as SceneSize, waters};
+use aquafuse::waterbody::WaterMap;
 use aquafuse_data::image_file::{ImageFile, Pixels};
 use aquafuse_data::pipeline::{DepthSource, Operation, PixelEncoding, analyse_in};
 use xtask::setup::{python_environment, set_up};
@@ -82,7 +83,9 @@ fn library((width, height): Size, frames: usize) -> Result<f64> {
     let reference = analyse_in(encoding, &reference, &source)?.estimate;
     let operation = Operation::Fuse { reference, options: Options::default() };
     let frame = || -> Result<Pixels> {
-        let mut image = ImageFile::new(content.clone()).cut_to_scene(Border::Auto)?;
+        // `Fuser` finds open water this way unless it is asked for another.
+        let whole = ImageFile::new(content.clone()).with_water_map(WaterMap::BEST);
+        let mut image = whole.cut_to_scene(Border::Auto)?;
         let found = analyse_in(encoding, &image, &source)?;
         operation.apply(&mut image.pixels, Some(&found))?;
         Ok(image.joined().pixels)

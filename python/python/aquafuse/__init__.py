@@ -17,13 +17,14 @@ from __future__ import annotations
 
 import sys
 
-from aquafuse import _native, example, metrics
-from aquafuse._augment import Event, Summary, augment
+from aquafuse import _native, evaluate, example, metrics, scene
+from aquafuse._augment import Summary, augment
 from aquafuse._errors import AquaFuseError, ArgumentError, ArrayError, FileError, InternalError, RunError
 from aquafuse._estimate import Estimate, inspect
 from aquafuse._fuser import Fuser, Report, fuse
 from aquafuse._network import DepthNetwork
 from aquafuse._operations import depth, enhance, restore, simulate
+from aquafuse._runs import Event
 from aquafuse._sequence import FrameReport, Sequence
 from aquafuse._water import Water
 
@@ -46,12 +47,14 @@ __all__ = [
     "augment",
     "depth",
     "enhance",
+    "evaluate",
     "example",
     "fuse",
     "get_threads",
     "inspect",
     "metrics",
     "restore",
+    "scene",
     "set_threads",
     "simulate",
 ]

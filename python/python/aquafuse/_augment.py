@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from aquafuse import _native
 from aquafuse._draws import has_sea, library
 from aquafuse._errors import ArgumentError
 from aquafuse._network import DepthModel, shared_model
 from aquafuse._options import Border, DepthKind, Model, Smoothing, WaterMap, reading
+from aquafuse._runs import Listener, OnEvent
 from aquafuse._water import SEA, as_water
 
-Kind = Literal["started", "done", "skipped", "failed"]
 Layout = Literal["folder", "coco", "yolo", "voc", "masks", "shards"]
-
-
-class Event(NamedTuple):
-    """What a run reports."""
-
-    kind: Kind
-    """``started``, then for each image ``done``, ``skipped`` (a run before this one made it) or ``failed``."""
-    item: str
-    """The image, by its path within the dataset."""
-    message: str
-    """Of a failure: the file, the cause, and what to do."""
-    total: int
-    """Of the start: how many images there are."""
 
 
 class Summary(NamedTuple):
@@ -44,35 +31,6 @@ class Summary(NamedTuple):
     """Images that were not tried."""
     failures: list[str]
     """The messages of the failures."""
-
-
-class _Listener:
-    """Passes events on, counts, and shows progress by tqdm if it is installed."""
-
-    def __init__(self, on_event: Callable[[Event], object] | None, progress: bool) -> None:
-        self.on_event = on_event
-        self.failures: list[str] = []
-        self._bar: Any = None
-        self._progress = progress
-
-    def __call__(self, kind: Kind, item: str, message: str, total: int) -> None:
-        if kind == "started" and self._progress:
-            try:
-                from tqdm.auto import tqdm
-            except ImportError:
-                pass
-            else:
-                self._bar = tqdm(total=total, unit="image")
-        if kind == "failed":
-            self.failures.append(message)
-        if kind != "started" and self._bar is not None:
-            self._bar.update(1)
-        if self.on_event is not None:
-            self.on_event(Event(kind, item, message, total))
-
-    def close(self) -> None:
-        if self._bar is not None:
-            self._bar.close()
 
 
 def augment(
@@ -111,7 +69,7 @@ def augment(
     linear: bool = False,
     metres_at_one: float | None = None,
     visibility: float | None = None,
-    on_event: Callable[[Event], object] | None = None,
+    on_event: OnEvent | None = None,
     progress: bool = True,
 ) -> Summary:
     """Multiplies a dataset; the files are those of ``aquafuse augment``, byte for byte.
@@ -178,8 +136,7 @@ def augment(
     named = [_named(name, depth_model, water_map, border, linear) for name in library(_texts(waters))]
     instead = _named(on_doubtful, depth_model, water_map, border, linear) if on_doubtful.startswith("preset:") else None
     _native.Draws(seed, theta_range or (0.0, 0.0), alpha_range or (0.0, 0.0), with_replacement)
-    listener = _Listener(on_event, progress)
-    try:
+    with Listener(on_event, progress) as listener:
         counts = _native.augment(
             os.fspath(dataset),
             named,
@@ -218,8 +175,6 @@ def augment(
             },
             listener,
         )
-    finally:
-        listener.close()
     return Summary(*counts, listener.failures)
 
 

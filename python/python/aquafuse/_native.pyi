@@ -13,6 +13,7 @@ __all__ = [
     "Draws",
     "Estimate",
     "Fuser",
+    "Report",
     "Sequence",
     "Water",
     "__version__",
@@ -20,16 +21,23 @@ __all__ = [
     "depth_rmse",
     "enhance",
     "estimate_depth",
+    "evaluate_depth",
+    "evaluate_enhancement",
+    "evaluate_fusion",
+    "evaluate_truth",
+    "fuse_scene",
     "get_threads",
     "inspect",
     "main",
     "panic",
     "psnr",
+    "render_scene",
     "restore",
     "scores",
     "set_threads",
     "simulate",
     "ssim",
+    "train_scene",
 ]
 
 _T = TypeVar("_T")
@@ -78,6 +86,25 @@ def augment(
     settings: dict[str, Any],
     listener: Any,
 ) -> tuple[int, int, int, int]: ...
+def evaluate_fusion(asked: dict[str, Any], reading: Reading, run: dict[str, Any]) -> Report: ...
+def evaluate_enhancement(asked: dict[str, Any], reading: Reading, run: dict[str, Any]) -> Report: ...
+def evaluate_depth(asked: dict[str, Any], run: dict[str, Any]) -> Report: ...
+def evaluate_truth(asked: dict[str, Any], run: dict[str, Any]) -> Report: ...
+def train_scene(
+    asked: dict[str, Any], limits: dict[str, Any], listener: Any
+) -> tuple[int, tuple[int, float, float] | None]: ...
+def render_scene(asked: dict[str, Any], limits: dict[str, Any], listener: Any) -> tuple[int, int]: ...
+def fuse_scene(
+    asked: dict[str, Any], reading: Reading, limits: dict[str, Any], listener: Any
+) -> tuple[int, int, float | None]: ...
+
+@final
+class Report:
+    @property
+    def title(self) -> str: ...
+    def to_json(self) -> str: ...
+    def to_markdown(self) -> str: ...
+    def save(self, path: str, overwrite: bool) -> None: ...
 
 @final
 class DepthNetwork:

@@ -32,7 +32,7 @@ impl ReportArguments {
             Event::Started { total } => progress.start(total),
             Event::Done { item, .. } => progress.done(item),
             Event::Failed { error, .. } => match complaints.fetch_add(1, Ordering::Relaxed) {
-                earlier if earlier < COMPLAINTS => progress.complain(&error.error),
+                earlier if earlier < COMPLAINTS => progress.complain(&error),
                 COMPLAINTS => progress.complain(&"more images failed; the report lists all of them"),
                 _ => {}
             },

@@ -92,8 +92,9 @@ pub enum EvaluateError {
     },
 }
 
-/// A step that failed: which, and why.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+/// A step that failed: which, and why. It is shown as its error, which names the file.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, thiserror::Error)]
+#[error("{error}")]
 pub struct Failed {
     /// What it was about.
     pub name: String,

@@ -1,26 +1,10 @@
 //! `aquafuse scene render`: a trained scene as its cameras see it, or from an orbit, through any water.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::anyhow;
-use aquafuse::depth::{DepthKind, DepthMap};
-use aquafuse_data::batch::{Item, Record};
-use aquafuse_data::depth_file;
-use aquafuse_data::files::{display, make_folder, place_of, remove_stale_parts, sha256};
-use aquafuse_data::image_file::{ImageFile, WriteOptions};
-use aquafuse_data::pipeline::DepthSource;
-use aquafuse_scene::around::Around;
-use aquafuse_scene::camera::Camera;
-use aquafuse_scene::compare::{distances, image};
-use aquafuse_scene::files::{PosedImage, read_cameras, write_transforms};
-use aquafuse_scene::lens::Lens;
-use aquafuse_scene::medium::Medium;
-use aquafuse_scene::model::Model;
-use aquafuse_scene::render::{memory, render};
-use aquafuse_scene::splats::{MAX_SH_DEGREE, Splats};
+use aquafuse_data::files::display;
+use aquafuse_scene::views::{Plan, Request, ViewsError};
 use clap::Args;
-use serde_json::json;
 
 use super::looked_through::LookedThrough;
 use crate::args::common::Common;
@@ -70,127 +54,43 @@ pub(crate) struct Render {
 impl Render {
     pub(crate) fn run(&self, common: &Common) -> Result<(), Failure> {
         super::say_model(&self.scene, common);
-        let Model { splats, medium } = Model::read(&self.splats, &common.reading.options())?;
-        let medium = self.medium.medium(medium, common)?;
-        let views = self.views(&splats, common)?;
-        make_folder(&self.output)?;
-        remove_stale_parts(&self.output);
-        // A run that was stopped goes on where all of this is the same.
-        let cameras = format!("{:?}", views.iter().map(|(_, camera)| camera).collect::<Vec<_>>());
-        let made_with = json!({
-            "medium": format!("{medium:?}"),
-            "cameras": sha256(cameras.as_bytes()),
-            "longest": self.longest,
-            "depth": self.depth,
-        });
-        let record = Record::open(&self.output, &made_with, self.overwrite)?;
+        let options = common.run_options();
+        let plan = Plan::new(self.request(), &options.reading)?;
+        let medium = self.medium.medium(plan.medium().clone(), common)?;
+        let plan = plan.through(medium);
         let progress = Progress::new(common.quiet);
-        progress.start(views.len());
-        let mut skipped = 0;
-        for (name, camera) in &views {
-            let output = self.output.join(format!("{name}.png"));
-            let item = Item { input: self.splats.clone(), output, depth: DepthSource::default() };
-            let write =
-                |overwrite| self.view(name, camera, (&splats, &medium), &item.output, overwrite, common);
-            skipped += usize::from(record.make(&item, self.overwrite, write)?);
-            progress.done(&display(&item.output).to_string());
-        }
+        let rendered = plan.run(&options, &|event| progress.show(&event, |path| display(path).to_string()));
         progress.finish();
-        // The cameras that were rendered from, which may lie in that folder, are never replaced.
-        if place_of(&self.output) != place_of(&self.scene) {
-            let posed = views.iter().map(|(name, camera)| PosedImage {
-                name: format!("{name}.png").into(),
-                lens: Lens { camera: self.scaled(camera), distortion: [0.0; 4] },
-            });
-            let path = self.output.join("transforms.json");
-            write_transforms(&path, &posed.collect::<Vec<_>>(), Path::new(""), self.overwrite)?;
-        }
-        let skipped = match skipped {
+        let skipped = match rendered?.skipped {
             0 => String::new(),
             skipped => format!("; {skipped} were rendered by an earlier run"),
         };
-        let text =
-            format!("{}: {} views of {} splats{skipped}\n", display(&self.output), views.len(), splats.len());
+        let (views, splats) = (plan.views(), plan.splats());
+        let text = format!("{}: {views} views of {splats} splats{skipped}\n", display(&self.output));
         if common.quiet { Ok(()) } else { output::print(&text) }
     }
 
-    /// Renders a view, and writes it and its distances.
-    fn view(
-        &self,
-        name: &str,
-        camera: &Camera,
-        (splats, medium): (&Splats<f32>, &Medium<f32>),
-        path: &Path,
-        overwrite: bool,
-        common: &Common,
-    ) -> Result<(), Failure> {
-        let camera = self.scaled(camera);
-        let (needed, most) =
-            (memory(splats, MAX_SH_DEGREE, &camera, medium), common.reading.options().max_memory);
-        if needed > most {
-            return Err(Failure::work(anyhow!(
-                "{name} takes {needed} bytes to render, more than the {most} of --max-memory; raise that, or lower --longest"
-            )));
+    fn request(&self) -> Request {
+        Request {
+            splats: self.splats.clone(),
+            scene: self.scene.clone(),
+            output: self.output.clone(),
+            orbit: self.orbit,
+            distances: self.depth,
+            longest: self.longest as usize,
+            overwrite: self.overwrite,
         }
-        let rendered = render(splats, MAX_SH_DEGREE, &camera, medium).rendering;
-        let writing = WriteOptions { overwrite, ..WriteOptions::default() };
-        ImageFile::new(image(&rendered).convert::<u8>()).write(path, &writing)?;
-        if self.depth {
-            let known = distances(&rendered).into_iter().map(|distance| distance.unwrap_or(0.0)).collect();
-            let map = DepthMap::from_distances(camera.width, camera.height, DepthKind::Metres, known);
-            depth_file::write(&path.with_extension("depth.tiff"), &map.map_err(Failure::work)?, &writing)?;
-        }
-        Ok(())
-    }
-
-    /// The camera on the pixels that are asked for.
-    fn scaled(&self, camera: &Camera) -> Camera {
-        let scale = f64::from(self.longest) / camera.width.max(camera.height) as f64;
-        let side = |length: usize| ((length as f64 * scale).round() as usize).max(1);
-        camera.scaled_to(side(camera.width), side(camera.height))
-    }
-
-    /// The views to render: a name and a camera each.
-    fn views(&self, splats: &Splats<f32>, common: &Common) -> Result<Vec<(String, Camera)>, Failure> {
-        let posed = read_cameras(&self.scene, &common.reading.options())?.images;
-        if let Some(count) = self.orbit {
-            let cameras: Vec<&Camera> = posed.iter().map(|one| &one.lens.camera).collect();
-            let around = Around::new(&cameras, splats).ok_or_else(|| {
-                Failure::usage(anyhow!(
-                    "the cameras of {} have no common direction; leave out --orbit",
-                    display(&self.scene)
-                ))
-            })?;
-            let digits = (count - 1).to_string().len().max(3);
-            let orbit = around.orbit(count as usize).into_iter().enumerate();
-            return Ok(orbit.map(|(i, camera)| (format!("orbit_{i:0digits$}"), camera)).collect());
-        }
-        let views: Vec<_> = posed.into_iter().map(|one| (flat(&one.name), one.lens.camera)).collect();
-        if views.iter().map(|(name, _)| name).collect::<BTreeSet<_>>().len() < views.len() {
-            return Err(Failure::usage(anyhow!(
-                "{} has images whose names differ only in their extension; rename one of each",
-                display(&self.scene)
-            )));
-        }
-        Ok(views)
     }
 }
 
-/// An image's name without folders and extension, so that all outputs fit into one folder. Only the last dot begins an
-/// extension.
-fn flat(name: &Path) -> String {
-    let parts: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();
-    let whole = parts.join("__");
-    whole.rsplit_once('.').map_or(whole.as_str(), |(stem, _)| stem).to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_keep_all_but_their_extension() {
-        assert_eq!(flat("left/frame_08.500.jpg".as_ref()), "left__frame_08.500");
-        assert_eq!(flat("frame".as_ref()), "frame");
+impl From<ViewsError> for Failure {
+    fn from(error: ViewsError) -> Self {
+        match error {
+            ViewsError::File(error) => error.into(),
+            ViewsError::Cameras(error) => error.into(),
+            ViewsError::Model(error) => error.into(),
+            ViewsError::SameNames { .. } | ViewsError::NoOrbit { .. } => Self::usage(error),
+            error => Self::work(error),
+        }
     }
 }

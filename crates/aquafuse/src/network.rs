@@ -7,6 +7,7 @@
 //! [`WaterMap::Network`](crate::waterbody::WaterMap::Network) and [`WaterMap::Both`](crate::waterbody::WaterMap::Both) read the share of water,
 //! [`DepthModel::Network`](crate::depth::DepthModel::Network) the distances.
 
+mod convolution;
 mod input;
 mod layers;
 mod weights;

@@ -1,15 +1,9 @@
-//! The layers of the network: convolutions in one order of sums, whatever the vectors.
+//! Maps, and the layers of the network beside its convolutions: each sum in one order, whatever the vectors.
 //!
-//! Maps lie pixel by pixel, the channels of a pixel side by side, with a border of zeros around them. A sum goes over the nine
-//! places, then over the channels, and vectors hold channels of the result: each is summed in the same order for any vectors.
+//! Maps lie pixel by pixel, the channels of a pixel side by side, with a border of zeros around them.
 
 use crate::simd::{self, Level, Work};
 
-/// Channels that are summed side by side.
-const LANES: usize = 8;
-/// Pixels of a row that share the weights once they are loaded: as many as registers hold sums of, with vectors of four and of eight.
-const FEW: usize = 4;
-const MANY: usize = 8;
 /// What is added to a variance that is divided by.
 const LEAST_VARIANCE: f32 = 1e-5;
 
@@ -27,8 +21,21 @@ impl Maps {
         Self { width, height, channels, values: vec![0.0; (width + 2) * (height + 2) * channels] }
     }
 
+    #[inline(always)]
     fn start(&self, x: usize, y: usize) -> usize {
         ((y + 1) * (self.width + 2) + x + 1) * self.channels
+    }
+
+    /// All values, those of the border among them.
+    pub(super) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// The channels of one pixel.
+    #[inline(always)]
+    pub(super) fn pixel_mut(&mut self, x: usize, y: usize) -> &mut [f32] {
+        let start = self.start(x, y);
+        &mut self.values[start..start + self.channels]
     }
 
     /// The channels of row `y`, pixel after pixel.
@@ -40,123 +47,6 @@ impl Maps {
     pub(super) fn row_mut(&mut self, y: usize) -> &mut [f32] {
         let start = self.start(0, y);
         &mut self.values[start..start + self.width * self.channels]
-    }
-}
-
-/// Weights of a convolution without a bias: for each eight channels of the result, each place and each channel of the input,
-/// eight weights. `side` is 3 or 1 places.
-#[derive(Clone, Debug)]
-pub(super) struct Convolution {
-    pub(super) from: usize,
-    pub(super) to: usize,
-    pub(super) side: usize,
-    pub(super) weights: Vec<[f32; LANES]>,
-}
-
-impl Convolution {
-    /// From weights in the order of the file: channel of the result, channel of the input, row, column.
-    pub(super) fn new(from: usize, to: usize, side: usize, stored: &[f32]) -> Self {
-        let places = side * side;
-        let mut weights = vec![[0.0; LANES]; to.div_ceil(LANES) * places * from];
-        for (i, weight) in stored.iter().enumerate() {
-            let (out, rest) = (i / (from * places), i % (from * places));
-            let (channel, place) = (rest / places, rest % places);
-            weights[((out / LANES) * places + place) * from + channel][out % LANES] = *weight;
-        }
-        Self { from, to, side, weights }
-    }
-
-    /// The maps it makes of others; beyond their border they are 0.
-    pub(super) fn of(&self, input: &Maps, level: Level) -> Maps {
-        let mut output = Maps::new(input.width, input.height, self.to);
-        if level == Level::Plain {
-            simd::widest_by(level, Convolve::<FEW> { by: self, input, output: &mut output });
-        } else {
-            simd::widest_by(level, Convolve::<MANY> { by: self, input, output: &mut output });
-        }
-        output
-    }
-}
-
-/// By so many pixels at once; sums do not depend on it.
-struct Convolve<'a, const PIXELS: usize> {
-    by: &'a Convolution,
-    input: &'a Maps,
-    output: &'a mut Maps,
-}
-
-impl<const PIXELS: usize> Work for Convolve<'_, PIXELS> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { by, input, output } = self;
-        let block = by.side * by.side * by.from;
-        for y in 0..input.height {
-            for (index, weights) in by.weights.chunks_exact(block).enumerate() {
-                let mut x = 0;
-                while x + PIXELS <= input.width {
-                    let sums = sums::<PIXELS>(by, weights, input, x, y);
-                    store(&sums, output, x, y, index);
-                    x += PIXELS;
-                }
-                while PIXELS > FEW && x + FEW <= input.width {
-                    let sums = sums::<FEW>(by, weights, input, x, y);
-                    store(&sums, output, x, y, index);
-                    x += FEW;
-                }
-                for x in x..input.width {
-                    let sums = sums::<1>(by, weights, input, x, y);
-                    store(&sums, output, x, y, index);
-                }
-            }
-        }
-    }
-}
-
-/// Eight channels of the result at so many pixels from column `x` on.
-#[inline(always)]
-fn sums<const PIXELS: usize>(
-    by: &Convolution,
-    weights: &[[f32; LANES]],
-    input: &Maps,
-    x: usize,
-    y: usize,
-) -> [[f32; LANES]; PIXELS] {
-    let (from, reach) = (by.from, by.side / 2);
-    let mut sums = [[0.0_f32; LANES]; PIXELS];
-    for dy in 0..by.side {
-        let row = ((y + 1 + dy - reach) * (input.width + 2) + x + 1 - reach) * from;
-        for dx in 0..by.side {
-            let weights = &weights[(dy * by.side + dx) * from..][..from];
-            let pixels: [&[f32]; PIXELS] =
-                std::array::from_fn(|pixel| &input.values[row + (pixel + dx) * from..][..from]);
-            for channel in 0..from {
-                let weights = &weights[channel];
-                for pixel in 0..PIXELS {
-                    let value = pixels[pixel][channel];
-                    for lane in 0..LANES {
-                        sums[pixel][lane] += value * weights[lane];
-                    }
-                }
-            }
-        }
-    }
-    sums
-}
-
-#[inline(always)]
-fn store<const PIXELS: usize>(
-    sums: &[[f32; LANES]; PIXELS],
-    output: &mut Maps,
-    x: usize,
-    y: usize,
-    block: usize,
-) {
-    let there = LANES.min(output.channels - block * LANES);
-    for (pixel, sums) in sums.iter().enumerate() {
-        let start = output.start(x + pixel, y) + block * LANES;
-        output.values[start..start + there].copy_from_slice(&sums[..there]);
     }
 }
 
@@ -287,35 +177,11 @@ mod tests {
     }
 
     #[test]
-    fn a_convolution_is_the_sum_it_is_defined_by() {
-        let (from, to, width, height) = (5, 11, 7, 6);
-        let stored = numbers(to * from * 9);
-        let input = filled(width, height, from);
-        let found = Convolution::new(from, to, 3, &stored).of(&input, Level::Plain);
-        let at = |x: isize, y: isize, c: usize| -> f64 {
-            let inside = (0..width as isize).contains(&x) && (0..height as isize).contains(&y);
-            if inside { f64::from(input.row(y as usize)[x as usize * from + c]) } else { 0.0 }
-        };
-        for (y, x, out) in
-            (0..height).flat_map(|y| (0..width).flat_map(move |x| (0..to).map(move |out| (y, x, out))))
-        {
-            let mut sum = 0.0;
-            for (c, place) in (0..from).flat_map(|c| (0..9).map(move |place| (c, place))) {
-                let weight = f64::from(stored[(out * from + c) * 9 + place]);
-                let (dx, dy) = (place as isize % 3 - 1, place as isize / 3 - 1);
-                sum += weight * at(x as isize + dx, y as isize + dy, c);
-            }
-            assert!((sum - f64::from(found.row(y)[x * to + out])).abs() < 1e-4);
-        }
-    }
-
-    #[test]
     fn vectors_change_no_bit() {
-        let (from, to, width, height) = (16, 24, 13, 9);
-        let convolution = Convolution::new(from, to, 3, &numbers(to * from * 9));
-        let norm = Norm { groups: 4, scale: numbers(to), shift: numbers(to) };
+        let channels = 24;
+        let norm = Norm { groups: 4, scale: numbers(channels), shift: numbers(channels) };
         let by = |level: Level| {
-            let mut maps = convolution.of(&filled(width, height, from), level);
+            let mut maps = filled(13, 9, channels);
             norm.apply(&mut maps, level);
             maps
         };

@@ -1,6 +1,7 @@
 //! The weights: one file of whole numbers of 8 bits, with a scale for each channel.
 
-use super::layers::{Convolution, Norm};
+use super::convolution::Convolution;
+use super::layers::Norm;
 
 /// The file that `cargo lab train-network` writes.
 const FILE: &[u8] = include_bytes!("weights.bin");
@@ -70,10 +71,8 @@ impl File {
     /// A scale for each channel of the result, then its weights in steps of that.
     fn convolution(&mut self, from: usize, to: usize, side: usize) -> Convolution {
         let scales = self.floats(to);
-        let each = from * side * side;
-        let steps = self.take(to * each).iter().enumerate();
-        let weights: Vec<f32> = steps.map(|(i, step)| scales[i / each] * f32::from(*step as i8)).collect();
-        Convolution::new(from, to, side, &weights)
+        let steps: Vec<i8> = self.take(to * from * side * side).iter().map(|step| *step as i8).collect();
+        Convolution::new(from, to, side, &scales, &steps)
     }
 
     fn layer(&mut self, from: usize, to: usize) -> Layer {

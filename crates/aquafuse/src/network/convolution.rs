@@ -5,6 +5,8 @@
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
+#[cfg(all(feature = "simd", target_arch = "aarch64"))]
+mod neon;
 
 use super::layers::Maps;
 use crate::simd::{self, Level, Work};
@@ -16,8 +18,15 @@ const MOST: f32 = 16383.0;
 /// Added to a number and taken off again, it rounds to the nearest whole one; the last bits are then those of that number.
 const ROUNDING: f32 = 12_582_912.0;
 
-/// The weights of two channels of the input, in turns, for each eight of the result.
+/// The weights of two channels of the input for eight of the result: in turns where one instruction multiplies both, else one after
+/// the other.
 type Pair = [i16; 2 * LANES];
+
+/// Where a pair has the weight of its first or second channel for a channel of the result.
+#[inline(always)]
+const fn place_in_pair(second: usize, lane: usize) -> usize {
+    if cfg!(target_arch = "x86_64") { 2 * lane + second } else { LANES * second + lane }
+}
 
 /// A convolution without a bias: for each eight channels of the result, each place and each two channels of the input. `side` is 3
 /// or 1 places.
@@ -32,7 +41,8 @@ pub(super) struct Convolution {
 }
 
 impl Convolution {
-    /// From weights in the order of the file: channel of the result, channel of the input, row, column. `from` is even.
+    /// From weights in the order of the file: channel of the result, channel of the input, row, column. `from` is a multiple
+    /// of four.
     pub(super) fn new(from: usize, to: usize, side: usize, scales: &[f32], stored: &[i8]) -> Self {
         let places = side * side;
         let mut weights = vec![[0; 2 * LANES]; to.div_ceil(LANES) * places * from / 2];
@@ -40,7 +50,7 @@ impl Convolution {
             let (out, rest) = (i / (from * places), i % (from * places));
             let (channel, place) = (rest / places, rest % places);
             let pair = ((out / LANES) * places + place) * from / 2 + channel / 2;
-            weights[pair][2 * (out % LANES) + channel % 2] = i16::from(*weight);
+            weights[pair][place_in_pair(channel % 2, out % LANES)] = i16::from(*weight);
         }
         Self { from, to, side, weights, scales: scales.to_vec() }
     }
@@ -55,6 +65,8 @@ impl Convolution {
         match level {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             Level::Avx2(proof) => avx2::run(proof, work),
+            #[cfg(all(feature = "simd", target_arch = "aarch64"))]
+            Level::Neon => neon::run(work),
             _ => simd::widest_by(level, work),
         }
         output
@@ -218,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_convolution_is_the_sum_it_is_defined_by() {
-        for (from, to, side) in [(6, 11, 3), (16, 3, 1)] {
+        for (from, to, side) in [(8, 11, 3), (16, 3, 1)] {
             let (width, height) = (7, 6);
             let input = maps(width, height, from);
             let (convolution, stored, scales) = convolution(from, to, side);
@@ -263,8 +275,8 @@ mod tests {
 
     #[test]
     fn maps_of_nothing_stay_nothing() {
-        let (convolution, ..) = convolution(6, 11, 3);
-        let empty = Maps::new(5, 4, 6);
+        let (convolution, ..) = convolution(8, 11, 3);
+        let empty = Maps::new(5, 4, 8);
         assert!(Level::all().into_iter().all(|level| convolution.of(&empty, level) == Maps::new(5, 4, 11)));
     }
 

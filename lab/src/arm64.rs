@@ -16,7 +16,7 @@ use xtask::shell::{run as call, say, target};
 const TARGET: &str = "aarch64-unknown-linux-gnu";
 /// Parts of the core whose code differs between processors, and those that hold the pieces together. The rest is
 /// plain arithmetic, and would take a quarter of an hour.
-const TESTS: [&str; 9] = [
+const TESTS: [&str; 10] = [
     "depth::eq3",
     "depth::map",
     "depth::median",
@@ -25,6 +25,7 @@ const TESTS: [&str; 9] = [
     "formation",
     "fusion",
     "image::",
+    "network::convolution",
     "smooth",
 ];
 /// Every function by every model and sample type: an emulator would take a quarter of an hour. A padded buffer that is
@@ -46,7 +47,17 @@ pub(crate) fn run_if_possible() -> Result<Option<String>> {
 
 fn test(toolchain: &Toolchain) -> Result<()> {
     say("The core on 64-bit Arm, emulated");
-    let arguments = ["test", "--locked", "--package", "aquafuse", "--lib", "--", "--test-threads=2"];
+    let arguments = [
+        "test",
+        "--locked",
+        "--package",
+        "aquafuse",
+        "--features",
+        "network",
+        "--lib",
+        "--",
+        "--test-threads=2",
+    ];
     call(toolchain.cargo(&[&arguments[..], &TESTS, &SKIPPED].concat()))
 }
 

@@ -193,8 +193,8 @@ impl Work for Convolve<'_> {
                         for (word, pair) in pixel.iter().zip(by.at(block, dx, dy)) {
                             let (first, second) = (i32::from(*word as i16), word >> 16);
                             for (lane, sum) in sums.iter_mut().enumerate() {
-                                *sum += first * i32::from(pair[2 * lane])
-                                    + second * i32::from(pair[2 * lane + 1]);
+                                let weight = |second: usize| i32::from(pair[place_in_pair(second, lane)]);
+                                *sum += first * weight(0) + second * weight(1);
                             }
                         }
                     }

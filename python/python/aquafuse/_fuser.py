@@ -47,7 +47,7 @@ class Fuser:
         depth_model: How depth is estimated otherwise: from colour by ``eq3``, ``ratio``, ``ulap``, ``udepth``, ``layout``,
             ``network`` or FILE.toml of ``aquafuse fit``; or by a network, FILE.onnx or a :class:`DepthNetwork`.
         water_map: What says where open water is: ``rules``, ``network`` (a network of 145 kB that is part of this package and was
-            trained on synthetic scenes alone), ``both`` together, which is best and takes 3 ms more an image, or ``published``, the
+            trained on synthetic scenes alone), ``both`` together, which is best and takes 2 ms more an image, or ``published``, the
             paper's way.
         border: What surrounds the scene and is left as it is: ``auto``, ``none`` or (top, right, bottom, left).
         linear: Work in linear light instead of encoded values.

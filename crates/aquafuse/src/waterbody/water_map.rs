@@ -8,7 +8,7 @@
 /// | [`Rules`](Self::Rules) | smoothness, height in the image, depth, brightness | in streams, where each millisecond counts: the default of this crate |
 /// | `Network`, with the feature `network` | the image as a whole, 128 x 96 pixels of it | to see what it says alone |
 /// | [`Published`](Self::Published) | depth and colour: B∞ is the median of the farthest 5 %, with the paper's fallbacks, and no pixel is open water | to compare with the paper |
-/// | `Both`, with the feature `network` | both; whether by their odds together, the share of a pixel by either, B∞ by the network | for still images: nearer to the water on every set we have, and 3 ms slower: [`BEST`](Self::BEST) |
+/// | `Both`, with the feature `network` | both; whether by their odds together, the share of a pixel by either, B∞ by the network | for still images: nearer to the water on every set we have, and 2 ms slower: [`BEST`](Self::BEST) |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]

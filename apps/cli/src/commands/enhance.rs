@@ -63,10 +63,19 @@ impl Enhance {
         }
     }
 
+    /// Whether scores are computed: not where nobody would see them, for they take longer than the image.
+    fn scores(&self, common: &Common) -> bool {
+        !common.quiet || self.batch.json || self.batch.report.is_some()
+    }
+
     fn set_levels(&self, common: &Common) -> Result<(), Failure> {
         let levels = self.levels.options();
-        let plan =
-            self.batch.plan(std::slice::from_ref(&self.content), &[], &self.settings.depth_model()?, true)?;
+        let plan = self.batch.plan(
+            std::slice::from_ref(&self.content),
+            &[],
+            &self.settings.depth_model()?,
+            self.scores(common),
+        )?;
         let words = Words {
             heading: String::new(),
             settings: json!({
@@ -84,7 +93,12 @@ impl Enhance {
         let depth_model = self.settings.depth_model()?;
         let water = WaterSource::parse(clear)?;
         let inputs: Vec<_> = water.path().into_iter().collect();
-        let plan = self.batch.plan(std::slice::from_ref(&self.content), &inputs, &depth_model, true)?;
+        let plan = self.batch.plan(
+            std::slice::from_ref(&self.content),
+            &inputs,
+            &depth_model,
+            self.scores(common),
+        )?;
         let file = self.settings.waters.read(&water, &depth_model, encoding, &common.reading)?;
         let reference = self.settings.waters.per(self.batch.depth.kind_of_map(&depth_model), &file)?;
         let options = self.settings.options()?;

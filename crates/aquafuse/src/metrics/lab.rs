@@ -21,22 +21,47 @@ const WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
 /// ```
 #[must_use]
 pub fn lab(encoded: [f32; 3]) -> [f64; 3] {
-    let linear = encoded.map(|value| f64::from(Linear::from_encoded(value)));
-    let [x, y, z]: [f64; 3] = std::array::from_fn(|i| {
-        let sum: f64 = TO_XYZ[i].iter().zip(linear).map(|(weight, light)| weight * light).sum();
-        compressed(sum / WHITE[i])
-    });
+    lab_of_light(encoded.map(Linear::from_encoded))
+}
+
+/// [`lab`] of linear light.
+#[inline(always)]
+pub(super) fn lab_of_light([r, g, b]: [f32; 3]) -> [f64; 3] {
+    let [r, g, b] = [f64::from(r), f64::from(g), f64::from(b)];
+    let of = |i: usize| compressed((TO_XYZ[i][0] * r + TO_XYZ[i][1] * g + TO_XYZ[i][2] * b) / WHITE[i]);
+    let (x, y, z) = (of(0), of(1), of(2));
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
 /// The cube root, with a line where it would be too steep.
+#[inline(always)]
 fn compressed(light: f64) -> f64 {
-    if light > 0.008856 { light.cbrt() } else { 7.787 * light + 16.0 / 116.0 }
+    if light > 0.008856 { cube_root(light) } else { 7.787 * light + 16.0 / 116.0 }
+}
+
+/// The cube root of a number above 0: a guess from the exponent of a float, and Halley's steps, each of which trebles its digits. The
+/// library's takes ten times as long, and makes no vectors.
+#[inline(always)]
+fn cube_root(of: f64) -> f64 {
+    let guess = f32::from_bits((of as f32).to_bits() / 3 + 709_921_077);
+    let closer = |root: f64| {
+        let cube = root * root * root;
+        root * (cube + 2.0 * of) / (2.0 * cube + of)
+    };
+    closer(closer(closer(f64::from(guess))))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cube_roots_are_those_of_the_library() {
+        for light in (1..=2000).map(|i| f64::from(i) / 1000.0).chain([0.008857, 1.08883]) {
+            let (found, root) = (cube_root(light), light.cbrt());
+            assert!((found / root - 1.0).abs() < 1e-15, "{found} for {root}");
+        }
+    }
 
     #[test]
     fn the_primaries_have_their_tabled_colours() {

@@ -1,7 +1,8 @@
 //! UCIQE, underwater colour image quality without a reference.
 
-use super::lab;
-use crate::image::{ImageRef, Sample};
+use super::lab::lab_of_light;
+use crate::image::{Encoding, ImageRef, Linear, Sample};
+use crate::simd;
 
 /// The three parts of UCIQE.
 ///
@@ -47,21 +48,60 @@ impl Uciqe {
 /// ```
 #[must_use]
 pub fn uciqe<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Uciqe {
-    let lab: Vec<[f64; 3]> = image.into().pixels().map(|pixel| lab(pixel.map(T::to_unit))).collect();
-    let count = lab.len() as f64;
-    let chroma: Vec<f64> = lab.iter().map(|[_, a, b]| a.hypot(*b) / 100.0).collect();
+    let image = image.into();
+    let [chroma, mut lightness] = match image.as_bytes() {
+        Some(bytes) => {
+            let light: [f32; 256] = std::array::from_fn(|byte| Linear::from_encoded((byte as u8).to_unit()));
+            colours(bytes, |byte| light[usize::from(byte)])
+        }
+        None => colours(image, |value| Linear::from_encoded(value.to_unit())),
+    };
+    let count = chroma.len() as f64;
     let mean = chroma.iter().sum::<f64>() / count;
     let variance = chroma.iter().map(|chroma| (chroma - mean).powi(2)).sum::<f64>() / count;
-
-    let mut lightness: Vec<f64> = lab.iter().map(|[l, ..]| l / 100.0).collect();
-    let saturation = |(c, l): (&f64, &f64)| if *c > 0.0 { c / c.hypot(*l) } else { 0.0 };
+    let saturation = |(c, l): (&f64, &f64)| if *c > 0.0 { c / (c * c + l * l).sqrt() } else { 0.0 };
     let saturation = chroma.iter().zip(&lightness).map(saturation).sum::<f64>() / count;
-    lightness.sort_by(f64::total_cmp);
-    let percent = lab.len().div_ceil(100);
-    Uciqe {
-        chroma_deviation: variance.sqrt(),
-        luminance_contrast: lightness[lab.len() - percent] - lightness[percent - 1],
-        saturation,
+    let percent = lightness.len().div_ceil(100);
+    let most = lightness.len() - percent;
+    let mut at = |rank: usize| *lightness.select_nth_unstable_by(rank, f64::total_cmp).1;
+    Uciqe { chroma_deviation: variance.sqrt(), luminance_contrast: at(most) - at(percent - 1), saturation }
+}
+
+/// Pixels that are computed with at once.
+const BLOCK: usize = 64;
+
+/// Chroma and lightness of each pixel, over 100, by the light behind a value.
+fn colours<T: Sample>(image: ImageRef<'_, T>, light_of: impl Fn(T) -> f32) -> [Vec<f64>; 2] {
+    let pixels = image.width() * image.height();
+    let mut found = [Vec::with_capacity(pixels), Vec::with_capacity(pixels)];
+    let mut light = [[0.0_f32; 3]; BLOCK];
+    for y in 0..image.height() {
+        for pixels in image.row(y).chunks(BLOCK) {
+            for (light, pixel) in light.iter_mut().zip(pixels) {
+                *light = pixel.map(&light_of);
+            }
+            for (found, block) in found.iter_mut().zip(simd::widest(Colours(&light))) {
+                found.extend(&block[..pixels.len()]);
+            }
+        }
+    }
+    found
+}
+
+/// Chroma and lightness of a block of linear light.
+struct Colours<'a>(&'a [[f32; 3]; BLOCK]);
+
+impl simd::Work for Colours<'_> {
+    type Output = [[f64; BLOCK]; 2];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let [mut chroma, mut lightness] = [[0.0; BLOCK]; 2];
+        for i in 0..BLOCK {
+            let [l, a, b] = lab_of_light(self.0[i]);
+            (chroma[i], lightness[i]) = ((a * a + b * b).sqrt() / 100.0, l / 100.0);
+        }
+        [chroma, lightness]
     }
 }
 

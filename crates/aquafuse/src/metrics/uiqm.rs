@@ -1,6 +1,7 @@
 //! UIQM, underwater image quality without a reference.
 
 use crate::image::{ImageRef, Sample};
+use crate::simd;
 
 /// The three parts of UIQM.
 ///
@@ -89,28 +90,56 @@ fn colourfulness(pixels: &[[f64; 3]]) -> f64 {
 
 /// The mean without both ends, and the mean square about it of all values.
 fn trimmed(mut values: Vec<f64>) -> [f64; 2] {
-    values.sort_by(f64::total_cmp);
     let share = TRIMMED * values.len() as f64;
-    let kept = &values[share.ceil() as usize..values.len() - share.floor() as usize];
+    let (from, to) = (share.ceil() as usize, values.len() - share.floor() as usize);
+    // The kept ones in any order: they are half steps of bytes, whose sums are exact.
+    let (kept, ..) = values.select_nth_unstable_by(to - 1, f64::total_cmp);
+    let most = kept.len();
+    if from < most {
+        kept.select_nth_unstable_by(from, f64::total_cmp);
+    }
+    let kept = &values[from..to];
     let mean = kept.iter().sum::<f64>() / kept.len() as f64;
     [mean, values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64]
 }
 
 /// Length of the Sobel gradient times the value itself. Its scale cancels in [`twice_log_ratio`].
 fn edges(channel: &[f64], width: usize, height: usize) -> Vec<f64> {
-    let at = |x: isize, y: isize| {
-        let (x, y) = (x.clamp(0, width as isize - 1), y.clamp(0, height as isize - 1));
-        channel[y as usize * width + x as usize]
+    let mut edges = vec![0.0; channel.len()];
+    // A row with its outermost values once more at either side.
+    let padded = |y: usize| -> Vec<f64> {
+        let row = &channel[y * width..][..width];
+        let ends = [row[0], row[width - 1]];
+        std::iter::once(ends[0]).chain(row.iter().copied()).chain([ends[1]]).collect()
     };
-    let edge = |x: isize, y: isize| {
-        let column = |x: isize| at(x, y - 1) + 2.0 * at(x, y) + at(x, y + 1);
-        let row = |y: isize| at(x - 1, y) + 2.0 * at(x, y) + at(x + 1, y);
-        at(x, y) * (column(x + 1) - column(x - 1)).hypot(row(y + 1) - row(y - 1))
-    };
-    (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x as isize, y as isize)))
-        .map(|(x, y)| edge(x, y))
-        .collect()
+    let (mut above, mut row) = (padded(0), padded(0));
+    for (y, edges) in edges.chunks_exact_mut(width).enumerate() {
+        let below = padded((y + 1).min(height - 1));
+        simd::widest(Edges { rows: [&above, &row, &below], edges });
+        above = std::mem::replace(&mut row, below);
+    }
+    edges
+}
+
+/// The edges of one row between its neighbours.
+struct Edges<'a> {
+    rows: [&'a [f64]; 3],
+    edges: &'a mut [f64],
+}
+
+impl simd::Work for Edges<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [above, row, below] = self.rows.map(|row| &row[..self.edges.len() + 2]);
+        for (x, edge) in self.edges.iter_mut().enumerate() {
+            let column = |x: usize| above[x] + 2.0 * row[x] + below[x];
+            let along = |row: &[f64]| row[x] + 2.0 * row[x + 1] + row[x + 2];
+            let (across, down) = (column(x + 2) - column(x), along(below) - along(above));
+            *edge = row[x + 1] * (across * across + down * down).sqrt();
+        }
+    }
 }
 
 /// The mean over all whole blocks of what `of` makes of a block's smallest and largest value.

@@ -144,15 +144,41 @@ impl simd::Work for Edges<'_> {
 
 /// The mean over all whole blocks of what `of` makes of a block's smallest and largest value.
 fn mean_of_blocks(values: &[f64], width: usize, of: impl Fn(f64, f64) -> f64) -> f64 {
-    let (columns, rows) = (width / BLOCK, values.len() / width / BLOCK);
-    let block = |i: usize| {
-        let corner = (i / columns * width + i % columns) * BLOCK;
-        let inside = (0..BLOCK).flat_map(|y| &values[corner + y * width..][..BLOCK]);
-        let (least, most) =
-            inside.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(*v), most.max(*v)));
-        of(least, most)
-    };
-    (0..columns * rows).map(block).sum::<f64>() / (columns * rows) as f64
+    let columns = width / BLOCK;
+    let [mut least, mut most] = [(); 2].map(|()| vec![0.0; columns * BLOCK]);
+    let (mut sum, mut blocks) = (0.0, 0_u32);
+    for rows in values.chunks_exact(width * BLOCK) {
+        least.fill(f64::INFINITY);
+        most.fill(f64::NEG_INFINITY);
+        for row in rows.chunks_exact(width) {
+            simd::widest(Widen { row, least: &mut least, most: &mut most });
+        }
+        for (least, most) in least.chunks_exact(BLOCK).zip(most.chunks_exact(BLOCK)) {
+            let least = least.iter().copied().fold(f64::INFINITY, f64::min);
+            sum += of(least, most.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+            blocks += 1;
+        }
+    }
+    sum / f64::from(blocks)
+}
+
+/// Widens the range of each column by the value of a row.
+struct Widen<'a> {
+    row: &'a [f64],
+    least: &'a mut [f64],
+    most: &'a mut [f64],
+}
+
+impl simd::Work for Widen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for ((value, least), most) in self.row.iter().zip(self.least).zip(self.most) {
+            *least = if value < least { *value } else { *least };
+            *most = if value > most { *value } else { *most };
+        }
+    }
 }
 
 fn twice_log_ratio(least: f64, most: f64) -> f64 {

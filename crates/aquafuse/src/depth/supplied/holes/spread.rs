@@ -1,0 +1,149 @@
+//! What was measured beside a hole, carried into it as far as the image shows no edge.
+//!
+//! Weighted least squares (Farbman et al., "Edge-Preserving Decompositions", 2008) with a confidence for each value, solved along
+//! rows and columns in turn (Min et al., "Fast Global Image Smoothing", 2014): measured distances count whole, what colour says
+//! in a hole counts little, and neighbours agree the more, the more alike their brightness is. A pier that is measured in part
+//! is one thing then, and the ground goes over into open water without a step.
+
+use crate::depth::map::Measured;
+use crate::image::ImageRef;
+
+/// Cells along the shorter side; a cell is one pixel at least.
+const CELLS: usize = 200;
+/// How strongly neighbours agree, and the step of ln brightness at which that has fallen to a half. With these and [`THINGS`]
+/// depth that is taken away from the test images, around their holes and in blocks, is found again with .55 of the error.
+const SMOOTH: f32 = 400.0;
+const EDGE: f32 = 0.02;
+/// What is added to a brightness, so that the noise of black is no edge.
+const DARKEST: f32 = 0.02;
+/// What colour counts in a hole, where a measured pixel counts 1: where it says a thing, and where it says open water. A thing
+/// reaches into open water a sixth of the image's height where this is as little as for things, and its neighbourhood stays in
+/// the old water.
+const THINGS: f32 = 0.02;
+const WATER: f32 = 0.3;
+/// Rounds of rows and columns.
+const ROUNDS: i32 = 3;
+/// Measured pixels so near to a hole say nothing: there the outlines of map and image often differ.
+const OUTLINE: usize = 3;
+
+/// A pixel that was not measured, by its colour.
+#[derive(Clone, Copy)]
+pub(super) struct Guess {
+    pub(super) distance: f32,
+    /// 0 on things, 1 in open water.
+    pub(super) water: f32,
+}
+
+/// Fills what is not `valid` in the distances of `image`, by guesses and by what was measured beside them; `far` is the far end
+/// of what was measured. Returns where z is measured.
+pub(super) fn fill(
+    image: ImageRef<'_, u8>,
+    distances: &mut [f32],
+    valid: &[bool],
+    far: f32,
+    guess: impl Fn(usize) -> Guess,
+) -> Measured {
+    let (width, height) = image.size();
+    let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
+    let cells = [width, height].map(|length| ((length as f32 / side) as usize).max(1));
+    let trusted = trusted(valid, [width, height]);
+    // Distances by what is left of a signal: between a thing and open water the middle is then the middle of what is seen.
+    let scale = 0.5 * far.max(f32::MIN_POSITIVE);
+    let mut sums = vec![[0.0_f32; 5]; cells[0] * cells[1]];
+    for (i, pixel) in image.pixels().enumerate() {
+        let [x, y] = [i % width, i / width];
+        let at = cell(y, height, cells[1]) * cells[0] + cell(x, width, cells[0]);
+        let grey = pixel.iter().map(|&value| f32::from(value)).sum::<f32>() / (3.0 * 255.0);
+        let (distance, counts) = match (valid[i], trusted[i]) {
+            (true, trusted) => (distances[i], f32::from(u8::from(trusted))),
+            (false, _) => {
+                let Guess { distance, water } = guess(i);
+                distances[i] = distance;
+                (distance, THINGS + (WATER - THINGS) * water)
+            }
+        };
+        let measured = if valid[i] { counts } else { 0.0 };
+        let of_pixel = [grey, 1.0, counts * (-distance / scale).exp(), counts, measured];
+        sums[at].iter_mut().zip(of_pixel).for_each(|(sum, value)| *sum += value);
+    }
+    let brightness: Vec<f32> = sums.iter().map(|sum| (sum[0] / sum[1] + DARKEST).ln()).collect();
+    let smooth = Smooth::new(&brightness, cells);
+    let [left, counts, measured] = [2, 3, 4].map(|k| smooth.of(sums.iter().map(|sum| sum[k] / sum[1]).collect()));
+    let share = |of: &[f32]| -> Vec<f32> {
+        // A cell that nothing counts in, nor near it, is as far as can be.
+        of.iter().zip(&counts).map(|(of, all)| (of / all.max(1e-9)).clamp(0.0, 1.0)).collect()
+    };
+    let left = Measured::new(far, cells, share(&left));
+    for i in (0..distances.len()).filter(|&i| !valid[i]) {
+        let left = left.at([i % width, i / width], [width, height]);
+        distances[i] = -scale * left.max(f32::MIN_POSITIVE).ln();
+    }
+    Measured::new(far, cells, share(&measured))
+}
+
+/// The cell of a pixel.
+fn cell(at: usize, length: usize, cells: usize) -> usize {
+    (2 * at + 1) * cells / (2 * length)
+}
+
+/// How much the neighbours of each cell agree with it, along rows and columns.
+struct Smooth {
+    cells: [usize; 2],
+    /// With the next cell of the row, and of the column.
+    along: [Vec<f32>; 2],
+}
+
+impl Smooth {
+    fn new(brightness: &[f32], cells: [usize; 2]) -> Self {
+        let along = [1, cells[0]].map(|next| {
+            let alike = |pair: (&f32, &f32)| (1.0 + ((pair.0 - pair.1) / EDGE).powi(2)).recip();
+            brightness.iter().zip(&brightness[next.min(brightness.len())..]).map(alike).collect()
+        });
+        Self { cells, along }
+    }
+
+    /// The map, smooth where neighbours agree.
+    fn of(&self, mut map: Vec<f32>) -> Vec<f32> {
+        let [columns, rows] = self.cells;
+        for round in 0..ROUNDS {
+            let strength = 1.5 * SMOOTH * 4.0_f32.powi(ROUNDS - 1 - round) / (4.0_f32.powi(ROUNDS) - 1.0);
+            for y in 0..rows {
+                solve(&mut map, &self.along[0], strength, [y * columns, 1, columns]);
+            }
+            for x in 0..columns {
+                solve(&mut map, &self.along[1], strength, [x, columns, rows]);
+            }
+        }
+        map
+    }
+}
+
+/// Along a line of a map (its first value, its step and its length), x of least `Σ (x - map)² + strength Σ alike (x - next x)²`: three
+/// diagonals, solved from one end to the other and back.
+fn solve(map: &mut [f32], alike: &[f32], strength: f32, [first, step, length]: [usize; 3]) {
+    let mut ratios = Vec::with_capacity(length);
+    let [mut before, mut ratio, mut value] = [0.0; 3];
+    for at in (first..).step_by(step).take(length) {
+        let after = if ratios.len() + 1 < length { strength * alike[at] } else { 0.0 };
+        let diagonal = 1.0 + before * (1.0 - ratio) + after;
+        value = (map[at] + before * value) / diagonal;
+        ratio = after / diagonal;
+        map[at] = value;
+        ratios.push(ratio);
+        before = after;
+    }
+    for at in (0..length.saturating_sub(1)).rev() {
+        let place = first + at * step;
+        map[place] += ratios[at] * map[place + step];
+    }
+}
+
+/// Measured pixels that are far enough from holes.
+fn trusted(valid: &[bool], [width, height]: [usize; 2]) -> Vec<bool> {
+    let around = |at: usize, length: usize| at.saturating_sub(OUTLINE)..(at + OUTLINE + 1).min(length);
+    let all = |of: &[bool], i: usize, step: usize, at: usize, length: usize| {
+        around(at, length).all(|other| of[i + other * step - at * step])
+    };
+    let rows: Vec<bool> = (0..valid.len()).map(|i| all(valid, i, 1, i % width, width)).collect();
+    (0..valid.len()).map(|i| all(&rows, i, width, i / width, height)).collect()
+}

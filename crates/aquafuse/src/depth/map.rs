@@ -1,6 +1,6 @@
 //! A depth map and what its numbers mean.
 
-mod measured;
+mod guesses;
 mod steps;
 
 use std::borrow::Cow;
@@ -8,10 +8,11 @@ use std::borrow::Cow;
 use super::DepthModel;
 use crate::bands;
 use crate::image::{Encoding, ImageError, ImageMut, Sample, check_same_size, check_size, runs_mut};
-use crate::scene_area::{Margins, SceneArea};
+use crate::scene_area::SceneArea;
 use crate::simd;
 
-pub(crate) use measured::Measured;
+pub(crate) use guesses::Guesses;
+pub(super) use guesses::{Water, at};
 use steps::step_to_z;
 pub(crate) use steps::{InSteps, Stepped, TABLE};
 pub(super) use steps::{LAST_STEP, step_to_level};
@@ -29,8 +30,8 @@ pub struct DepthMap {
     model: Option<DepthModel>,
     /// Whether z is 1 less an inverse depth of unknown scale and shift.
     is_inverse: bool,
-    /// Where z was measured; none where no z is a guess.
-    measured: Option<Measured>,
+    /// Where z is a guess, if it is anywhere.
+    guesses: Option<Guesses>,
     values: Values,
 }
 
@@ -123,11 +124,10 @@ const HORIZON: f32 = 0.98;
 const WITHIN: f64 = 0.995;
 
 /// Spreads the steps over where things are. Open water at a far number, or one wrong pixel, would
-/// otherwise press the whole scene into a few steps. What lies farther than was measured is beyond them, as open water is.
-fn quantise(distances: &[f32], measured_to: f32) -> Quantised<'_> {
+/// otherwise press the whole scene into a few steps.
+fn quantise(distances: &[f32]) -> Quantised<'_> {
     let farthest = distances.iter().copied().fold(0.0, f32::max);
-    let horizon = (HORIZON * farthest).min(measured_to);
-    let mut nearer: Vec<f32> = distances.iter().copied().filter(|&z| z < horizon).collect();
+    let mut nearer: Vec<f32> = distances.iter().copied().filter(|&z| z < HORIZON * farthest).collect();
     let within = if nearer.is_empty() {
         0.0
     } else {
@@ -189,7 +189,7 @@ impl DepthMap {
             kind: DepthKind::Relative,
             model: None,
             is_inverse: false,
-            measured: None,
+            guesses: None,
             values,
         }
     }
@@ -217,7 +217,7 @@ impl DepthMap {
             kind,
             model: None,
             is_inverse: false,
-            measured: None,
+            guesses: None,
             values: Values::Floats(distances),
         })
     }
@@ -244,7 +244,9 @@ impl DepthMap {
 
     /// Other distances of the same kind.
     pub(super) fn with_distances(&self, (width, height): (usize, usize), distances: Vec<f32>) -> Self {
-        Self { width, height, values: Values::Floats(distances), measured: self.measured.clone(), ..*self }
+        let sizes = [[self.width, self.height], [width, height]];
+        let guesses = self.guesses.as_ref().map(|guesses| guesses.resized(sizes[0], sizes[1]));
+        Self { width, height, values: Values::Floats(distances), guesses, ..*self }
     }
 
     /// This map as one whose z is 1 less an inverse depth.
@@ -252,29 +254,28 @@ impl DepthMap {
         Self { is_inverse: true, ..self }
     }
 
-    /// This map as one whose z is a guess where it was not measured.
-    pub(super) fn with_guesses(self, measured: Measured) -> Self {
-        Self { measured: Some(measured), ..self }
+    /// This map as one in which z is a guess in places.
+    pub(super) fn with_guesses(self, guesses: Guesses) -> Self {
+        Self { guesses: Some(guesses), ..self }
     }
 
     /// The distance beyond which z is a guess, infinite where none is: a restoration goes no farther.
     pub(crate) fn measured_to(&self) -> f32 {
-        self.measured.as_ref().map_or(f32::INFINITY, Measured::to)
+        self.guesses.as_ref().map_or(f32::INFINITY, Guesses::beyond)
     }
 
-    /// How much of the z of a pixel was measured, there or beside it, in `[0, 1]`; none where no depth is read as a distance, as
-    /// of colours.
-    pub(crate) fn measured_at(&self, x: usize, y: usize) -> f32 {
-        match &self.measured {
-            _ if !self.is_measured() => 0.0,
-            Some(measured) => measured.at([x, y], [self.width, self.height]),
-            None => 1.0,
+    /// How much of a pixel may be open water, in `[0, 1]`: nothing where z was measured, and what colour says in holes.
+    pub(crate) fn may_be_water(&self, x: usize, y: usize) -> f32 {
+        match &self.guesses {
+            _ if !self.is_measured() => 1.0,
+            Some(guesses) => guesses.water_at([x, y], [self.width, self.height]),
+            None => 0.0,
         }
     }
 
     /// Whether every z was measured.
     pub(crate) fn is_measured_everywhere(&self) -> bool {
-        self.is_measured() && self.measured.is_none()
+        self.is_measured() && self.guesses.is_none()
     }
 
     /// Whether z is 1 less an inverse depth of unknown scale and shift, as of a monocular network: its order is right, its
@@ -348,9 +349,7 @@ impl DepthMap {
     pub fn cut(&self, area: &SceneArea) -> Result<Self, ImageError> {
         check_same_size(area.image_size(), self.size())?;
         let (width, height) = area.size();
-        let Margins { top, left, .. } = area.margins();
-        let within = [left..left + width, top..top + height];
-        let measured = self.measured.as_ref().map(|measured| measured.cut(within, [self.width, self.height]));
+        let guesses = self.guesses.as_ref().map(|guesses| guesses.cut(area));
         let values = match &self.values {
             Values::Levels(levels) => Values::Levels(area.cut_values(levels.iter().copied())),
             Values::Steps { steps, levels } => Values::Steps {
@@ -360,7 +359,7 @@ impl DepthMap {
             Values::FineLevels(levels) => Values::FineLevels(area.cut_values(levels.iter().copied())),
             Values::Floats(distances) => Values::Floats(area.cut_values(distances.iter().copied())),
         };
-        Ok(Self { width, height, values, measured, ..*self })
+        Ok(Self { width, height, values, guesses, ..*self })
     }
 
     /// All distances, row by row from the top.
@@ -456,7 +455,10 @@ impl DepthMap {
                 step: level_to_z(1),
                 beyond: None,
             },
-            Values::Floats(distances) => quantise(distances, self.measured_to()),
+            Values::Floats(distances) => match &self.guesses {
+                Some(guesses) => guesses.quantised(),
+                None => quantise(distances),
+            },
         }
     }
 

@@ -202,7 +202,7 @@ impl Supplied {
         let levels = &*quantised.levels;
         let agreement = agreement::with_image(&distances, &valid, levels, image.size(), top);
         let invalid = pixels - count;
-        let measured = (invalid > 0).then(|| {
+        let guesses = (invalid > 0).then(|| {
             let most = if self.kind.is_metric() { f32::MAX } else { 1.0 };
             holes::fill(image, &mut distances, &valid, levels, most)
         });
@@ -212,8 +212,8 @@ impl Supplied {
         let depth = DepthMap::from_distances(self.width, self.height, kind, distances)
             .expect("valid values and filled ones are in range");
         let depth = if self.kind == SuppliedKind::Inverse { depth.turned_from_inverse() } else { depth };
-        let depth = match measured {
-            Some(measured) => depth.with_guesses(measured),
+        let depth = match guesses {
+            Some(guesses) => depth.with_guesses(guesses),
             None => depth,
         };
         Ok(SuppliedDepth { depth, report })

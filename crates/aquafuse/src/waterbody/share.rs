@@ -124,7 +124,7 @@ impl WaterShare {
         }
         let colours: Vec<[f32; 3]> =
             region.cells.all().iter().map(|cell| cell.mean.map(|v| v / 255.0)).collect();
-        let of_cell = |i: usize| share_of_cell(region, i, &colours[i], &veil) * guessed(depth, region, i);
+        let of_cell = |i: usize| share_of_cell(region, i, &colours[i], &veil) * may_be_water(depth, region, i);
         let map: Vec<f32> = (0..colours.len()).map(of_cell).collect();
         let mean = map.iter().map(|&share| f64::from(share)).sum::<f64>() / map.len() as f64;
         let map = Guided::new(region.cells.grid(), &colours, &map, FLAT);
@@ -219,10 +219,10 @@ impl Work for ToShares<'_> {
     }
 }
 
-/// How much of the depth in the middle of a cell is a guess: where it was measured, F' says what water leaves.
-fn guessed(depth: &DepthMap, region: &Region, cell: usize) -> f32 {
+/// How much of a cell may be open water by its depth: where that was measured, F' vanishes in open water by itself.
+fn may_be_water(depth: &DepthMap, region: &Region, cell: usize) -> f32 {
     let [x, y] = region.cells.place(cell).map(|pixels| pixels.start + pixels.len() / 2);
-    1.0 - depth.measured_at(x, y)
+    depth.may_be_water(x, y)
 }
 
 /// How much of a cell is water: by evidence, or else by its colour; or by what a network sees there, or by either.

@@ -9,7 +9,7 @@ mod spread;
 
 use spread::Guess;
 
-use crate::depth::map::Measured;
+use crate::depth::map::Guesses;
 use crate::image::ImageRef;
 
 /// Levels of colour depth.
@@ -28,25 +28,25 @@ const OPEN_WATER: f32 = 4.0;
 const RAMP: usize = 8;
 
 /// Fills what is not valid in the map of `image`; `levels` is its colour depth, `most` the largest distance there is. Returns where z
-/// was measured.
+/// is a guess.
 pub(super) fn fill(
     image: ImageRef<'_, u8>,
     distances: &mut [f32],
     valid: &[bool],
     levels: &[u8],
     most: f32,
-) -> Measured {
+) -> Guesses {
     let Curve { at, farthest, far } = curve(distances, valid, levels);
     let guess = |i: usize| {
         let level = usize::from(levels[i]);
         let water = level.saturating_sub(farthest).min(RAMP) as f32 / RAMP as f32;
-        Guess { distance: at[level], water }
+        Guess { distance: at[level].min(most), water }
     };
-    let measured = spread::fill(image, distances, valid, far, guess);
+    let guesses = spread::fill(image, distances, valid, far, guess);
     for (distance, _) in distances.iter_mut().zip(valid).filter(|(_, valid)| !**valid) {
         *distance = distance.clamp(0.0, most);
     }
-    measured
+    guesses
 }
 
 /// Distance by level of colour depth, rising.

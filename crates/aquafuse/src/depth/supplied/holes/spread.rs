@@ -5,7 +5,7 @@
 //! in a hole counts little, and neighbours agree the more, the more alike their brightness is. A pier that is measured in part
 //! is one thing then, and the ground goes over into open water without a step.
 
-use crate::depth::map::Measured;
+use crate::depth::map::{Guesses, Water, at};
 use crate::image::ImageRef;
 
 /// Cells along the shorter side; a cell is one pixel at least.
@@ -35,50 +35,70 @@ pub(super) struct Guess {
 }
 
 /// Fills what is not `valid` in the distances of `image`, by guesses and by what was measured beside them; `far` is the far end
-/// of what was measured. Returns where z is measured.
+/// of what was measured.
 pub(super) fn fill(
     image: ImageRef<'_, u8>,
     distances: &mut [f32],
     valid: &[bool],
     far: f32,
     guess: impl Fn(usize) -> Guess,
-) -> Measured {
+) -> Guesses {
     let (width, height) = image.size();
     let side = (width.min(height) as f32 / CELLS as f32).max(1.0);
     let cells = [width, height].map(|length| ((length as f32 / side) as usize).max(1));
     let trusted = trusted(valid, [width, height]);
     // Distances by what is left of a signal: between a thing and open water the middle is then the middle of what is seen.
     let scale = 0.5 * far.max(f32::MIN_POSITIVE);
-    let mut sums = vec![[0.0_f32; 5]; cells[0] * cells[1]];
+    let mut sums = vec![Sums::default(); cells[0] * cells[1]];
     for (i, pixel) in image.pixels().enumerate() {
-        let [x, y] = [i % width, i / width];
-        let at = cell(y, height, cells[1]) * cells[0] + cell(x, width, cells[0]);
-        let grey = pixel.iter().map(|&value| f32::from(value)).sum::<f32>() / (3.0 * 255.0);
-        let (distance, counts) = match (valid[i], trusted[i]) {
-            (true, trusted) => (distances[i], f32::from(u8::from(trusted))),
-            (false, _) => {
+        let cell = cell(i / width, height, cells[1]) * cells[0] + cell(i % width, width, cells[0]);
+        let (counts, water) = match valid[i] {
+            true => (f32::from(u8::from(trusted[i])), 0.0),
+            false => {
                 let Guess { distance, water } = guess(i);
                 distances[i] = distance;
-                (distance, THINGS + (WATER - THINGS) * water)
+                (THINGS + (WATER - THINGS) * water, water)
             }
         };
-        let measured = if valid[i] { counts } else { 0.0 };
-        let of_pixel = [grey, 1.0, counts * (-distance / scale).exp(), counts, measured];
-        sums[at].iter_mut().zip(of_pixel).for_each(|(sum, value)| *sum += value);
+        let brightness = pixel.iter().map(|&value| f32::from(value)).sum::<f32>() / (3.0 * 255.0);
+        sums[cell].add(brightness, counts, (-distances[i] / scale).exp(), water);
     }
-    let brightness: Vec<f32> = sums.iter().map(|sum| (sum[0] / sum[1] + DARKEST).ln()).collect();
+    let brightness: Vec<f32> = sums.iter().map(|cell| (cell.brightness / cell.pixels + DARKEST).ln()).collect();
     let smooth = Smooth::new(&brightness, cells);
-    let [left, counts, measured] = [2, 3, 4].map(|k| smooth.of(sums.iter().map(|sum| sum[k] / sum[1]).collect()));
-    let share = |of: &[f32]| -> Vec<f32> {
-        // A cell that nothing counts in, nor near it, is as far as can be.
-        of.iter().zip(&counts).map(|(of, all)| (of / all.max(1e-9)).clamp(0.0, 1.0)).collect()
+    let mean = |of: fn(&Sums) -> f32| smooth.of(sums.iter().map(|cell| of(cell) / cell.pixels).collect());
+    let counts = mean(|cell| cell.counts);
+    let by_count = |sums: Vec<f32>| -> Vec<f32> {
+        // What nothing counts in, nor beside it, is as far as can be.
+        sums.iter().zip(&counts).map(|(sum, counts)| (sum / counts.max(1e-9)).clamp(0.0, 1.0)).collect()
     };
-    let left = Measured::new(far, cells, share(&left));
+    let (left, shares) = (by_count(mean(|cell| cell.left)), by_count(mean(|cell| cell.water)));
+    let guesses = Guesses::new(far, Water { cells, shares }, distances);
     for i in (0..distances.len()).filter(|&i| !valid[i]) {
-        let left = left.at([i % width, i / width], [width, height]);
+        let left = at(&left, cells, [i % width, i / width], [width, height]);
         distances[i] = -scale * left.max(f32::MIN_POSITIVE).ln();
     }
-    Measured::new(far, cells, share(&measured))
+    guesses
+}
+
+/// Sums over the pixels of a cell.
+#[derive(Clone, Default)]
+struct Sums {
+    pixels: f32,
+    brightness: f32,
+    /// What its pixels count, and by that what is left of a signal from them, and open water.
+    counts: f32,
+    left: f32,
+    water: f32,
+}
+
+impl Sums {
+    fn add(&mut self, brightness: f32, counts: f32, left: f32, water: f32) {
+        self.pixels += 1.0;
+        self.brightness += brightness;
+        self.counts += counts;
+        self.left += counts * left;
+        self.water += counts * water;
+    }
 }
 
 /// The cell of a pixel.

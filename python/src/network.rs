@@ -64,4 +64,9 @@ impl DepthNetwork {
     fn size(&self) -> Option<u32> {
         self.0.origin().2.side
     }
+
+    #[getter]
+    fn seconds(&self) -> Option<u32> {
+        self.0.origin().2.seconds
+    }
 }

@@ -144,10 +144,7 @@ impl AnyFrames {
     }
 
     fn change(&mut self, pixels: &mut Pixels) -> Result<FrameReport, Fault> {
-        fn next<T: Sample>(
-            frames: &mut Frames<T>,
-            layers: &mut Layers<T>,
-        ) -> Result<FrameReport, Fault> {
+        fn next<T: Sample>(frames: &mut Frames<T>, layers: &mut Layers<T>) -> Result<FrameReport, Fault> {
             frames.change(layers.image.view_mut()).map_err(|error| match error {
                 VideoError::Image(error) => error.into(),
                 VideoError::File(error) => error.into(),

@@ -20,9 +20,9 @@ use crate::args::levels::LevelsArguments;
 use crate::args::max_gain::MaxGain;
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
-use crate::report::{network, output};
 use crate::report::progress::Progress;
 use crate::report::water::veiling_light;
+use crate::report::{network, output};
 
 const HELP: &str = "\
 The program ffmpeg reads and writes video. It is looked for on the search path, or in the environment
@@ -222,8 +222,7 @@ impl Video {
             None => Operation::Enhance { levels: self.levels.options() },
             Some(water) => {
                 self.waters.refuse_unread(settings.options.model)?;
-                let file =
-                    self.waters.read(water, &depth_model, PixelEncoding::Encoded, &common.reading)?;
+                let file = self.waters.read(water, &depth_model, PixelEncoding::Encoded, &common.reading)?;
                 let reference = self.waters.per(depth_model.kind(), &file)?;
                 heading = format!("{}: {}\n", water.name(), veiling_light(&reference));
                 Operation::Fuse { reference, options: settings.options }

@@ -9,7 +9,7 @@ use aquafuse::scene_area::Border;
 use super::message::{self, Kind, Raw};
 use crate::image_file::{ImageFile, Pixels, ReadOptions};
 use crate::pipeline::{PixelEncoding, analyse_supplied};
-use crate::video::{AtDepth, Frames, Recipe, VideoError};
+use crate::video::{AtDepth, Frames, VideoError};
 
 /// What became of a message.
 pub(super) enum Outcome {
@@ -190,7 +190,8 @@ pub(super) fn try_message(bytes: &[u8], options: &ReadOptions) {
     };
     let stamp = message::stamp(kind, bytes);
     let _ = super::depth::decoded(kind, bytes);
-    let recipe = Recipe::new(crate::pipeline::Operation::Enhance { levels: Default::default() });
+    let recipe =
+        crate::video::Recipe::new(crate::pipeline::Operation::Enhance { levels: Default::default() });
     let frames = recipe.frames().expect("levels are set frame by frame");
     let mut sequence = Sequence::ByColour(Box::new(frames));
     let Outcome::Changed(message) =

@@ -283,3 +283,6 @@ fn rten_shape(value: &Value) -> Vec<usize> {
 fn unfit_network(path: &Path, (cause, remedy): Unfit) -> FileError {
     FileError::UnfitNetwork { path: path.to_owned(), cause: one_line(&cause), remedy }
 }
+
+#[cfg(test)]
+mod tests;

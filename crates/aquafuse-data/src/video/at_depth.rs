@@ -1,5 +1,7 @@
 //! Frames whose depth is not estimated from their colours: it comes from a network, or with each of them.
 
+use std::any::TypeId;
+
 use aquafuse::image::{Image, ImageError, ImageMut, Sample};
 use aquafuse::stream::Steady;
 
@@ -29,11 +31,11 @@ impl AtDepth {
         analyse: impl FnOnce(&ImageFile) -> Result<Analysis<WaterEstimate>, VideoError>,
     ) -> Result<FrameReport, VideoError> {
         let Self { recipe, steady } = self;
-        let seen = frame.as_ref();
-        let pixels = match seen.as_bytes() {
-            Some(bytes) => Pixels::from(bytes.to_image()),
-            // Floats hold words as they are.
-            None => Pixels::from(seen.to_image().convert::<f32>()),
+        let image = frame.as_ref().to_image();
+        // Floats hold words as they are.
+        let pixels = match TypeId::of::<T>() == TypeId::of::<u8>() {
+            true => Pixels::from(image.convert::<u8>()),
+            false => Pixels::from(image.convert::<f32>()),
         };
         let request = |error: &dyn std::fmt::Display| VideoError::Request(error.to_string());
         let file = ImageFile::new(pixels).with_water_map(recipe.water_map);

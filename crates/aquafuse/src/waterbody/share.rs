@@ -124,7 +124,8 @@ impl WaterShare {
         }
         let colours: Vec<[f32; 3]> =
             region.cells.all().iter().map(|cell| cell.mean.map(|v| v / 255.0)).collect();
-        let of_cell = |i: usize| share_of_cell(region, i, &colours[i], &veil) * may_be_water(depth, region, i);
+        let of_cell =
+            |i: usize| share_of_cell(region, i, &colours[i], &veil) * may_be_water(depth, region, i);
         let map: Vec<f32> = (0..colours.len()).map(of_cell).collect();
         let mean = map.iter().map(|&share| f64::from(share)).sum::<f64>() / map.len() as f64;
         let map = Guided::new(region.cells.grid(), &colours, &map, FLAT);

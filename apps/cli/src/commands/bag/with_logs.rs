@@ -53,8 +53,7 @@ impl Bag {
             None => Operation::Enhance { levels: self.levels.options() },
             Some(water) => {
                 self.waters.refuse_unread(settings.options.model)?;
-                let file =
-                    self.waters.read(water, &depth_model, PixelEncoding::Encoded, &common.reading)?;
+                let file = self.waters.read(water, &depth_model, PixelEncoding::Encoded, &common.reading)?;
                 let unit = if self.depth_topic.is_some() { DepthKind::Metres } else { depth_model.kind() };
                 let reference = self.waters.per(unit, &file)?;
                 Operation::Fuse { reference, options: settings.options }

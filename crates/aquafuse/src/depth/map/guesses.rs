@@ -41,7 +41,7 @@ impl Guesses {
     }
 
     /// How much is taken for open water at a pixel of a map of this size.
-    pub(super) fn water_at(&self, pixel: [usize; 2], size: [usize; 2]) -> f32 {
+    pub(in crate::depth) fn water_at(&self, pixel: [usize; 2], size: [usize; 2]) -> f32 {
         at(&self.water, self.cells, pixel, size)
     }
 
@@ -94,4 +94,40 @@ fn between(at: f32, cells: usize) -> ([usize; 2], f32) {
     let at = (at - 0.5).clamp(0.0, (cells - 1) as f32);
     let before = at as usize;
     ([before, (before + 1).min(cells - 1)], at - before as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use crate::scene_area::Border;
+
+    /// Open water in the upper half of 8 x 8 pixels.
+    fn upper_half() -> Guesses {
+        let water =
+            Water { cells: [8, 8], shares: (0..64).map(|i| if i < 32 { 1.0 } else { 0.0 }).collect() };
+        let counted: Vec<f32> = (0..64).map(|i| (i / 8 + 1) as f32).collect();
+        Guesses::new(5.0, water, &counted)
+    }
+
+    #[test]
+    fn a_part_of_a_map_keeps_what_is_known_of_it() {
+        let margins = Margins { top: 2, right: 0, bottom: 0, left: 4 };
+        let image = Image::<u8>::from_raw(8, 8, vec![9; 192]).unwrap();
+        let (whole, area) = (upper_half(), SceneArea::of(&image, Border::Given(margins)).unwrap());
+        let part = whole.cut(&area);
+        assert_eq!((part.beyond(), part.quantised().step), (5.0, whole.quantised().step));
+        let levels = whole.quantised().levels;
+        assert_eq!(part.quantised().levels, area.cut_values(levels.iter().copied()));
+        assert!(part.water_at([1, 0], [4, 6]) > 0.9 && part.water_at([1, 5], [4, 6]) < 0.1);
+    }
+
+    #[test]
+    fn a_map_of_another_size_keeps_its_places() {
+        let twice = upper_half().resized([8, 8], [16, 24]);
+        let levels = twice.quantised().levels.into_owned();
+        assert_eq!(levels.len(), 16 * 24);
+        assert_eq!((levels[0], levels[16 * 24 - 1]), (upper_half().levels[0], upper_half().levels[63]));
+        assert!(twice.water_at([8, 4], [16, 24]) > 0.9 && twice.water_at([8, 20], [16, 24]) < 0.1);
+    }
 }

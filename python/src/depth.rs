@@ -1,6 +1,6 @@
 //! Depth: from colour, by a network from a file, by a callable of the caller, or as an array.
 
-use aquafuse::depth::{DepthKind, DepthModel, Supplied, SuppliedKind};
+use aquafuse::depth::{DepthKind, Supplied, SuppliedKind};
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::{
     Analysis, DepthEstimator, DepthSource, PixelEncoding, WaterEstimate, analyse_coarse, analyse_in,

@@ -49,7 +49,7 @@ impl Fuser {
     pub(crate) fn recipe(&self) -> Result<Recipe, Fault> {
         let reference = match self.estimator.kind() {
             DepthKind::Metres => self.metric,
-            DepthKind::Relative => self.relative,
+            _ => self.relative,
         };
         if reference.encoding() == PixelEncoding::Linear {
             return Err(Fault::argument("a sequence works on encoded values; leave linear=False"));

@@ -16,7 +16,6 @@ use aquafuse_data::run::{RunOptions, Summary};
 use aquafuse_data::water_file::WaterFile;
 use pyo3::prelude::*;
 
-use crate::depth::kind_of;
 use crate::error::Fault;
 use crate::runs;
 use crate::settings::{Reading, gain, incidence, kind, scale};
@@ -154,7 +153,7 @@ impl Settings<'_> {
         let of_map = match self.depth_kind.as_deref() {
             Some("metres" | "millimetres") => DepthKind::Metres,
             Some(_) => DepthKind::Relative,
-            None => kind_of(&estimator),
+            None => estimator.kind(),
         };
         let instead = self.instead.as_ref().map(|water| self.drawable(water, of_map)).transpose()?;
         let on_doubtful = match (self.on_doubtful.as_str(), instead) {

@@ -1,7 +1,6 @@
 //! Depth: from colour, by a network from a file, by a callable of the caller, or as an array.
 
-use aquafuse::depth::{DepthKind, DepthModel, Supplied, SuppliedKind};
-use aquafuse_data::depth_network::NetworkKind;
+use aquafuse::depth::{DepthKind, Supplied, SuppliedKind};
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::{
     Analysis, DepthEstimator, DepthSource, PixelEncoding, WaterEstimate, analyse_coarse, analyse_in,
@@ -49,7 +48,7 @@ impl Depth {
     /// The unit that z will have.
     pub(crate) fn kind(&self) -> DepthKind {
         let kind = match self {
-            Self::Known(Known::Estimated(estimator)) => return kind_of(estimator),
+            Self::Known(Known::Estimated(estimator)) => return estimator.kind(),
             Self::Known(Known::Values(map) | Known::OfScene(map)) => map.kind(),
             Self::Called(_, kind) => *kind,
         };
@@ -82,25 +81,6 @@ impl Known {
             Self::Values(map) => analyse_supplied(encoding, image, map)?,
             Self::OfScene(map) => analyse_coarse(encoding, image, &map)?,
         })
-    }
-}
-
-/// The unit of what an estimator gives.
-pub(crate) fn kind_of(estimator: &DepthEstimator) -> DepthKind {
-    match estimator {
-        DepthEstimator::Network(network) if network.kind() == NetworkKind::Metric => DepthKind::Metres,
-        _ => DepthKind::Relative,
-    }
-}
-
-/// The model of colours, where `what` takes no other.
-pub(crate) fn of_colour(estimator: &DepthEstimator, what: &str) -> Result<DepthModel, Fault> {
-    match estimator {
-        DepthEstimator::Colour(model) => Ok(*model),
-        DepthEstimator::Network(network) => Err(Fault::argument(format!(
-            "{what} takes depth from colour only, not from the network {}; leave depth_model out",
-            network.name()
-        ))),
     }
 }
 

@@ -9,7 +9,6 @@ use aquafuse_data::video::Recipe;
 use pyo3::prelude::*;
 
 use crate::array::{check_out, give, take};
-use crate::depth::of_colour;
 use crate::error::Fault;
 use crate::operations::apply;
 use crate::settings::{ModelArgument, gain, incidence, scale, supplied};
@@ -46,14 +45,17 @@ pub(crate) struct Fuser {
 }
 
 impl Fuser {
-    /// The same for the frames of a sequence, which are encoded values with depth from colour.
+    /// The same for the frames of a sequence, which are encoded values.
     pub(crate) fn recipe(&self) -> Result<Recipe, Fault> {
-        let reference = self.relative;
+        let reference = match self.estimator.kind() {
+            DepthKind::Metres => self.metric,
+            _ => self.relative,
+        };
         if reference.encoding() == PixelEncoding::Linear {
             return Err(Fault::argument("a sequence works on encoded values; leave linear=False"));
         }
         let mut recipe = Recipe::new(Operation::Fuse { reference, options: self.options });
-        recipe.depth_model = of_colour(&self.estimator, "a sequence")?;
+        recipe.depth_model = self.estimator.clone();
         recipe.smoothing = self.smoothing;
         recipe.border = self.reading.border;
         recipe.water_map = self.reading.water_map;

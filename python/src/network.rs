@@ -18,6 +18,7 @@ pub(crate) fn read(
     path: PathBuf,
     kind: Option<&str>,
     size: Option<u32>,
+    seconds: Option<u32>,
 ) -> Result<depth_network::DepthNetwork, Fault> {
     if threads::is_forked() {
         return Err(Fault::argument(format!(
@@ -27,15 +28,21 @@ pub(crate) fn read(
         )));
     }
     let kind = kind.map(str::parse::<NetworkKind>).transpose().map_err(Fault::argument)?;
-    let options = NetworkOptions { kind, side: size };
+    let options = NetworkOptions { kind, side: size, seconds };
     threads::work(py, || Ok(depth_network::DepthNetwork::read(&path, &options)?))
 }
 
 #[pymethods]
 impl DepthNetwork {
     #[new]
-    fn new(py: Python<'_>, path: PathBuf, kind: Option<&str>, size: Option<u32>) -> Result<Self, Fault> {
-        read(py, path, kind, size).map(Self)
+    fn new(
+        py: Python<'_>,
+        path: PathBuf,
+        kind: Option<&str>,
+        size: Option<u32>,
+        seconds: Option<u32>,
+    ) -> Result<Self, Fault> {
+        read(py, path, kind, size, seconds).map(Self)
     }
 
     #[getter]
@@ -56,5 +63,10 @@ impl DepthNetwork {
     #[getter]
     fn size(&self) -> Option<u32> {
         self.0.origin().2.side
+    }
+
+    #[getter]
+    fn seconds(&self) -> Option<u32> {
+        self.0.origin().2.seconds
     }
 }

@@ -2,16 +2,15 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
-use aquafuse::depth::{DepthKind, RelativeScale};
+use aquafuse::depth::RelativeScale;
 use aquafuse::formation::RestoreOptions;
-use aquafuse::image::{ImageError, Sample};
+use aquafuse::image::Sample;
 use aquafuse_data::image_file::{Layers, Pixels};
 use aquafuse_data::pipeline::{Operation, PixelEncoding, WaterEstimate};
-use aquafuse_data::video::{ContentWater, FrameReport, Frames, Recipe};
+use aquafuse_data::video::{ContentWater, FrameReport, Frames, Recipe, VideoError};
 use pyo3::prelude::*;
 
 use crate::array::{check_out, give, take};
-use crate::depth::of_colour;
 use crate::error::Fault;
 use crate::fuser::Fuser;
 use crate::settings::{Levels, Reading};
@@ -42,8 +41,8 @@ impl Sequence {
     fn fused(fuser: &Fuser, content: Option<&Water>, steady_over: usize) -> Result<Self, Fault> {
         let mut recipe = fuser.recipe()?;
         if let Some(water) = content {
-            let per_relative = water.per(DepthKind::Relative, RelativeScale::default(), None)?;
-            let WaterEstimate::Encoded(estimate) = per_relative else {
+            let per_unit = water.per(recipe.depth_model.kind(), RelativeScale::default(), None)?;
+            let WaterEstimate::Encoded(estimate) = per_unit else {
                 return Err(Fault::argument(
                     "content_water is of linear values, and a sequence works on encoded ones; give a water of encoded values",
                 ));
@@ -65,7 +64,7 @@ impl Sequence {
         let scene = reading.scene()?;
         recipe.border = scene.border;
         recipe.water_map = scene.water_map;
-        recipe.depth_model = of_colour(&reading.estimator()?, "a sequence")?;
+        recipe.depth_model = reading.estimator()?;
         Self::of(recipe, steady_over)
     }
 
@@ -145,11 +144,12 @@ impl AnyFrames {
     }
 
     fn change(&mut self, pixels: &mut Pixels) -> Result<FrameReport, Fault> {
-        fn next<T: Sample>(
-            frames: &mut Frames<T>,
-            layers: &mut Layers<T>,
-        ) -> Result<FrameReport, ImageError> {
-            frames.change(layers.image.view_mut())
+        fn next<T: Sample>(frames: &mut Frames<T>, layers: &mut Layers<T>) -> Result<FrameReport, Fault> {
+            frames.change(layers.image.view_mut()).map_err(|error| match error {
+                VideoError::Image(error) => error.into(),
+                VideoError::File(error) => error.into(),
+                other => Fault::argument(other.to_string()),
+            })
         }
         Ok(match (self, pixels) {
             (Self::Bytes(frames), Pixels::Bytes(layers)) => next(frames, layers)?,

@@ -59,9 +59,9 @@ impl ModelArgument {
     pub(crate) fn estimator(&self) -> Result<DepthEstimator, Fault> {
         match self {
             Self::Network(network) => Ok(DepthEstimator::Network(network.get().0.clone())),
-            Self::Named(name) if is_network(name) => {
-                Python::attach(|py| Ok(DepthEstimator::Network(network::read(py, name.into(), None, None)?)))
-            }
+            Self::Named(name) if is_network(name) => Python::attach(|py| {
+                Ok(DepthEstimator::Network(network::read(py, name.into(), None, None, None)?))
+            }),
             Self::Named(name) => Ok(depth_model(name)?.into()),
         }
     }

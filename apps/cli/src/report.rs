@@ -5,7 +5,7 @@ pub(crate) mod border;
 pub(crate) mod doubts;
 pub(crate) mod evaluation;
 mod json;
-mod network;
+pub(crate) mod network;
 pub(crate) mod output;
 pub(crate) mod progress;
 pub(crate) mod published;

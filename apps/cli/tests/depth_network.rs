@@ -7,6 +7,9 @@
 mod onnx;
 mod run;
 
+use std::io::Write;
+use std::process::Stdio;
+
 use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
 use aquafuse::image::TopEdge;
 use aquafuse_data::depth_file;
@@ -164,7 +167,7 @@ fn a_network_is_scored_beside_the_models_of_colour() {
 }
 
 #[test]
-fn a_scene_takes_a_network_and_a_video_refuses_one_by_name() {
+fn a_scene_takes_a_network() {
     let run = Run::new();
     network(&run);
     reef(&run);
@@ -178,11 +181,37 @@ fn a_scene_takes_a_network_and_a_video_refuses_one_by_name() {
     fuse("by_colour", &[]);
     let image = |folder: &str| run.bytes(&format!("{folder}/images/view_003.png"));
     assert_ne!(image("by_network"), image("by_colour"));
+}
 
-    std::fs::write(run.path("in.mp4"), b"no video").unwrap();
-    let ask = ["video", "in.mp4", "preset:jerlov-3C", "-o", "out.mp4"];
-    let said = run.fails(2, &[&ask[..], &model].concat()).stderr;
-    assert!(said.contains("net.onnx") && said.contains("--sequence"), "{said}");
+#[test]
+fn the_frames_of_a_video_take_a_network_as_images_do() {
+    let run = Run::new();
+    network(&run);
+    scene(&run.path("a.png"), 1, "blue");
+    let frame = ImageFile::read(&run.path("a.png")).unwrap().bytes().as_raw().to_vec();
+    let model = ["--depth-model", "net.onnx", "--depth-model-size", SIDE];
+    let video = |more: &[&str]| {
+        let ask = ["video", "-", "preset:jerlov-3C", "-o", "-", "--raw", "96x64", "--model", "exchange"];
+        let mut command = run.command(&[&ask[..], more].concat());
+        let mut running =
+            command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let frames = [&frame[..], &frame].concat();
+        running.stdin.take().unwrap().write_all(&frames).unwrap();
+        let ended = running.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert!(ended.status.success(), "{said}");
+        (ended.stdout, said)
+    };
+    let (by_network, said) = video(&model);
+    assert!(said.contains("for the depth of the first frame"), "{said}");
+    assert_ne!(by_network, video(&[]).0);
+    let fuse = ["fuse", "a.png", "preset:jerlov-3C", "-o", "out.png", "--model", "exchange"];
+    run.ok(&[&fuse[..], &model].concat());
+    let image = ImageFile::read(&run.path("out.png")).unwrap();
+    assert!(image.bytes().as_raw()[..] == by_network[..frame.len()]);
+
+    let ask = ["video", "in.y4m", "preset:jerlov-3C", "-o", "out.mp4", "--depth-model-seconds", "9"];
+    assert!(run.fails(2, &ask).stderr.contains("--depth-model FILE.onnx"));
 }
 
 #[test]

@@ -19,6 +19,8 @@ mod coarse;
 #[cfg(feature = "onnx")]
 mod contents;
 #[cfg(feature = "onnx")]
+mod in_time;
+#[cfg(feature = "onnx")]
 mod messages;
 #[cfg(feature = "onnx")]
 mod network;
@@ -83,6 +85,14 @@ pub struct NetworkOptions {
     pub kind: Option<NetworkKind>,
     /// The image is scaled to about the area of a square of so many pixels; 518 by default. Only for networks that take any size.
     pub side: Option<u32>,
+    /// The longest that reading the network, or one image, may take, in seconds; 600 by default. A network that once took longer is
+    /// refused from then on.
+    pub seconds: Option<u32>,
+}
+
+impl NetworkOptions {
+    /// [`seconds`](Self::seconds) by default.
+    pub const SECONDS: u32 = 600;
 }
 
 /// The folder, in the output folder of a run, in which the outputs of a network are kept.

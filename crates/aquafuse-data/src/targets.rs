@@ -197,7 +197,11 @@ fn network(bytes: &[u8]) {
     let kind = Some(NetworkKind::Inverse);
     // A network of a fixed size takes no other.
     let read = [Some(28), None].map(|side| {
-        DepthNetwork::from_bytes(Path::new(NAME), bytes.to_vec(), &NetworkOptions { kind, side })
+        DepthNetwork::from_bytes(
+            Path::new(NAME),
+            bytes.to_vec(),
+            &NetworkOptions { kind, side, ..NetworkOptions::default() },
+        )
     });
     for network in read {
         match network {

@@ -20,6 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod at_depth;
 mod change;
 mod container;
 mod decode;
@@ -36,6 +37,8 @@ mod run;
 
 use std::str::FromStr;
 
+#[cfg(feature = "bag")]
+pub(crate) use at_depth::AtDepth;
 pub use change::{ContentWater, Recipe};
 pub use container::Codec;
 pub use error::VideoError;

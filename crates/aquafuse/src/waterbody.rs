@@ -315,10 +315,10 @@ impl<E: Encoding> Look<E> {
         depth: &DepthMap,
         water: impl FnOnce(f32) -> ([f32; 3], f32),
     ) -> WaterShare {
-        let region = self.region.as_ref().filter(|_| !depth.is_measured());
+        let region = self.region.as_ref().filter(|_| !depth.is_measured_everywhere());
         let (veil, sure) = water(region.map_or(0.0, |region| region.seen));
-        let size = whole.image.size();
-        region.map_or_else(|| WaterShare::none(size), |region| WaterShare::of(size, region, veil, sure))
+        let none = || WaterShare::none(whole.image.size());
+        region.map_or_else(none, |region| WaterShare::of(depth, region, veil, sure))
     }
 }
 

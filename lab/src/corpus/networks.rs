@@ -7,7 +7,14 @@ mod onnx;
 use std::path::Path;
 
 use anyhow::Result;
+use onnx::protobuf::{field, number};
 use onnx::{FLOAT, INT64, Network};
+
+/// A constant whose list of numbers holds one of more than ten bytes, at which the reader goes on for ever; the fuzzer found it.
+fn endless_list() -> Vec<u8> {
+    let numbers = [&[1][..], &[0xff; 12]].concat();
+    [number(1, 8), field(7, &field(5, &field(7, &numbers)))].concat()
+}
 
 /// Adds one of each kind: any size and a fixed one, one output and several, constants of both types, a shape, an unending loop.
 pub(super) fn add_all(corpus: &Path) -> Result<()> {
@@ -48,5 +55,6 @@ pub(super) fn add_all(corpus: &Path) -> Result<()> {
     for (name, network) in all {
         super::add(corpus, "depth-network", &format!("{name}.onnx"), &network.file())?;
     }
+    super::add(corpus, "depth-network", "endless-list.onnx", &endless_list())?;
     Ok(())
 }

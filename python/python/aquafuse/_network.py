@@ -24,6 +24,8 @@ class DepthNetwork:
             the camera). By default the names of its inputs and outputs choose it.
         size: Images are scaled to about the area of a square of so many pixels a side, 14 to 4096, if the network takes any
             size. Default: 518.
+        seconds: The longest that reading it, or one image, may take; a network that once took longer is refused from then on.
+            Default: 600.
 
     Raises:
         FileError: The file cannot be read, is no such network, or its names do not settle what its numbers are.
@@ -42,9 +44,14 @@ class DepthNetwork:
     _network: _native.DepthNetwork
 
     def __init__(
-        self, path: str | os.PathLike[str], *, kind: NetworkKind | None = None, size: int | None = None
+        self,
+        path: str | os.PathLike[str],
+        *,
+        kind: NetworkKind | None = None,
+        size: int | None = None,
+        seconds: int | None = None,
     ) -> None:
-        self._network = _native.DepthNetwork(os.fspath(path), kind, size)
+        self._network = _native.DepthNetwork(os.fspath(path), kind, size, seconds)
 
     @property
     def path(self) -> str:
@@ -62,6 +69,11 @@ class DepthNetwork:
         return self._network.size
 
     @property
+    def seconds(self) -> int | None:
+        """The limit to its time that was asked for."""
+        return self._network.seconds
+
+    @property
     def sha256(self) -> str:
         """The SHA-256 of its file."""
         return self._network.sha256
@@ -75,14 +87,14 @@ class DepthNetwork:
         return hash((self.sha256, self.kind, self.size))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _read_again, (os.path.abspath(self.path), self.kind, self.size, self.sha256)
+        return _read_again, (os.path.abspath(self.path), self.kind, self.size, self.seconds, self.sha256)
 
     def __repr__(self) -> str:
         return f"<DepthNetwork {self.path}: {self.kind}, sha256 {self.sha256[:12]}>"
 
 
-def _read_again(path: str, kind: NetworkKind, size: int | None, sha256: str) -> DepthNetwork:
-    network = DepthNetwork(path, kind=kind, size=size)
+def _read_again(path: str, kind: NetworkKind, size: int | None, seconds: int | None, sha256: str) -> DepthNetwork:
+    network = DepthNetwork(path, kind=kind, size=size, seconds=seconds)
     if network.sha256 != sha256:
         raise FileError(f"{path} has changed since it was read as a depth model; make the object again")
     return network

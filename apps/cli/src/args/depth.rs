@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow};
 use aquafuse::depth::{DepthKind, SuppliedKind, SuppliedReport};
 use aquafuse_data::depth_file::DepthFolder;
-use aquafuse_data::depth_network::NetworkKind;
 use aquafuse_data::files::display;
 use aquafuse_data::pipeline::{DepthEstimator, DepthSource, DepthSupply, MapSize};
 use clap::Args;
@@ -54,9 +53,7 @@ impl DepthArguments {
     pub(crate) fn kind_of_map(&self, model: &DepthEstimator) -> DepthKind {
         match (self.depth_kind, model) {
             (Some(SuppliedKind::Metres | SuppliedKind::Millimetres), _) => DepthKind::Metres,
-            (None, DepthEstimator::Network(network)) if network.kind() == NetworkKind::Metric => {
-                DepthKind::Metres
-            }
+            (None, model) => model.kind(),
             _ => DepthKind::Relative,
         }
     }

@@ -51,7 +51,12 @@ struct NetworkArgs {
     /// Scale images to about the area of a square of N pixels a side for FILE.onnx, if it takes any size [default: 518].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*SIDES.start())..=i64::from(*SIDES.end())))]
     depth_model_size: Option<u32>,
+    /// Refuse FILE.onnx if it takes more than N seconds for one image [default: 600].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    depth_model_seconds: Option<u32>,
 }
+
+const _: () = assert!(NetworkOptions::SECONDS == 600, "the help says the default");
 
 /// A model as it was named.
 #[derive(Clone, Debug)]
@@ -88,36 +93,27 @@ impl DepthModelsArg {
 impl NetworkArgs {
     /// Refuses options about networks where none is named.
     fn check<'a>(&self, models: impl IntoIterator<Item = &'a Named>) -> Result<(), Failure> {
-        let is_asked = self.depth_model_kind.is_some() || self.depth_model_size.is_some();
+        let Self { depth_model_kind: kind, depth_model_size: size, depth_model_seconds: seconds } = self;
+        let is_asked = kind.is_some() || size.is_some() || seconds.is_some();
         let is_network = |named: &Named| matches!(named, Named::Network(_));
         match is_asked && !models.into_iter().any(is_network) {
             true => Err(Failure::usage(anyhow!(
-                "--depth-model-kind and --depth-model-size are about a network; add --depth-model FILE.onnx"
+                "--depth-model-kind, --depth-model-size and --depth-model-seconds are about a network; add --depth-model FILE.onnx"
             ))),
             false => Ok(()),
         }
     }
 
     fn read(&self, named: &Named) -> Result<DepthEstimator, Failure> {
-        let options = NetworkOptions { kind: self.depth_model_kind, side: self.depth_model_size };
+        let mut options = NetworkOptions::default();
+        (options.kind, options.side) = (self.depth_model_kind, self.depth_model_size);
+        options.seconds = self.depth_model_seconds;
         Ok(match named {
             Named::Colour(_, model) => (*model).into(),
             Named::Network(path) => {
                 DepthEstimator::Network(DepthNetwork::read(path, &options).map_err(Failure::usage)?)
             }
         })
-    }
-}
-
-/// The model of colours, where `what` takes no other.
-pub(crate) fn of_colour(estimator: DepthEstimator, what: &str) -> Result<DepthModel, Failure> {
-    match estimator {
-        DepthEstimator::Colour(model) => Ok(model),
-        DepthEstimator::Network(network) => Err(Failure::usage(anyhow!(
-            "{what} takes depth from colour only, not from the network {}; leave --depth-model out, or change its frames as \
-             images of a sequence: `aquafuse fuse FRAMES WATER -o DIR --sequence`",
-            network.name()
-        ))),
     }
 }
 

@@ -4,9 +4,8 @@ mod summary;
 
 use std::path::PathBuf;
 
-use aquafuse::depth::{DepthKind, DepthModel};
 use aquafuse::stream::Steady;
-use aquafuse_data::pipeline::{Operation, PixelEncoding, WaterEstimate};
+use aquafuse_data::pipeline::{DepthEstimator, Operation, PixelEncoding, WaterEstimate};
 use aquafuse_data::video::{
     Codec, ContentWater, Input, Output, Plan, RawFrames, Recipe, Request, VideoEvent,
 };
@@ -16,15 +15,14 @@ use clap::{ArgGroup, Args};
 
 use crate::args::border::BorderArgument;
 use crate::args::common::Common;
-use crate::args::depth_model::of_colour;
 use crate::args::fusion::{Settings, SettingsArgs};
 use crate::args::levels::LevelsArguments;
 use crate::args::max_gain::MaxGain;
 use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
-use crate::report::output;
 use crate::report::progress::Progress;
 use crate::report::water::veiling_light;
+use crate::report::{network, output};
 
 const HELP: &str = "\
 The program ffmpeg reads and writes video. It is looked for on the search path, or in the environment
@@ -36,8 +34,9 @@ A damaged video is written as far as it can be decoded, and the exit code is 1 (
 
 `-` is a stream of YUV4MPEG2 on standard input and output, or of raw frames with --raw.
 
-Depth is estimated from colour; networks, depth maps, --linear and fusion with a clear image (`enhance IMAGE
-CLEAR`) are for images: see `fuse --sequence`.
+Depth is estimated from colour, or by a network, FILE.onnx, which takes from a second to a minute a frame: the
+time that is left is printed after the first. Nothing is kept of its maps; `fuse FRAMES WATER -o DIR --sequence`
+keeps them. Depth maps, --linear and fusion with a clear image (`enhance IMAGE CLEAR`) are for images.
 
 Examples:
   aquafuse video dive.mp4 green.jpg -o green_dive.mp4
@@ -128,7 +127,7 @@ impl Video {
         let water = self.water.as_deref().map(WaterSource::parse).transpose()?;
         let request = self.request(water.as_ref())?;
         let mut settings = self.settings.get()?;
-        let depth_model = of_colour(std::mem::take(&mut settings.depth_model), "video")?;
+        let depth_model = std::mem::take(&mut settings.depth_model);
         // Whether the output may be written is known before an image is read.
         let plan = Plan::new(&request, &options)?;
         let (recipe, heading) = self.recipe(water.as_ref(), &settings, depth_model, common)?;
@@ -138,11 +137,20 @@ impl Video {
         }
         let progress = Progress::new(common.quiet);
         let begun = std::time::Instant::now();
+        let long = network::Long::new();
         let ended = plan.run(&recipe, &options, &|event| match event {
-            VideoEvent::Started { frames: Some(frames) } => {
-                progress.start(usize::try_from(frames).unwrap_or(usize::MAX));
+            VideoEvent::Started { frames } => {
+                long.begins(frames);
+                if let Some(frames) = frames {
+                    progress.start(usize::try_from(frames).unwrap_or(usize::MAX));
+                }
             }
-            VideoEvent::Frame { seconds, .. } => progress.done(&summary::clock(seconds)),
+            VideoEvent::Frame { seconds, .. } => {
+                if let Some(said) = long.said(recipe.network()).filter(|_| !common.quiet) {
+                    progress.complain(&said);
+                }
+                progress.done(&summary::clock(seconds));
+            }
             _ => {}
         });
         progress.finish();
@@ -201,7 +209,7 @@ impl Video {
         &self,
         water: Option<&WaterSource>,
         settings: &Settings,
-        depth_model: DepthModel,
+        depth_model: DepthEstimator,
         common: &Common,
     ) -> Result<(Recipe, String), Failure> {
         let mut heading = String::new();
@@ -214,20 +222,20 @@ impl Video {
             None => Operation::Enhance { levels: self.levels.options() },
             Some(water) => {
                 self.waters.refuse_unread(settings.options.model)?;
-                let file =
-                    self.waters.read(water, &depth_model.into(), PixelEncoding::Encoded, &common.reading)?;
-                let reference = self.waters.per(DepthKind::Relative, &file)?;
+                let file = self.waters.read(water, &depth_model, PixelEncoding::Encoded, &common.reading)?;
+                let reference = self.waters.per(depth_model.kind(), &file)?;
                 heading = format!("{}: {}\n", water.name(), veiling_light(&reference));
                 Operation::Fuse { reference, options: settings.options }
             }
         };
+        let content_water = self.content_water(&depth_model)?;
         let recipe = Recipe {
             depth_model,
             smoothing: settings.smoothing,
             border: common.reading.border,
             water_map: common.reading.water_map,
             steady_over: self.steady_over.into(),
-            content_water: self.content_water()?,
+            content_water,
             flicker: self.flicker,
             codec: self.codec,
             crf: self.crf,
@@ -236,12 +244,12 @@ impl Video {
         Ok((recipe, heading))
     }
 
-    fn content_water(&self) -> Result<ContentWater, Failure> {
+    fn content_water(&self, depth_model: &DepthEstimator) -> Result<ContentWater, Failure> {
         let Some(path) = &self.content_water else {
             return Ok(if self.one_water { ContentWater::Pooled } else { ContentWater::Estimated });
         };
         let file = WaterFile::read(path, PixelEncoding::Encoded)?;
-        match file.per(DepthKind::Relative, self.waters.scale()?).map_err(Failure::work)? {
+        match file.per(depth_model.kind(), self.waters.scale()?).map_err(Failure::work)? {
             WaterEstimate::Encoded(water) => Ok(ContentWater::Given(water)),
             WaterEstimate::Linear(_) => Ok(ContentWater::Estimated),
         }

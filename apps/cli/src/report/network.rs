@@ -1,6 +1,7 @@
 //! What a person wants to know of a network of depth while it runs: that it is slow, and that it did not have to.
 
 use std::sync::Once;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use aquafuse_data::depth_network::{CACHE, CacheCounts, DepthNetwork};
@@ -28,6 +29,38 @@ impl Slow {
                 ));
             });
         }
+        said
+    }
+}
+
+/// Says once, after the first frame of a video, how long a network will take.
+pub(crate) struct Long {
+    frames: AtomicU64,
+    said: Once,
+}
+
+impl Long {
+    pub(crate) fn new() -> Self {
+        Self { frames: AtomicU64::new(0), said: Once::new() }
+    }
+
+    /// How many frames there are, about, if that is known.
+    pub(crate) fn begins(&self, frames: Option<u64>) {
+        self.frames.store(frames.unwrap_or(0), Ordering::Relaxed);
+    }
+
+    /// What to say after a frame.
+    pub(crate) fn said(&self, network: Option<&DepthNetwork>) -> Option<String> {
+        let one = network?.slowest().as_secs_f64();
+        let mut said = None;
+        self.said.call_once(|| {
+            #[allow(clippy::cast_precision_loss, reason = "minutes need no more")]
+            let all = match self.frames.load(Ordering::Relaxed) {
+                0 => String::new(),
+                frames => format!(", about {:.0} min for {frames} frames", one * frames as f64 / 60.0),
+            };
+            said = Some(format!("the network took {one:.1} s for the depth of the first frame{all}"));
+        });
         said
     }
 }

@@ -214,7 +214,10 @@ impl StoredDepth {
             Self::Model(name) => name.parse().ok().map(estimated),
             Self::Network { file, sha256, kind, side } => {
                 let kind = NetworkKind::ALL.iter().copied().find(|known| known.name() == kind);
-                let network = DepthNetwork::read(file.as_ref(), &NetworkOptions { kind, side: *side })?;
+                let network = DepthNetwork::read(
+                    file.as_ref(),
+                    &NetworkOptions { kind, side: *side, ..NetworkOptions::default() },
+                )?;
                 if network.origin().1 != sha256 {
                     return Err(FileError::UnfitNetwork {
                         path: file.into(),

@@ -12,13 +12,13 @@ use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 
 use super::depth::Ahead;
 use super::message::{self, Kind};
-use super::picture::{AtDepth, Outcome, Sequence, changed};
+use super::picture::{Outcome, Sequence, changed};
 use super::records::{LONGEST, Next, Records};
 use super::{BagError, DepthTopic, Summary, Topic};
 use crate::files::{FileError, Staged};
 use crate::image_file::ReadOptions;
 use crate::run::RunOptions;
-use crate::video::Recipe;
+use crate::video::{AtDepth, Recipe};
 
 pub(super) struct Job<'a> {
     pub(super) input: &'a Path,

@@ -5,12 +5,11 @@ use std::path::Path;
 use aquafuse::depth::Supplied;
 use aquafuse::image::Image;
 use aquafuse::scene_area::Border;
-use aquafuse::stream::Steady;
 
 use super::message::{self, Kind, Raw};
 use crate::image_file::{ImageFile, Pixels, ReadOptions};
 use crate::pipeline::{PixelEncoding, analyse_supplied};
-use crate::video::{Frames, Recipe};
+use crate::video::{AtDepth, Frames, VideoError};
 
 /// What became of a message.
 pub(super) enum Outcome {
@@ -30,32 +29,6 @@ pub(super) enum Sequence {
     AtDepth(Box<AtDepth>),
 }
 
-/// What is done to images with depth, and what those so far have shown.
-pub(super) struct AtDepth {
-    recipe: Recipe,
-    steady: Steady,
-}
-
-impl AtDepth {
-    pub(super) fn new(recipe: &Recipe) -> Self {
-        Self { recipe: recipe.clone(), steady: Steady::over(recipe.steady_over) }
-    }
-
-    fn change(&mut self, image: &mut Image<u8>, map: Supplied) -> Result<(), String> {
-        let Self { recipe, steady } = self;
-        let file = ImageFile::new(image.clone()).with_water_map(recipe.water_map);
-        let mut file = file.cut_to_scene(recipe.border).map_err(|error| error.to_string())?;
-        let found = analyse_supplied(PixelEncoding::Encoded, &file, map)
-            .map_err(|error| format!("its depth: {error}"))?;
-        let done = recipe.operation.apply_next(&mut file.pixels, Some(&found), steady);
-        done.map_err(|error| error.to_string())?;
-        if let Pixels::Bytes(layers) = file.joined().pixels {
-            *image = recipe.smoothing.apply(layers.image);
-        }
-        Ok(())
-    }
-}
-
 impl Sequence {
     /// Changes the next image; in words, why it stays.
     fn change(&mut self, image: &mut Image<u8>, depth: Option<Supplied>) -> Result<(), String> {
@@ -63,7 +36,14 @@ impl Sequence {
             (Self::ByColour(frames), _) => {
                 frames.change(image.view_mut()).map(|_| ()).map_err(|error| error.to_string())
             }
-            (Self::AtDepth(at_depth), Some(map)) => at_depth.change(image, map),
+            (Self::AtDepth(at_depth), Some(map)) => {
+                let analyse = |scene: &ImageFile| {
+                    analyse_supplied(PixelEncoding::Encoded, scene, map)
+                        .map_err(|error| VideoError::Request(format!("its depth: {error}")))
+                };
+                let done = at_depth.change(image.view_mut(), analyse);
+                done.map(|_| ()).map_err(|error| error.to_string())
+            }
             (Self::AtDepth(_), None) => Err("it has no depth".into()),
         }
     }
@@ -210,7 +190,8 @@ pub(super) fn try_message(bytes: &[u8], options: &ReadOptions) {
     };
     let stamp = message::stamp(kind, bytes);
     let _ = super::depth::decoded(kind, bytes);
-    let recipe = Recipe::new(crate::pipeline::Operation::Enhance { levels: Default::default() });
+    let recipe =
+        crate::video::Recipe::new(crate::pipeline::Operation::Enhance { levels: Default::default() });
     let frames = recipe.frames().expect("levels are set frame by frame");
     let mut sequence = Sequence::ByColour(Box::new(frames));
     let Outcome::Changed(message) =

@@ -205,6 +205,17 @@ pub(super) fn each<'a>(
     Ok(())
 }
 
+/// Whether bytes are whole numbers one after another, and nothing else.
+pub(super) fn is_list(list: &[u8]) -> bool {
+    let mut rest = Bytes(list);
+    while !rest.0.is_empty() {
+        if rest.varint().is_none() {
+            return false;
+        }
+    }
+    true
+}
+
 struct Bytes<'a>(&'a [u8]);
 
 impl<'a> Bytes<'a> {

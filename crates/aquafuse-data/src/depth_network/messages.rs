@@ -1,9 +1,9 @@
 //! Whether every message of a file of ONNX lies whole within the one that holds it.
 //!
 //! The reader believes the length that a message says: where it is beyond the end, it asks for as much memory, or reads on for
-//! ever. So each message that it reads is walked through before.
+//! ever; and so it does at a number of more than ten bytes in a list. So each message that it reads is walked through before.
 
-use super::contents::{Value, each, refused};
+use super::contents::{Value, each, is_list, refused};
 use super::preset::Unfit;
 
 /// Messages within messages: a type of a value in a graph in an attribute takes eight.
@@ -45,6 +45,11 @@ impl Message {
         })
     }
 
+    /// Whether a field of it is a list of whole numbers, if it holds bytes.
+    fn has_list(self, field: u64) -> bool {
+        matches!((self, field), (Self::Tensor, 5 | 7))
+    }
+
     fn check(self, message: &[u8], depth: usize) -> Result<(), Unfit> {
         if depth > DEEPEST {
             return Err(refused(&format!("its messages lie in one another more than {DEEPEST} deep")));
@@ -52,6 +57,9 @@ impl Message {
         each(message, &mut |field, value| match (self.within(field), value) {
             (Some(inner), Value::Bytes(bytes)) => inner.check(bytes, depth.saturating_add(1)),
             (Some(_), _) => Err(refused("it has a number where a message belongs")),
+            (None, Value::Bytes(list)) if self.has_list(field) && !is_list(list) => {
+                Err(refused("a list of numbers in it is damaged"))
+            }
             (None, _) => Ok(()),
         })
     }
@@ -86,6 +94,17 @@ mod tests {
             assert!(check(&wrapped(&[10, 1, b'a'])).is_ok(), "{path:?}");
             let (cause, _) = check(&wrapped(&beyond)).unwrap_err();
             assert!(cause.contains("cut short"), "{path:?}: {cause}");
+        }
+    }
+
+    #[test]
+    fn a_number_that_never_ends_is_refused_in_every_list_that_is_read() {
+        // The reader reads on for ever at ten bytes that each say that another follows.
+        for list in [5, 7] {
+            let model = |numbers: &[u8]| check(&field(7, &field(5, &field(list, numbers))));
+            assert!(model(&[1, 0x80, 1, 2]).is_ok());
+            let (cause, _) = model(&[&[1][..], &[0xff; 12]].concat()).unwrap_err();
+            assert!(cause.contains("damaged"), "{cause}");
         }
     }
 

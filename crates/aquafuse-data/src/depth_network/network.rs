@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use aquafuse::depth::{SuppliedDepth, SuppliedError};
@@ -14,10 +14,11 @@ use rten::{Model, RunOptions, ThreadPool, Value};
 use super::cache::{Cache, key};
 use super::coarse::{refined, scaled};
 use super::contents;
+use super::in_time::{Lost, in_time};
 use super::preset::{Preset, Unfit};
 use super::tensor::{numbers, size_of, supplied, turned};
 use super::{CacheCounts, NetworkOptions, SIDES};
-use crate::files::{FileError, catch_panic, display, guard_this_thread, is_memory, one_line, sha256};
+use crate::files::{FileError, display, guard_this_thread, is_memory, one_line, sha256};
 use crate::image_file::open_file;
 
 /// A network of depth with its weights; clones share them.
@@ -34,6 +35,8 @@ struct Loaded {
     options: NetworkOptions,
     /// The longest time for an image, in milliseconds.
     slowest: AtomicU64,
+    /// Whether an image took longer than it may.
+    is_too_slow: AtomicBool,
 }
 
 /// The longest file that ONNX allows.
@@ -97,8 +100,12 @@ impl DepthNetwork {
         let foreign = |cause: String| unfit_network(path, (cause, FOREIGN.into()));
         contents::check(&bytes).map_err(unfit)?;
         let (digest, length) = (sha256(&bytes), bytes.len() as u64);
-        let model =
-            catch_panic(|| Model::load(bytes)).ok_or_else(|| foreign("its reader panicked".into()))?;
+        let limit = limit(options);
+        let model = in_time(limit, || Model::load(bytes)).map_err(|lost| match lost {
+            Lost::TooSlow => unfit(too_slow("reading it", limit)),
+            Lost::Panicked => foreign("its reader panicked".into()),
+            Lost::NoThread => unfit(no_thread()),
+        })?;
         let model = model.map_err(|error| foreign(error.to_string()))?;
         let preset = Preset::of(&model, options).map_err(unfit)?;
         if options.side.is_some_and(|side| !SIDES.contains(&side)) {
@@ -115,8 +122,9 @@ impl DepthNetwork {
         let short: String = digest.chars().take(12).collect();
         let name = format!("{} (sha256 {short}, {})", display(path), preset.kind.name());
         let (path, sha256, options) = (path.to_owned(), digest, *options);
-        let slowest = AtomicU64::new(0);
-        Ok(Self(Arc::new(Loaded { path, sha256, name, length, model, preset, options, slowest }), None))
+        let (slowest, is_too_slow) = (AtomicU64::new(0), AtomicBool::new(false));
+        let loaded = Loaded { path, sha256, name, length, model, preset, options, slowest, is_too_slow };
+        Ok(Self(Arc::new(loaded), None))
     }
 
     /// The same network, which keeps what it gives in the folder of a run, in `.aquafuse-depth`, and takes it from there the next
@@ -202,22 +210,40 @@ impl DepthNetwork {
         })
     }
 
-    /// The numbers of the output, and its shape.
+    /// The numbers of the output, and its shape, if it comes in time.
     fn run(&self, input: Value) -> Result<(Vec<f32>, Vec<usize>), Unfit> {
-        let Preset { input: node, output, .. } = self.0.preset;
+        let limit = limit(&self.0.options);
+        // A second image would wait as long, beside the first.
+        if self.0.is_too_slow.load(Ordering::Relaxed) {
+            return Err(too_slow("an image before this one", limit));
+        }
+        let loaded = self.0.clone();
+        in_time(limit, move || loaded.run(input)).unwrap_or_else(|lost| {
+            Err(match lost {
+                Lost::TooSlow => {
+                    self.0.is_too_slow.store(true, Ordering::Relaxed);
+                    too_slow("one image", limit)
+                }
+                Lost::Panicked => ("it panicked on an image".to_owned(), CHECK.to_owned()),
+                Lost::NoThread => no_thread(),
+            })
+        })
+    }
+}
+
+impl Loaded {
+    fn run(&self, input: Value) -> Result<(Vec<f32>, Vec<usize>), Unfit> {
+        let Preset { input: node, output, .. } = self.preset;
         // One thread: images are shared out already, and sums then do not depend on how many there are. It is made for this run
         // alone: a process that was forked has none of the threads of its parent.
         let alone = Arc::new(ThreadPool::with_num_threads(1));
         alone.run(guard_this_thread);
         let options = RunOptions::default().with_thread_pool(Some(alone));
-        let run = || self.0.model.run_n(vec![(node, input.into())], [output], Some(options));
-        let remedy =
-            || "Check with another program that it takes images, or give --depth-model-size".to_owned();
         let began = Instant::now();
-        let ended = catch_panic(run).ok_or_else(|| ("it panicked on an image".to_owned(), remedy()))?;
+        let ended = self.model.run_n(vec![(node, input.into())], [output], Some(options));
         let taken = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
-        self.0.slowest.fetch_max(taken, Ordering::Relaxed);
-        let [output] = ended.map_err(|error| (error.to_string(), remedy()))?;
+        self.slowest.fetch_max(taken, Ordering::Relaxed);
+        let [output] = ended.map_err(|error| (error.to_string(), CHECK.to_owned()))?;
         let Some(values) = output.as_tensor_view::<f32>() else {
             let remedy = "Export the network again with an output of 32-bit floats";
             return Err((
@@ -229,6 +255,26 @@ impl DepthNetwork {
     }
 }
 
+const CHECK: &str = "Check with another program that it takes images, or give --depth-model-size";
+
+/// The longest that reading a network, or an image, may take.
+fn limit(options: &NetworkOptions) -> Duration {
+    Duration::from_secs(options.seconds.unwrap_or(NetworkOptions::SECONDS).into())
+}
+
+fn too_slow(what: &str, limit: Duration) -> Unfit {
+    let seconds = limit.as_secs();
+    (
+        format!("{what} took longer than {seconds} s"),
+        "Give a smaller --depth-model-size, if it takes any size, a smaller network, or more --depth-model-seconds"
+            .to_owned(),
+    )
+}
+
+fn no_thread() -> Unfit {
+    ("the system gives no thread for it".to_owned(), "End other programs and try again".to_owned())
+}
+
 fn rten_shape(value: &Value) -> Vec<usize> {
     use rten_tensor::Layout;
     value.shape().iter().copied().collect()
@@ -237,3 +283,6 @@ fn rten_shape(value: &Value) -> Vec<usize> {
 fn unfit_network(path: &Path, (cause, remedy): Unfit) -> FileError {
     FileError::UnfitNetwork { path: path.to_owned(), cause: one_line(&cause), remedy }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use aquafuse::depth::{DepthMap, DepthModel, SuppliedReport};
+use aquafuse::depth::{DepthKind, DepthMap, DepthModel, SuppliedReport};
 use aquafuse::image::Image;
 
 use super::SUPPLIED;
-use crate::depth_network::DepthNetwork;
+use crate::depth_network::{DepthNetwork, NetworkKind};
 use crate::files::FileError;
 use crate::image_file::ImageFile;
 
@@ -46,6 +46,14 @@ impl DepthEstimator {
         match self {
             Self::Colour(_) => None,
             Self::Network(network) => Some(network),
+        }
+    }
+
+    /// The unit of what it gives.
+    pub fn kind(&self) -> DepthKind {
+        match self.network().map(DepthNetwork::kind) {
+            Some(NetworkKind::Metric) => DepthKind::Metres,
+            _ => DepthKind::Relative,
         }
     }
 

@@ -1,7 +1,6 @@
 //! What happens to each frame.
 
-use aquafuse::depth::DepthModel;
-use aquafuse::image::{Encoded, ImageError, ImageMut, ImageRef, Sample};
+use aquafuse::image::{Encoded, ImageMut, ImageRef, Sample};
 use aquafuse::metrics::Flicker;
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
@@ -10,15 +9,15 @@ use aquafuse::waterbody::{Estimate, Quality, Verdict, WaterMap};
 
 use super::frames::{FrameReport, Frames};
 use super::{Codec, Frame, Shape, VideoError};
-use crate::pipeline::Operation;
+use crate::pipeline::{DepthEstimator, Operation};
 
 /// What is done with a video.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// What is done to each frame, in encoded values: fusion, restoration or enhancement without a reference.
     pub operation: Operation,
-    /// How depth is estimated.
-    pub depth_model: DepthModel,
+    /// How depth is estimated: from colour, or by a network, frame by frame.
+    pub depth_model: DepthEstimator,
     /// How fused frames are smoothed. Default: not at all.
     pub smoothing: Smoothing,
     /// What surrounds the scene. Default: it is found.
@@ -56,7 +55,7 @@ impl Recipe {
     pub fn new(operation: Operation) -> Self {
         Self {
             operation,
-            depth_model: DepthModel::default(),
+            depth_model: DepthEstimator::default(),
             smoothing: Smoothing::default(),
             border: Border::default(),
             water_map: WaterMap::default(),
@@ -136,7 +135,7 @@ impl<T: Bytes> Change for Changer<T> {
     fn change(&mut self, frame: &mut Frame) -> Result<(), VideoError> {
         let Self { frames, shape, flicker, before, samples, seen } = self;
         let (width, height) = (shape.width, shape.height);
-        let changed = T::on_frame(&mut frame.bytes, samples, |samples| {
+        T::on_frame(&mut frame.bytes, samples, |samples| {
             if flicker.is_some() {
                 before.clear();
                 before.extend_from_slice(samples);
@@ -148,8 +147,7 @@ impl<T: Bytes> Change for Changer<T> {
                 flicker.add(ImageRef::new(width, height, before)?, image)?;
             }
             Ok(())
-        });
-        changed.map_err(|error: ImageError| VideoError::Request(error.to_string()))
+        })
     }
 
     fn seen(&self) -> Seen {

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use aquafuse::image::ImageError;
+
 use crate::files::{FileError, display};
 
 /// A video could not be read or written. Its message names the file, the cause and what to do.
@@ -32,6 +34,9 @@ pub enum VideoError {
     /// A file cannot be read, or the output not be written.
     #[error(transparent)]
     File(#[from] FileError),
+    /// A frame is no image.
+    #[error(transparent)]
+    Image(#[from] ImageError),
     /// ffmpeg does not open the file.
     #[error(
         "cannot read {} as video: {said}. Check that it is a complete video; ffmpeg can convert what is none, as images",

@@ -1,15 +1,18 @@
 //! Frames changed one after another, with water and levels that change smoothly.
 
 use aquafuse::Fuser;
+use aquafuse::depth::DepthModel;
 use aquafuse::fuser::Options;
 use aquafuse::fusion::Clipping;
-use aquafuse::image::{Encoded, ImageError, ImageMut, Sample};
+use aquafuse::image::{Encoded, ImageMut, Sample};
 use aquafuse::stream::{EnhanceStream, RestoreStream, Stream};
 use aquafuse::waterbody::{EstimateOptions, Quality};
 
+use super::at_depth::AtDepth;
 use super::change::{ContentWater, Recipe};
 use super::error::VideoError;
-use crate::pipeline::{Operation, Space};
+use crate::depth_network::DepthNetwork;
+use crate::pipeline::{DepthEstimator, DepthSource, Operation, PixelEncoding, Space, analyse_in};
 
 /// The frames of one sequence, in their order: what [`Recipe::frames`] makes of each depends on those before it.
 ///
@@ -48,6 +51,7 @@ enum Streams<T> {
     Fuse(Box<Stream<'static, T>>),
     Restore(Box<RestoreStream<'static, T>>),
     Enhance(Box<EnhanceStream<T>>),
+    ByNetwork(Box<AtDepth>, DepthSource),
 }
 
 impl Recipe {
@@ -60,7 +64,20 @@ impl Recipe {
         let refused = || {
             VideoError::Request("a video is fused, restored or enhanced by levels, in encoded values".into())
         };
+        let encoding = match &self.operation {
+            Operation::Fuse { reference, .. } => reference.encoding(),
+            Operation::Restore { encoding, .. } => *encoding,
+            Operation::Enhance { .. } => PixelEncoding::Encoded,
+            Operation::Clarify { .. } => return Err(refused()),
+        };
+        if encoding == PixelEncoding::Linear {
+            return Err(refused());
+        }
         Ok(Frames(match &self.operation {
+            Operation::Fuse { .. } | Operation::Restore { .. } if self.network().is_some() => {
+                let source = DepthSource::Estimated(self.depth_model.clone());
+                Streams::ByNetwork(Box::new(AtDepth::new(self)), source)
+            }
             Operation::Fuse { .. } => {
                 let stream = self.fusion().ok_or_else(refused)?;
                 Streams::Fuse(Box::new(match self.content_water {
@@ -72,7 +89,7 @@ impl Recipe {
                 RestoreStream::default()
                     .restoration(*options)
                     .levels(*levels)
-                    .depth_model(self.depth_model)
+                    .depth_model(self.colour())
                     .estimate(EstimateOptions::default().with_water_map(self.water_map))
                     .border(self.border)
                     .steady_over(self.steady_over),
@@ -84,11 +101,24 @@ impl Recipe {
         }))
     }
 
+    /// The network that depth is estimated by, if it is one.
+    pub fn network(&self) -> Option<&DepthNetwork> {
+        self.depth_model.network()
+    }
+
+    /// The model of colours, which a stream of the core estimates depth by.
+    fn colour(&self) -> DepthModel {
+        match self.depth_model {
+            DepthEstimator::Colour(model) => model,
+            DepthEstimator::Network(_) => DepthModel::default(),
+        }
+    }
+
     /// A stream that fuses, if that is what is asked for.
     pub(super) fn fusion<T: Sample>(&self) -> Option<Stream<'static, T>> {
         let Operation::Fuse { reference, options } = &self.operation else { return None };
         let options = Options::default()
-            .with_depth_model(self.depth_model)
+            .with_depth_model(self.colour())
             .with_estimate(EstimateOptions::default().with_water_map(self.water_map))
             .with_fusion(*options)
             .with_smoothing(self.smoothing)
@@ -103,8 +133,8 @@ impl<T: Sample> Frames<T> {
     ///
     /// # Errors
     ///
-    /// [`ImageError`] when the frame is no image; it is then unchanged.
-    pub fn change(&mut self, frame: ImageMut<'_, T>) -> Result<FrameReport, ImageError> {
+    /// [`VideoError`] when the frame is no image, or a network gives no depth for it; it is then unchanged.
+    pub fn change(&mut self, frame: ImageMut<'_, T>) -> Result<FrameReport, VideoError> {
         let (clipping, quality) = match &mut self.0 {
             Streams::Fuse(stream) => {
                 let report = stream.fuse_mut(frame)?;
@@ -115,6 +145,10 @@ impl<T: Sample> Frames<T> {
                 (report.clipping, Some(report.content.quality))
             }
             Streams::Enhance(stream) => (stream.enhance_mut(frame)?.0, None),
+            Streams::ByNetwork(at_depth, source) => {
+                let analyse = |scene: &_| Ok(analyse_in(PixelEncoding::Encoded, scene, source)?);
+                return at_depth.change(frame, analyse);
+            }
         };
         Ok(FrameReport { clipping, quality })
     }

@@ -79,6 +79,11 @@ impl Plan {
     ) -> Result<Summary, VideoError> {
         let pooled;
         let recipe = match (&recipe.content_water, &self.input, &self.ffmpeg) {
+            (ContentWater::Pooled, ..) if recipe.network().is_some() => {
+                let why = "--one-water pools waters at depth from colour, not at a network's; leave it out, or give \
+                           the water with --content-water";
+                return Err(VideoError::Request(why.into()));
+            }
             (ContentWater::Pooled, Input::File(path), Some(ffmpeg)) => {
                 let water = one_water::of(ffmpeg, path, &self.info, recipe, &options.stop)?;
                 pooled = Recipe { content_water: ContentWater::Given(water), ..recipe.clone() };

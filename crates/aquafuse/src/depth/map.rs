@@ -1,5 +1,6 @@
 //! A depth map and what its numbers mean.
 
+mod guesses;
 mod steps;
 
 use std::borrow::Cow;
@@ -10,6 +11,8 @@ use crate::image::{Encoding, ImageError, ImageMut, Sample, check_same_size, chec
 use crate::scene_area::SceneArea;
 use crate::simd;
 
+pub(crate) use guesses::Guesses;
+pub(super) use guesses::{Water, at};
 use steps::step_to_z;
 pub(crate) use steps::{InSteps, Stepped, TABLE};
 pub(super) use steps::{LAST_STEP, step_to_level};
@@ -27,8 +30,8 @@ pub struct DepthMap {
     model: Option<DepthModel>,
     /// Whether z is 1 less an inverse depth of unknown scale and shift.
     is_inverse: bool,
-    /// Beyond this distance z is a guess; infinite where none is.
-    measured_to: f32,
+    /// Where z is a guess, if it is anywhere.
+    guesses: Option<Guesses>,
     values: Values,
 }
 
@@ -186,7 +189,7 @@ impl DepthMap {
             kind: DepthKind::Relative,
             model: None,
             is_inverse: false,
-            measured_to: f32::INFINITY,
+            guesses: None,
             values,
         }
     }
@@ -214,7 +217,7 @@ impl DepthMap {
             kind,
             model: None,
             is_inverse: false,
-            measured_to: f32::INFINITY,
+            guesses: None,
             values: Values::Floats(distances),
         })
     }
@@ -241,7 +244,9 @@ impl DepthMap {
 
     /// Other distances of the same kind.
     pub(super) fn with_distances(&self, (width, height): (usize, usize), distances: Vec<f32>) -> Self {
-        Self { width, height, values: Values::Floats(distances), ..*self }
+        let sizes = [[self.width, self.height], [width, height]];
+        let guesses = self.guesses.as_ref().map(|guesses| guesses.resized(sizes[0], sizes[1]));
+        Self { width, height, values: Values::Floats(distances), guesses, ..*self }
     }
 
     /// This map as one whose z is 1 less an inverse depth.
@@ -249,14 +254,28 @@ impl DepthMap {
         Self { is_inverse: true, ..self }
     }
 
-    /// This map as one whose z is a guess beyond `far`.
-    pub(super) fn with_guesses_beyond(self, far: f32) -> Self {
-        Self { measured_to: far, ..self }
+    /// This map as one in which z is a guess in places.
+    pub(super) fn with_guesses(self, guesses: Guesses) -> Self {
+        Self { guesses: Some(guesses), ..self }
     }
 
     /// The distance beyond which z is a guess, infinite where none is: a restoration goes no farther.
     pub(crate) fn measured_to(&self) -> f32 {
-        self.measured_to
+        self.guesses.as_ref().map_or(f32::INFINITY, Guesses::beyond)
+    }
+
+    /// How much of a pixel may be open water, in `[0, 1]`: nothing where z was measured, and what colour says in holes.
+    pub(crate) fn may_be_water(&self, x: usize, y: usize) -> f32 {
+        match &self.guesses {
+            _ if !self.is_measured() => 1.0,
+            Some(guesses) => guesses.water_at([x, y], [self.width, self.height]),
+            None => 0.0,
+        }
+    }
+
+    /// Whether every z was measured.
+    pub(crate) fn is_measured_everywhere(&self) -> bool {
+        self.is_measured() && self.guesses.is_none()
     }
 
     /// Whether z is 1 less an inverse depth of unknown scale and shift, as of a monocular network: its order is right, its
@@ -330,6 +349,7 @@ impl DepthMap {
     pub fn cut(&self, area: &SceneArea) -> Result<Self, ImageError> {
         check_same_size(area.image_size(), self.size())?;
         let (width, height) = area.size();
+        let guesses = self.guesses.as_ref().map(|guesses| guesses.cut(area));
         let values = match &self.values {
             Values::Levels(levels) => Values::Levels(area.cut_values(levels.iter().copied())),
             Values::Steps { steps, levels } => Values::Steps {
@@ -339,7 +359,7 @@ impl DepthMap {
             Values::FineLevels(levels) => Values::FineLevels(area.cut_values(levels.iter().copied())),
             Values::Floats(distances) => Values::Floats(area.cut_values(distances.iter().copied())),
         };
-        Ok(Self { width, height, values, ..*self })
+        Ok(Self { width, height, values, guesses, ..*self })
     }
 
     /// All distances, row by row from the top.
@@ -435,7 +455,10 @@ impl DepthMap {
                 step: level_to_z(1),
                 beyond: None,
             },
-            Values::Floats(distances) => quantise(distances),
+            Values::Floats(distances) => match &self.guesses {
+                Some(guesses) => guesses.quantised(),
+                None => quantise(distances),
+            },
         }
     }
 

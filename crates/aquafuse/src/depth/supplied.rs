@@ -202,9 +202,9 @@ impl Supplied {
         let levels = &*quantised.levels;
         let agreement = agreement::with_image(&distances, &valid, levels, image.size(), top);
         let invalid = pixels - count;
-        let measured_to = (invalid > 0).then(|| {
+        let guesses = (invalid > 0).then(|| {
             let most = if self.kind.is_metric() { f32::MAX } else { 1.0 };
-            holes::fill(&mut distances, self.width, &valid, levels, most)
+            holes::fill(image, &mut distances, &valid, levels, most)
         });
         let report =
             SuppliedReport { kind: self.kind, invalid: invalid as u64, pixels: pixels as u64, agreement };
@@ -212,8 +212,8 @@ impl Supplied {
         let depth = DepthMap::from_distances(self.width, self.height, kind, distances)
             .expect("valid values and filled ones are in range");
         let depth = if self.kind == SuppliedKind::Inverse { depth.turned_from_inverse() } else { depth };
-        let depth = match measured_to {
-            Some(far) => depth.with_guesses_beyond(far),
+        let depth = match guesses {
+            Some(guesses) => depth.with_guesses(guesses),
             None => depth,
         };
         Ok(SuppliedDepth { depth, report })

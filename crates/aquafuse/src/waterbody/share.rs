@@ -30,7 +30,7 @@ const MOST: f32 = 0.98;
 ///
 /// Open water lets nothing through, whatever depth it is taken for, so that the depth factor of a pixel is
 /// `F = (1 - w) F'(z)`; F' is the depth factor of things. w is 1 where the image is like its far region and 0 on things; where no
-/// open water is in view it is 0 everywhere, and so it is with measured depth, whose F' vanishes in open water by itself. It is
+/// open water is in view it is 0 everywhere, and so it is where depth was measured: F' vanishes in open water by itself there. It is
 /// found in small cells and refined with the image as guide, so that it
 /// ends where things begin: near a place, w is an affine function of colour.
 ///
@@ -87,7 +87,7 @@ pub(crate) fn water_share_by(
     water: impl FnOnce(f32) -> ([f32; 3], f32),
 ) -> Result<WaterShare, ImageError> {
     depth.check_fits(image.size())?;
-    let region = match depth.is_measured() {
+    let region = match depth.is_measured_everywhere() {
         true => None,
         false => {
             let cells = Cells::new(image, &depth.quantised().levels);
@@ -99,7 +99,7 @@ pub(crate) fn water_share_by(
         return Ok(WaterShare::none(image.size()));
     };
     let (veil, sure) = water(region.seen);
-    Ok(WaterShare::of(image.size(), &region, veil, sure))
+    Ok(WaterShare::of(depth, &region, veil, sure))
 }
 
 /// What is left of w where open water is in view with this likelihood.
@@ -115,17 +115,18 @@ impl WaterShare {
         Self { width, height, seen: 0.0, mean: 0.0, sure: 0.0, map: None }
     }
 
-    /// The share of an image of this size, by the region that is likeliest to be water; `veil` is the water's colour, encoded, and
+    /// The share of an image, by the region that is likeliest to be water; `veil` is the water's colour, encoded, and
     /// `sure` what is left of w.
-    pub(super) fn of(size: (usize, usize), region: &Region, veil: [f32; 3], sure: f32) -> Self {
-        let none = Self { seen: region.seen, ..Self::none(size) };
+    pub(super) fn of(depth: &DepthMap, region: &Region, veil: [f32; 3], sure: f32) -> Self {
+        let none = Self { seen: region.seen, ..Self::none(depth.size()) };
         if sure == 0.0 || veil.iter().all(|&channel| channel < FAINTEST_WATER) {
             return none;
         }
         let colours: Vec<[f32; 3]> =
             region.cells.all().iter().map(|cell| cell.mean.map(|v| v / 255.0)).collect();
-        let map: Vec<f32> =
-            (0..colours.len()).map(|i| share_of_cell(region, i, &colours[i], &veil)).collect();
+        let of_cell =
+            |i: usize| share_of_cell(region, i, &colours[i], &veil) * may_be_water(depth, region, i);
+        let map: Vec<f32> = (0..colours.len()).map(of_cell).collect();
         let mean = map.iter().map(|&share| f64::from(share)).sum::<f64>() / map.len() as f64;
         let map = Guided::new(region.cells.grid(), &colours, &map, FLAT);
         Self { sure, mean: (f64::from(sure) * mean) as f32, map: Some(map), ..none }
@@ -217,6 +218,12 @@ impl Work for ToShares<'_> {
     fn run(self) {
         self.values.iter_mut().for_each(|value| *value = self.share.share(*value));
     }
+}
+
+/// How much of a cell may be open water by its depth: where that was measured, F' vanishes in open water by itself.
+fn may_be_water(depth: &DepthMap, region: &Region, cell: usize) -> f32 {
+    let [x, y] = region.cells.place(cell).map(|pixels| pixels.start + pixels.len() / 2);
+    depth.may_be_water(x, y)
 }
 
 /// How much of a cell is water: by evidence, or else by its colour; or by what a network sees there, or by either.

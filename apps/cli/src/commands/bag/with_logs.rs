@@ -13,7 +13,6 @@ use aquafuse_data::video::Recipe;
 
 use super::Bag;
 use crate::args::common::Common;
-use crate::args::depth_model::of_colour;
 use crate::args::water::WaterSource;
 use crate::failure::Failure;
 use crate::report::output;
@@ -44,7 +43,7 @@ impl Bag {
 
     fn recipe(&self, water: Option<&WaterSource>, common: &Common) -> Result<Recipe, Failure> {
         let mut settings = self.settings.get()?;
-        let depth_model = of_colour(std::mem::take(&mut settings.depth_model), "bag")?;
+        let depth_model = std::mem::take(&mut settings.depth_model);
         let operation = match water {
             None if self.restore => Operation::Restore {
                 options: self.max_gain.options(),
@@ -54,9 +53,8 @@ impl Bag {
             None => Operation::Enhance { levels: self.levels.options() },
             Some(water) => {
                 self.waters.refuse_unread(settings.options.model)?;
-                let file =
-                    self.waters.read(water, &depth_model.into(), PixelEncoding::Encoded, &common.reading)?;
-                let unit = if self.depth_topic.is_some() { DepthKind::Metres } else { DepthKind::Relative };
+                let file = self.waters.read(water, &depth_model, PixelEncoding::Encoded, &common.reading)?;
+                let unit = if self.depth_topic.is_some() { DepthKind::Metres } else { depth_model.kind() };
                 let reference = self.waters.per(unit, &file)?;
                 Operation::Fuse { reference, options: settings.options }
             }

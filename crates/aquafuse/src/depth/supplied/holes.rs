@@ -3,11 +3,14 @@
 //! Structure from motion finds nothing in open water, so a third of a frame may have no depth, and just its far
 //! end. The curve from colour to distance is the median distance of each colour, made rising by pooling adjacent
 //! violators (Barlow et al. 1972). At its far end it meets the far end of the map, and beyond the farthest colour
-//! of the valid pixels lies open water. Where a place of that colour was measured nearby, its distance counts ([`Nearby`]).
+//! of the valid pixels lies open water. What was measured beside a hole counts more than its colour (`spread`).
 
-mod nearby;
+mod spread;
 
-use nearby::Nearby;
+use spread::Guess;
+
+use crate::depth::map::Guesses;
+use crate::image::ImageRef;
 
 /// Levels of colour depth.
 const LEVELS: usize = 256;
@@ -24,20 +27,26 @@ const OPEN_WATER: f32 = 4.0;
 /// Levels of colour depth over which the curve rises to open water: a step would be seen as an edge.
 const RAMP: usize = 8;
 
-/// Fills what is not valid in a map of this width; `levels` is colour depth, `most` the largest distance there is. Returns the far
-/// end of what is valid: beyond it nothing was measured.
-pub(super) fn fill(distances: &mut [f32], width: usize, valid: &[bool], levels: &[u8], most: f32) -> f32 {
+/// Fills what is not valid in the map of `image`; `levels` is its colour depth, `most` the largest distance there is. Returns where z
+/// is a guess.
+pub(super) fn fill(
+    image: ImageRef<'_, u8>,
+    distances: &mut [f32],
+    valid: &[bool],
+    levels: &[u8],
+    most: f32,
+) -> Guesses {
     let Curve { at, farthest, far } = curve(distances, valid, levels);
-    let of_things: Vec<bool> =
-        valid.iter().zip(levels).map(|(valid, level)| *valid && usize::from(*level) <= farthest).collect();
-    let nearby = Nearby::new(width, &of_things, levels, |i| distances[i] - at[usize::from(levels[i])]);
-    for (i, distance) in distances.iter_mut().enumerate().filter(|(i, _)| !valid[*i]) {
+    let guess = |i: usize| {
         let level = usize::from(levels[i]);
-        // Nothing nearby says where open water ends.
-        let of_things = 1.0 - level.saturating_sub(farthest).min(RAMP) as f32 / RAMP as f32;
-        *distance = (at[level] + of_things * nearby.at(i % width, i / width, levels[i])).clamp(0.0, most);
+        let water = level.saturating_sub(farthest).min(RAMP) as f32 / RAMP as f32;
+        Guess { distance: at[level].min(most), water }
+    };
+    let guesses = spread::fill(image, distances, valid, far, guess);
+    for (distance, _) in distances.iter_mut().zip(valid).filter(|(_, valid)| !**valid) {
+        *distance = distance.clamp(0.0, most);
     }
-    far
+    guesses
 }
 
 /// Distance by level of colour depth, rising.

@@ -149,6 +149,23 @@ fn open_water_without_depth_is_farther_than_all_that_was_measured() {
 }
 
 #[test]
+fn open_water_has_a_share_where_nothing_was_measured_and_none_where_it_was() {
+    use crate::image::Encoded;
+    use crate::truth::{Scene, Size, waters};
+    use crate::waterbody::estimate_with_share;
+    let scene = Scene::new(1, Size { width: 96, height: 64 });
+    let image: Image<u8> = scene.seen_through(&waters()[0].water).convert();
+    let holes =
+        scene.depth.distances().into_iter().enumerate().map(|(i, z)| if i / 96 < 20 { 0.0 } else { z });
+    let map = Supplied::new(96, 64, holes.collect(), SuppliedKind::Metres).unwrap();
+    let z = map.seen_with(&image, TopEdge::First).unwrap().depth;
+    let (_, share) = estimate_with_share::<Encoded>(&image, &z, &Default::default()).unwrap();
+    let at = |x: usize, y: usize| share.at(x, y, image.pixels()[96 * y + x].map(|v| f32::from(v) / 255.0));
+    assert!(at(48, 2) > 0.5, "{}", at(48, 2));
+    assert!((40..64).all(|y| at(48, y) < 0.05));
+}
+
+#[test]
 fn holes_on_the_ground_get_the_distance_of_their_colour() {
     let mut values = distances();
     // Lower down all colours are as near as can be.

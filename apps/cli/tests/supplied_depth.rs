@@ -356,7 +356,6 @@ fn open_water_without_measured_depth_is_far_in_real_images() {
         let open: Vec<f32> = top.iter().zip(&stored).filter(|(_, z)| **z == 0.0).map(|(z, _)| *z).collect();
         let far = open.iter().filter(|z| **z >= far_end).count() as f64 / open.len() as f64;
         println!("{}: {:.1} % of the open water is as far as the far end", map.display(), 100.0 * far);
-        // The rocks beside the open water of flsea_0002.tif reach a little into it.
-        assert!(far >= 0.85, "{}: {far}", map.display());
+        assert!(far >= 0.9, "{}: {far}", map.display());
     }
 }

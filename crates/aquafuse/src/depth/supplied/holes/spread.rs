@@ -20,7 +20,7 @@ const DARKEST: f32 = 0.02;
 /// What colour counts in a hole, where a measured pixel counts 1: where it says a thing, and where it says open water. With as little
 /// as for things, the water around a pier was as near as the pier, a sixth of the image's height far.
 const THINGS: f32 = 0.02;
-const WATER: f32 = 0.3;
+const WATER: f32 = 0.7;
 /// Rounds of rows and columns.
 const ROUNDS: i32 = 3;
 /// Measured pixels so near to a hole say nothing: there the outlines of map and image often differ.

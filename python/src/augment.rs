@@ -96,9 +96,10 @@ pub(crate) fn augment<'py>(
     })?;
     let plan = job.plan().map_err(Fault::run)?;
     make_folder(&job.output).map_err(Fault::from)?;
-    let Summary { done, skipped, failed, left } = runs::run(py, &job.run_options.stop, listener, |told| {
-        job.run(&plan, &|event| told.hear(&event, str::to_owned)).map_err(Fault::run)
-    })?;
+    let Summary { done, skipped, failed, left } =
+        runs::run(py, &job.run_options.stop, listener, |reporter| {
+            job.run(&plan, &|event| reporter.report(&event, str::to_owned)).map_err(Fault::run)
+        })?;
     Ok((done, skipped, failed, left))
 }
 

@@ -65,18 +65,23 @@ impl Fault {
         let text =
             text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
         let message = format!(
-            "aquafuse panicked ({text}). This is a bug of aquafuse: please report it with the array's shape and dtype"
+            "aquafuse panicked ({text}). This is a bug of aquafuse: please report it with the call, and the shape and dtype of its arrays"
         );
         Self { kind: Kind::Internal, message }
     }
 }
 
 /// A message of the libraries with the options of Python: `max_memory` for `--max-memory`, `output` for `-o`.
-fn in_python(message: &str) -> String {
-    let word = |word: &str| match word.strip_prefix("--") {
-        Some(name) if name.starts_with(|c: char| c.is_ascii_lowercase()) => name.replace('-', "_"),
-        _ if word == "-o" => "output".to_owned(),
-        _ => word.to_owned(),
+pub(crate) fn in_python(message: &str) -> String {
+    let word = |word: &str| {
+        let (before, option) = word.split_at(word.len() - word.trim_start_matches('(').len());
+        let option = match option.strip_prefix("--") {
+            Some("format") => "layout".to_owned(),
+            Some(name) if name.starts_with(|c: char| c.is_ascii_lowercase()) => name.replace('-', "_"),
+            _ if option == "-o" => "output".to_owned(),
+            _ => option.to_owned(),
+        };
+        before.to_owned() + &option
     };
     message.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aquafuse::depth::{DepthKind, DepthModel, SuppliedKind};
+use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse::formation::RestoreOptions;
 use aquafuse::fusion::{Model, Options};
 use aquafuse::levels::LevelsOptions;
@@ -22,7 +22,7 @@ use serde_json::{Map, json};
 
 use crate::error::Fault;
 use crate::runs::{self, Limits};
-use crate::settings::{ModelArgument, Reading, gain, incidence, kind, scale};
+use crate::settings::{ModelArgument, Reading, gain, incidence, kind, optional, scale, whole};
 use crate::water::Water;
 
 /// The figures of an evaluation.
@@ -83,8 +83,8 @@ impl Run<'_> {
         options: &RunOptions,
         evaluation: impl FnOnce(evaluate::Listener<'_>) -> Result<Report, EvaluateError> + Send,
     ) -> PyResult<PyReport> {
-        let found = runs::run(py, &options.stop, &self.listener, |told| {
-            evaluation(&|event| told.hear(&event, str::to_owned)).map_err(Fault::from)
+        let found = runs::run(py, &options.stop, &self.listener, |reporter| {
+            evaluation(&|event| reporter.report(&event, str::to_owned)).map_err(Fault::from)
         })?;
         let found = PyReport(found);
         if let Some(path) = &self.output {
@@ -113,7 +113,7 @@ pub(crate) struct Fused {
     contents: PathBuf,
     references: PathBuf,
     group_by: Option<String>,
-    pairs: Option<usize>,
+    pairs: Option<i64>,
     rivals: bool,
     methods: Vec<(String, PathBuf)>,
     depth: Option<MapsOf>,
@@ -164,13 +164,13 @@ pub(crate) fn evaluate_fusion(
     let fusion = Fusion {
         contents: by.list(&asked.contents).map_err(Fault::from)?,
         references: by.list(&asked.references).map_err(Fault::from)?,
-        pairing: Pairing { references: asked.pairs, seed: run.seed },
+        pairing: Pairing { references: optional("pairs", asked.pairs, 1..=1_000_000)?, seed: run.seed },
         settings,
         methods,
         content_depth: supply(asked.depth)?,
         reference_depth: supply(asked.water_depth)?,
         lpips: None,
-        run_options: run.limits.options(reading.scene()?),
+        run_options: run.limits.options(reading.scene()?)?,
     };
     run.report(py, &fusion.run_options, |listener| fusion.run(listener))
 }
@@ -203,7 +203,7 @@ pub(crate) fn evaluate_enhancement(
 ) -> PyResult<PyReport> {
     run.check()?;
     let encoding = reading.encoding();
-    let levels = LevelsOptions::default();
+    let (estimator, levels) = (reading.estimator()?, LevelsOptions::default());
     let mut methods = vec![
         (ENHANCE.to_owned(), Operation::Enhance { levels }),
         (RESTORE.to_owned(), Operation::Restore { options: RestoreOptions::default(), levels, encoding }),
@@ -212,7 +212,7 @@ pub(crate) fn evaluate_enhancement(
     if let Some((name, water)) = &asked.clear {
         let options =
             options(asked.model.parse().map_err(Fault::from)?, Some(asked.theta), Some(asked.alpha))?;
-        let reference = water.get().per(DepthKind::Relative, scale(asked.metres_at_one)?, None)?;
+        let reference = water.get().per(estimator.kind(), scale(asked.metres_at_one)?, None)?;
         settings.insert("water".into(), json!(name));
         settings.insert("model".into(), json!(options.model.name()));
         settings.insert("theta".into(), json!(options.incidence.degrees()));
@@ -224,10 +224,10 @@ pub(crate) fn evaluate_enhancement(
         images: GroupBy::Nothing.list(&asked.images).map_err(Fault::from)?,
         methods,
         references: references.transpose().map_err(Fault::from)?,
-        source: DepthSource::Estimated(reading.estimator()?),
+        source: DepthSource::Estimated(estimator),
         outputs: outputs(&asked.methods, &[ENHANCE, RESTORE, CLARIFY])?,
         seed: run.seed,
-        run_options: run.limits.options(reading.scene()?),
+        run_options: run.limits.options(reading.scene()?)?,
         settings,
     };
     run.report(py, &enhancement.run_options, |listener| enhancement.run(listener))
@@ -271,7 +271,7 @@ pub(crate) fn evaluate_depth(py: Python<'_>, asked: Known, run: Run<'_>) -> PyRe
         models,
         maps: asked.maps.iter().map(of_maps).collect::<Result<_, _>>()?,
         seed: run.seed,
-        run_options: run.limits.options(ReadOptions::default()),
+        run_options: run.limits.options(ReadOptions::default())?,
     };
     run.report(py, &depth.run_options, |listener| depth.run(listener))
 }
@@ -280,7 +280,7 @@ pub(crate) fn evaluate_depth(py: Python<'_>, asked: Known, run: Run<'_>) -> PyRe
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Synthetic {
-    exchanges: usize,
+    exchanges: i64,
     places: String,
     lit: Option<String>,
     linear: bool,
@@ -303,16 +303,13 @@ pub(crate) fn evaluate_truth(py: Python<'_>, asked: Synthetic, run: Run<'_>) -> 
         Some("sea") => Some(LitWaters::Sea),
         Some(_) => return Err(Fault::argument("lit: give jerlov or sea").into()),
     };
-    if !(1..=100_000).contains(&asked.exchanges) {
-        return Err(Fault::argument(format!("exchanges is {}; give 1 to 100000", asked.exchanges)).into());
-    }
     let truth = Truth {
-        exchanges: asked.exchanges,
+        exchanges: whole("exchanges", asked.exchanges, 1..=100_000)?,
         places,
         lit,
         linear: asked.linear,
         seed: run.seed,
-        run_options: run.limits.options(ReadOptions::default()),
+        run_options: run.limits.options(ReadOptions::default())?,
     };
     run.report(py, &truth.run_options, |listener| truth.run(listener))
 }

@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 
 use crate::error::Fault;
 use crate::runs::{self, Limits};
-use crate::settings::{Reading, gain, incidence, scale};
+use crate::settings::{Reading, gain, incidence, optional, scale, whole};
 use crate::threads;
 use crate::water::{Water, checked};
 
@@ -29,13 +29,13 @@ pub(crate) struct Training {
     output: PathBuf,
     images: Option<PathBuf>,
     skip_missing: bool,
-    iterations: u32,
-    seed: u64,
-    sh_degree: u8,
+    iterations: i64,
+    seed: i64,
+    sh_degree: i64,
     water: String,
-    splats: usize,
-    longest: usize,
-    hold: Option<usize>,
+    splats: i64,
+    longest: i64,
+    hold: Option<i64>,
     overwrite: bool,
 }
 
@@ -52,9 +52,9 @@ pub(crate) fn train_scene(
 ) -> PyResult<Trained> {
     runs::refuse_fork("scene train")?;
     let request = asked.request()?;
-    let options = limits.options(ReadOptions::default());
-    runs::run(py, &options.stop, listener, |told| {
-        threads::install(limits.threads(), || {
+    let options = limits.options(ReadOptions::default())?;
+    runs::run(py, &options.stop, listener, |reporter| {
+        threads::install(runs::threads_of(&options), || {
             let training = training::Plan::new(request, &options.reading)?.load(&options)?;
             // Before the work of hours: a second run to this output would be refused after it.
             let training::Request { output, overwrite, .. } = training.request();
@@ -63,7 +63,8 @@ pub(crate) fn train_scene(
                 return Err(FileError::Exists { path: output.clone() }.into());
             }
             let about = |step: &StepReport| format!("{} splats, loss {:.4}", step.splats, step.loss);
-            let model = training.run(&options, &|event| told.hear_with(&event, u32::to_string, about))?;
+            let model =
+                training.run(&options, &|event| reporter.report_with(&event, u32::to_string, about))?;
             training.write(&model)?;
             let scores = training.held_out_scores(&model);
             Ok((model.splats.len(), scores.map(|scores| (scores.views, scores.psnr, scores.ssim))))
@@ -78,22 +79,10 @@ impl Training {
             "learn" => true,
             _ => return Err(Fault::argument("water: give none or learn")),
         };
-        for (name, value, least, most) in [
-            ("iterations", u64::from(self.iterations), 1, 1_000_000),
-            ("sh_degree", self.sh_degree.into(), 0, 3),
-            ("splats", self.splats as u64, 1, 100_000_000),
-            ("longest", self.longest as u64, 16, 65535),
-            ("hold", self.hold.unwrap_or(2) as u64, 2, u64::MAX),
-        ] {
-            if !(least..=most).contains(&value) {
-                let most = if most == u64::MAX { "or more".to_owned() } else { format!("to {most}") };
-                return Err(Fault::argument(format!("{name} is {value}; give {least} {most}")));
-            }
-        }
         let options = TrainOptions {
-            iterations: self.iterations,
-            seed: self.seed,
-            max_splats: self.splats,
+            iterations: whole("iterations", self.iterations, 1..=1_000_000)?,
+            seed: whole("seed", self.seed, 0..=i64::MAX)?,
+            max_splats: whole("splats", self.splats, 1..=100_000_000)?,
             ..TrainOptions::default()
         };
         Ok(training::Request {
@@ -102,10 +91,10 @@ impl Training {
             skip_missing: self.skip_missing,
             output: self.output,
             options,
-            sh_degree: self.sh_degree,
+            sh_degree: whole("sh_degree", self.sh_degree, 0..=3)?,
             learns_water,
-            longest: self.longest,
-            hold_out: self.hold,
+            longest: whole("longest", self.longest, 16..=65535)?,
+            hold_out: optional("hold", self.hold, 2..=1_000_000)?,
             overwrite: self.overwrite,
         })
     }
@@ -124,9 +113,9 @@ pub(crate) struct Rendering<'py> {
     water: Option<Bound<'py, Water>>,
     visibility: Option<f32>,
     metres_per_unit: f32,
-    orbit: Option<u32>,
+    orbit: Option<i64>,
     depth: bool,
-    longest: usize,
+    longest: i64,
     overwrite: bool,
 }
 
@@ -141,16 +130,16 @@ pub(crate) fn render_scene(
     runs::refuse_fork("scene render")?;
     let medium = asked.medium()?;
     let request = asked.request()?;
-    let options = limits.options(ReadOptions::default());
-    runs::run(py, &options.stop, listener, |told| {
-        threads::install(limits.threads(), || {
+    let options = limits.options(ReadOptions::default())?;
+    runs::run(py, &options.stop, listener, |reporter| {
+        threads::install(runs::threads_of(&options), || {
             let plan = views::Plan::new(request, &options.reading)?;
             let plan = match medium {
                 Some(medium) => plan.through(medium),
                 None => plan,
             };
             let rendered =
-                plan.run(&options, &|event| told.hear(&event, |path| display(path).to_string()))?;
+                plan.run(&options, &|event| reporter.report(&event, |path| display(path).to_string()))?;
             Ok((rendered.done, rendered.skipped))
         })
     })
@@ -174,19 +163,13 @@ impl Rendering<'_> {
     }
 
     fn request(&self) -> Result<views::Request, Fault> {
-        if !(16..=16384).contains(&self.longest) {
-            return Err(Fault::argument(format!("longest is {}; give 16 to 16384 pixels", self.longest)));
-        }
-        if self.orbit.is_some_and(|views| !(1..=100_000).contains(&views)) {
-            return Err(Fault::argument("orbit: give 1 to 100000 views"));
-        }
         Ok(views::Request {
             splats: self.splats.clone(),
             scene: self.scene.clone(),
             output: self.output.clone(),
-            orbit: self.orbit,
+            orbit: optional("orbit", self.orbit, 1..=100_000)?,
             distances: self.depth,
-            longest: self.longest,
+            longest: whole("longest", self.longest, 16..=16384)?,
             overwrite: self.overwrite,
         })
     }
@@ -236,7 +219,7 @@ pub(crate) fn fuse_scene(
         asked.water.get().per(DepthKind::Metres, scale(asked.metres_at_one)?, checked(asked.visibility)?)?;
     let smoothing = asked.smooth.parse().map_err(Fault::from)?;
     let recipe = Recipe { smoothing, ..Recipe::new(Operation::Fuse { reference, options }) };
-    let (estimator, run_options) = (reading.estimator()?, limits.options(reading.scene()?));
+    let (estimator, run_options) = (reading.estimator()?, limits.options(reading.scene()?)?);
     let inputs: Vec<&std::path::Path> = asked.water_file.iter().map(PathBuf::as_path).collect();
     let request = fuse::Request {
         scene: &asked.scene,
@@ -248,9 +231,9 @@ pub(crate) fn fuse_scene(
         overwrite: asked.overwrite,
     };
     let plan = threads::work(py, || Ok(fuse::Plan::new(&request)?))?;
-    runs::run(py, &run_options.stop, listener, |told| {
-        let fused =
-            plan.run(&recipe, &run_options, &|event| told.hear(&event, |path| display(path).to_string()))?;
+    runs::run(py, &run_options.stop, listener, |reporter| {
+        let fused = plan
+            .run(&recipe, &run_options, &|event| reporter.report(&event, |path| display(path).to_string()))?;
         Ok((fused.summary.done, fused.summary.skipped, fused.shared.unit))
     })
 }

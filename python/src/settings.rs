@@ -1,5 +1,6 @@
 //! Names and numbers of options, as the Python side passes them.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use aquafuse::depth::{DepthModel, RelativeScale, SuppliedKind};
@@ -136,6 +137,23 @@ pub(crate) fn scale(metres_at_one: Option<f32>) -> Result<RelativeScale, Fault> 
             RelativeScale::new(metres).map_err(|error| Fault::argument(format!("metres_at_one: {error}")))
         },
     )
+}
+
+/// A whole number of an option within its range.
+pub(crate) fn whole<T: TryFrom<i64>>(name: &str, value: i64, range: RangeInclusive<i64>) -> Result<T, Fault> {
+    let within = Some(value).filter(|value| range.contains(value)).and_then(|value| T::try_from(value).ok());
+    within.ok_or_else(|| {
+        Fault::argument(format!("{name} is {value}; give {} to {}", range.start(), range.end()))
+    })
+}
+
+/// [`whole`] of an option that may be left out.
+pub(crate) fn optional<T: TryFrom<i64>>(
+    name: &str,
+    value: Option<i64>,
+    range: RangeInclusive<i64>,
+) -> Result<Option<T>, Fault> {
+    value.map(|value| whole(name, value, range)).transpose()
 }
 
 /// How levels are set.

@@ -19,7 +19,7 @@ static HOME: AtomicU32 = AtomicU32::new(0);
 static CHOSEN: AtomicU64 = AtomicU64::new(0);
 static POOL: RwLock<Option<Pool>> = RwLock::new(None);
 /// More would be a slip of the keyboard.
-const MOST: usize = 512;
+pub(crate) const MOST: usize = 512;
 
 #[derive(Clone)]
 struct Pool {
@@ -95,7 +95,10 @@ fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
     }
     let new = Arc::new(ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
     let mut held = POOL.try_write().ok()?;
-    // The threads of an old pool may be those of another process, which nobody can end from here.
-    std::mem::forget(held.replace(Pool { process, threads, pool: new.clone() }));
+    let old = held.replace(Pool { process, threads, pool: new.clone() });
+    // The threads of a pool of another process do not exist here, and nobody can end them.
+    if let Some(old) = old.filter(|old| old.process != process) {
+        std::mem::forget(old);
+    }
     Some(new)
 }

@@ -93,7 +93,9 @@ def test_an_exception_stops_an_evaluation_and_leaves_no_report(images: Path) -> 
 
 def test_what_fails_is_listed_and_the_rest_is_scored(images: Path) -> None:
     (images / "images" / "blue_1.png").write_bytes(b"broken")
-    report = evaluate.enhancement(images / "images", progress=False)
+    events: list[aquafuse.Event] = []
+    report = evaluate.enhancement(images / "images", on_event=events.append, progress=False)
+    assert sorted(event.kind for event in events) == ["done"] * 3 + ["failed", "started"]
     assert [failed["name"] for failed in report.failed] == ["blue_1.png"] and "blue_1.png" in report.failed[0]["error"]
     assert {item["picture"] for item in report.items} == {"blue_2.png", "green_1.png"}
 
@@ -105,8 +107,10 @@ def test_what_cannot_be_asked_is_refused_before_any_work(images: Path) -> None:
     assert (images / "report.md").read_text() == "mine"
     with pytest.raises(aquafuse.ArgumentError, match="Reinhard"):
         evaluate.fusion(images / "images", images / "images", rivals=True, methods={"Reinhard": images / "tool"})
-    with pytest.raises(aquafuse.ArgumentError, match="exchanges"):
+    with pytest.raises(aquafuse.ArgumentError, match="exchanges is 0; give 1 to 100000"):
         evaluate.truth(exchanges=0)
+    with pytest.raises(aquafuse.ArgumentError, match="pairs"):
+        evaluate.fusion(images / "images", images / "images", pairs=0)
     with pytest.raises(aquafuse.RunError, match="group_by"):
         evaluate.fusion(images / "images", images / "images", group_by="folder", progress=False)
     succeed("evaluate", "enhancement", images / "images", "-o", images / "report.md", "--overwrite", "--quiet")

@@ -58,16 +58,18 @@ def test_training_that_was_stopped_goes_on_to_the_same_bytes(reef: Path, tmp_pat
         pass
 
     def stop(event: aquafuse.Event) -> None:
-        if event.item == "3":
+        if event.kind == "done":
             raise Enough
 
+    # So many steps that the run does not end before this thread hears of the first.
+    how = {**QUICK, "iterations": 400}
     with pytest.raises(Enough):
-        scene.train(reef, tmp_path / "a.ply", on_event=stop, threads=1, **QUICK)
+        scene.train(reef, tmp_path / "a.ply", on_event=stop, threads=1, **how)
     assert not (tmp_path / "a.ply").exists() and (tmp_path / "a.ply.checkpoint").is_file()
     events: list[aquafuse.Event] = []
-    scene.train(reef, tmp_path / "a.ply", on_event=events.append, **QUICK)
+    scene.train(reef, tmp_path / "a.ply", on_event=events.append, **how)
     assert events[1].kind == "skipped"
-    scene.train(reef, tmp_path / "b.ply", **QUICK)
+    scene.train(reef, tmp_path / "b.ply", **how)
     assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
 
 
@@ -103,6 +105,14 @@ def test_a_fused_scene_is_that_of_the_command(reef: Path, tmp_path: Path) -> Non
 def test_what_cannot_be_done_is_refused_by_name(reef: Path, tmp_path: Path) -> None:
     with pytest.raises(aquafuse.ArgumentError, match="iterations is 0; give 1 to 1000000"):
         scene.train(reef, tmp_path / "a.ply", iterations=0)
+    for wrong in ({"threads": 0}, {"threads": 513}, {"sh_degree": -1}, {"iterations": 2**32}, {"max_memory": -1}, {"hold": 1}):
+        with pytest.raises(aquafuse.ArgumentError, match=next(iter(wrong))):
+            scene.train(reef, tmp_path / "a.ply", **{**QUICK, **wrong})
+    (reef / "images" / "3.png").rename(tmp_path / "3.png")
+    with pytest.raises(aquafuse.RunError, match="skip_missing") as raised:
+        scene.train(reef, tmp_path / "a.ply", **QUICK)
+    assert "--" not in str(raised.value)
+    (tmp_path / "3.png").rename(reef / "images" / "3.png")
     with pytest.raises(aquafuse.RunError, match="max_memory") as raised:
         scene.train(reef, tmp_path / "a.ply", max_memory=1000, progress=False)
     assert "--" not in str(raised.value)

@@ -136,7 +136,7 @@ def augment(
     named = [_named(name, depth_model, water_map, border, linear) for name in library(_texts(waters))]
     instead = _named(on_doubtful, depth_model, water_map, border, linear) if on_doubtful.startswith("preset:") else None
     _native.Draws(seed, theta_range or (0.0, 0.0), alpha_range or (0.0, 0.0), with_replacement)
-    with Listener(on_event, progress) as listener:
+    with Listener(on_event, progress, failures_end_items=True) as listener:
         counts = _native.augment(
             os.fspath(dataset),
             named,

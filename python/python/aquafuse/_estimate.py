@@ -73,7 +73,7 @@ class Estimate:
 
     @property
     def invalid_depth_share(self) -> float | None:
-        """The share of supplied depth that was not valid and was filled from colour; ``None`` for depth from colour."""
+        """The share of supplied depth that was not valid and was filled from the rest and from colour; ``None`` for depth from colour."""
         return self._estimate.invalid_depth_share
 
     @property

@@ -12,7 +12,8 @@ class Event(NamedTuple):
     """What a run reports."""
 
     kind: Kind
-    """``started``, then for each item ``done``, ``skipped`` (a run before this one made it) or ``failed``."""
+    """``started``, then for each item ``done``, ``skipped`` (a run before this one made it) or ``failed``. In an evaluation what fails
+    is ``done`` after that."""
     item: str
     """The item: an image by its path within the dataset, or the number of a step."""
     message: str
@@ -27,8 +28,11 @@ OnEvent = Callable[[Event], object]
 class Listener:
     """Passes events on, counts, and shows progress by tqdm if it is installed."""
 
-    def __init__(self, on_event: OnEvent | None, progress: bool, unit: str = "image") -> None:
+    def __init__(
+        self, on_event: OnEvent | None, progress: bool, unit: str = "image", failures_end_items: bool = False
+    ) -> None:
         self.on_event = on_event
+        self._ends = ("done", "skipped", "failed") if failures_end_items else ("done", "skipped")
         self.failures: list[str] = []
         self._bar: Any = None
         self._progress = progress
@@ -44,7 +48,7 @@ class Listener:
                 self._bar = tqdm(total=total, unit=self._unit)
         if kind == "failed":
             self.failures.append(message)
-        if kind != "started" and self._bar is not None:
+        if kind in self._ends and self._bar is not None:
             self._bar.update(1)
         if self.on_event is not None:
             self.on_event(Event(kind, item, message, total))

@@ -16,7 +16,7 @@ use crate::args::water::WaterSource;
 #[derive(Args)]
 pub(crate) struct DepthArguments {
     /// Depth map (PNG, TIFF, OpenEXR, NPY, PFM or COLMAP's .geometric.bin) of the image's size; for a folder of images, a folder of maps with
-    /// the same stems. Invalid pixels are filled from colour (model `ratio`). The depth of a reference image is
+    /// the same stems. Invalid pixels are filled from valid ones beside them, and from colour (model `ratio`) beyond that. The depth of a reference image is
     /// estimated with --depth-model; only `fuse` takes a map for it (--water-depth).
     #[arg(long, value_name = "FILE")]
     depth: Option<PathBuf>,

@@ -51,7 +51,7 @@ struct NetworkArgs {
     /// Scale images to about the area of a square of N pixels a side for FILE.onnx, if it takes any size [default: 518].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*SIDES.start())..=i64::from(*SIDES.end())))]
     depth_model_size: Option<u32>,
-    /// Refuse FILE.onnx if it takes more than N seconds for one image [default: 600].
+    /// Refuse FILE.onnx if reading it, or one image, takes more than N seconds [default: 600].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     depth_model_seconds: Option<u32>,
 }

@@ -29,8 +29,8 @@ Example:
 pub(crate) struct Simulate {
     /// The image, taken in air.
     image: PathBuf,
-    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the image's size. Invalid pixels are filled from colour, which
-    /// is a guess in air; the command prints their share.
+    /// Its depth map (PNG, TIFF, OpenEXR, NPY, PFM), of the image's size. Invalid pixels are filled from valid ones
+    /// beside them, and from colour, which is a guess in air; the command prints their share.
     depth: PathBuf,
     /// The water: preset:NAME from `water list`, sea:NUMBER, NAME.water.json from `water extract`, or an image.
     water: PathBuf,

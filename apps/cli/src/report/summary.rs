@@ -76,7 +76,7 @@ const DETAILS: [(&str, Detail); 8] = [
         let share = report.outcome.clipping.share();
         (share > MUCH).then(|| format!("{:.0} % of the values", 100.0 * share))
     }),
-    ("pixels without a valid depth, filled from colour", |report| {
+    ("pixels without a valid depth, filled from others and from colour", |report| {
         let supplied = report.supplied.filter(|supplied| supplied.invalid > 0)?;
         Some(format!("{:.1} %", 100.0 * supplied.invalid_share()))
     }),

@@ -1,6 +1,6 @@
 //! Work that is given up after a while.
 
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -31,7 +31,11 @@ pub(super) fn in_time<R: Send + 'static>(
         let _ = send.send(catch_panic(work));
     };
     thread::Builder::new().stack_size(STACK).spawn(on_thread).map_err(|_| Lost::NoThread)?;
-    ended.recv_timeout(limit).map_err(|_| Lost::TooSlow)?.ok_or(Lost::Panicked)
+    let ended = ended.recv_timeout(limit).map_err(|lost| match lost {
+        RecvTimeoutError::Timeout => Lost::TooSlow,
+        RecvTimeoutError::Disconnected => Lost::Panicked,
+    });
+    ended?.ok_or(Lost::Panicked)
 }
 
 #[cfg(test)]

@@ -102,7 +102,10 @@ impl DepthNetwork {
         let (digest, length) = (sha256(&bytes), bytes.len() as u64);
         let limit = limit(options);
         let model = in_time(limit, || Model::load(bytes)).map_err(|lost| match lost {
-            Lost::TooSlow => unfit(too_slow("reading it", limit)),
+            Lost::TooSlow => unfit((
+                format!("reading it took longer than {} s", limit.as_secs()),
+                "Give a smaller network, or more --depth-model-seconds".into(),
+            )),
             Lost::Panicked => foreign("its reader panicked".into()),
             Lost::NoThread => unfit(no_thread()),
         })?;
@@ -112,6 +115,10 @@ impl DepthNetwork {
             let cause =
                 format!("its input must have from {} to {} pixels a side", SIDES.start(), SIDES.end());
             return Err(unfit((cause, "Give another --depth-model-size".into())));
+        }
+        if options.seconds == Some(0) {
+            let cause = "no network is done within 0 s".to_owned();
+            return Err(unfit((cause, "Give 1 or more --depth-model-seconds".into())));
         }
         if let ([Some(columns), Some(rows)], Some(_)) = (preset.fixed, options.side) {
             return Err(unfit((
@@ -263,9 +270,8 @@ fn limit(options: &NetworkOptions) -> Duration {
 }
 
 fn too_slow(what: &str, limit: Duration) -> Unfit {
-    let seconds = limit.as_secs();
     (
-        format!("{what} took longer than {seconds} s"),
+        format!("{what} took longer than {} s", limit.as_secs()),
         "Give a smaller --depth-model-size, if it takes any size, a smaller network, or more --depth-model-seconds"
             .to_owned(),
     )

@@ -4,6 +4,7 @@ use std::any::TypeId;
 
 use aquafuse::image::{Image, ImageError, ImageMut, Sample};
 use aquafuse::stream::Steady;
+use aquafuse::waterbody::{EstimateOptions, water_share};
 
 use super::change::{ContentWater, Recipe};
 use super::error::VideoError;
@@ -42,13 +43,15 @@ impl AtDepth {
         let mut file = file.cut_to_scene(recipe.border).map_err(|error| request(&error))?;
         let mut found = analyse(&file)?;
         if let ContentWater::Given(water) = recipe.content_water {
+            let options = EstimateOptions::default().with_water_map(recipe.water_map);
+            let veil = &water.water.veiling_light;
+            found.share = water_share(&*file.bytes(), &found.depth, veil, &options)?;
             found.estimate = WaterEstimate::Encoded(water);
         }
         let done = recipe.operation.apply_next(&mut file.pixels, Some(&found), steady);
         let clipping = done.map_err(|error| request(&error))?.clipping;
-        let mut finish = |image: Image<T>| -> Result<(), ImageError> {
-            frame.copy_from(recipe.smoothing.apply(image).view())
-        };
+        file.pixels = file.pixels.smoothed(recipe.smoothing);
+        let mut finish = |image: Image<T>| -> Result<(), ImageError> { frame.copy_from(image.view()) };
         match file.joined().pixels {
             Pixels::Bytes(layers) => finish(layers.image.convert()),
             Pixels::Words(layers) => finish(layers.image.convert()),

@@ -101,9 +101,9 @@ impl Recipe {
         }))
     }
 
-    /// The network that depth is estimated by, if it is one.
+    /// The network that depth is estimated by, if it is one; none for an operation that needs no depth.
     pub fn network(&self) -> Option<&DepthNetwork> {
-        self.depth_model.network()
+        self.depth_model.network().filter(|_| self.operation.needs_analysis())
     }
 
     /// The model of colours, which a stream of the core estimates depth by.

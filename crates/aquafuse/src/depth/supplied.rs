@@ -1,7 +1,7 @@
 //! Depth that comes with an image: raw values of a declared kind, made into a [`DepthMap`].
 //!
 //! Nothing is guessed: the kind is declared, the size must be the image's, and values that are none are found
-//! by one rule ([`SuppliedKind`]), counted, and filled from colour.
+//! by one rule ([`SuppliedKind`]), counted, and filled from what is valid beside them and from colour.
 
 mod agreement;
 mod holes;
@@ -174,10 +174,10 @@ impl Supplied {
 
     /// The depth map of `image`, of which `top` is the edge that is up as seen.
     ///
-    /// Valid values are converted by their kind. Where there is none, depth comes from colour
-    /// ([`DepthModel::Ratio`]), taken to the map's unit by a rising curve through the valid pixels and by those of the same colour
-    /// nearby; colours farther than theirs are open water and lie beyond the far end of the map. A restoration goes no farther
-    /// than that end, for beyond it z is a guess.
+    /// Valid values are converted by their kind. Where there is none, z goes on from the valid pixels beside it, as far as the image
+    /// shows no edge. Beyond that it comes from colour ([`DepthModel::Ratio`]), taken to the map's unit by a rising curve through
+    /// the valid pixels; colours farther than theirs are open water and lie beyond the far end of the map. A restoration goes no
+    /// farther than that end, for beyond it z is a guess.
     ///
     /// # Errors
     ///

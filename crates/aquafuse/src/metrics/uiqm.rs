@@ -92,7 +92,7 @@ fn colourfulness(pixels: &[[f64; 3]]) -> f64 {
 fn trimmed(mut values: Vec<f64>) -> [f64; 2] {
     let share = TRIMMED * values.len() as f64;
     let (from, to) = (share.ceil() as usize, values.len() - share.floor() as usize);
-    // The kept ones in any order: they are half steps of bytes, whose sums are exact.
+    // In any order: they are half steps of bytes, and sums of these and of their squares are exact.
     let (kept, ..) = values.select_nth_unstable_by(to - 1, f64::total_cmp);
     let most = kept.len();
     if from < most {
@@ -100,7 +100,9 @@ fn trimmed(mut values: Vec<f64>) -> [f64; 2] {
     }
     let kept = &values[from..to];
     let mean = kept.iter().sum::<f64>() / kept.len() as f64;
-    [mean, values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64]
+    let [sum, squares] = values.iter().fold([0.0, 0.0], |[sum, squares], v| [sum + v, squares + v * v]);
+    let count = values.len() as f64;
+    [mean, (squares / count - mean * (2.0 * sum / count - mean)).max(0.0)]
 }
 
 /// Length of the Sobel gradient times the value itself. Its scale cancels in [`twice_log_ratio`].

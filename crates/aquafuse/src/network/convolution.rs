@@ -45,6 +45,7 @@ impl Convolution {
     /// of four.
     pub(super) fn new(from: usize, to: usize, side: usize, scales: &[f32], stored: &[i8]) -> Self {
         let places = side * side;
+        debug_assert!(from.is_multiple_of(4) && stored.len() == to * from * places);
         let mut weights = vec![[0; 2 * LANES]; to.div_ceil(LANES) * places * from / 2];
         for (i, weight) in stored.iter().enumerate() {
             let (out, rest) = (i / (from * places), i % (from * places));

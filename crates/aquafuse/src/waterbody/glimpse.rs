@@ -5,7 +5,7 @@ use crate::image::{ImageRef, TopEdge};
 #[cfg(feature = "network")]
 use crate::network::Sight;
 
-/// Frames of one scene after which the network looks again: a third of a second of video, in which its 2 ms count as a quarter of one a frame.
+/// Frames of one scene after which the network looks again: a third of a second of video. Its 2 ms then cost a quarter of one a frame.
 const EVERY: usize = 8;
 
 /// What the network saw last.

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use aquafuse::depth::DepthKind;
 use aquafuse::formation::RestoreOptions;
 use aquafuse::levels::LevelsOptions;
 use aquafuse_data::evaluate::{Enhancement, GroupBy, Listener, Outputs};
@@ -78,7 +77,7 @@ impl EnhancementArguments {
             let water = WaterSource::parse(clear)?;
             let file =
                 self.settings.waters.read(&water, &depth_model, encoding(self.linear), &common.reading)?;
-            let reference = self.settings.waters.per(DepthKind::Relative, &file)?;
+            let reference = self.settings.waters.per(depth_model.kind(), &file)?;
             settings.insert("water".into(), json!(water.name()));
             settings.insert("model".into(), json!(options.model.name()));
             settings.insert("theta".into(), json!(options.incidence.degrees()));

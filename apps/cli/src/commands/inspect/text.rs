@@ -48,7 +48,10 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
     if let Some(supplied) = &depth.supplied {
         let invalid = 100.0 * supplied.invalid_share;
         line("  file", format!("{}, {}", display(supplied.file.as_ref()), supplied.kind.name()));
-        line("  invalid", format!("{invalid:.1} % of the pixels; they are filled from colour"));
+        line(
+            "  invalid",
+            format!("{invalid:.1} % of the pixels; they are filled from others and from colour"),
+        );
         for warning in &supplied.warnings {
             line("  WARNING", format!("the map {warning}"));
         }

@@ -11,7 +11,7 @@ use std::io::Write;
 use std::process::Stdio;
 
 use aquafuse::depth::{DepthKind, DepthMap, SuppliedKind};
-use aquafuse::image::TopEdge;
+use aquafuse::image::{Image, TopEdge};
 use aquafuse_data::depth_file;
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use onnx::Network;
@@ -188,27 +188,41 @@ fn the_frames_of_a_video_take_a_network_as_images_do() {
     let run = Run::new();
     network(&run);
     scene(&run.path("a.png"), 1, "blue");
-    let frame = ImageFile::read(&run.path("a.png")).unwrap().bytes().as_raw().to_vec();
+    let read = |name: &str| ImageFile::read(&run.path(name)).unwrap().bytes().as_raw().to_vec();
+    let mut frame = read("a.png");
     let model = ["--depth-model", "net.onnx", "--depth-model-size", SIDE];
-    let video = |more: &[&str]| {
-        let ask = ["video", "-", "preset:jerlov-3C", "-o", "-", "--raw", "96x64", "--model", "exchange"];
-        let mut command = run.command(&[&ask[..], more].concat());
+    let video_of = |frame: &[u8], ask: &[&str]| {
+        let ask = [&["video", "-", "-o", "-", "--raw", "96x64"], ask].concat();
+        let mut command = run.command(&ask);
         let mut running =
             command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let frames = [&frame[..], &frame].concat();
+        let frames = [frame, frame].concat();
         running.stdin.take().unwrap().write_all(&frames).unwrap();
         let ended = running.wait_with_output().unwrap();
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();
         assert!(ended.status.success(), "{said}");
         (ended.stdout, said)
     };
-    let (by_network, said) = video(&model);
+    let exchange = ["preset:jerlov-3C", "--model", "exchange"];
+    let (by_network, said) = video_of(&frame, &[&exchange[..], &model].concat());
     assert!(said.contains("for the depth of the first frame"), "{said}");
-    assert_ne!(by_network, video(&[]).0);
-    let fuse = ["fuse", "a.png", "preset:jerlov-3C", "-o", "out.png", "--model", "exchange"];
-    run.ok(&[&fuse[..], &model].concat());
-    let image = ImageFile::read(&run.path("out.png")).unwrap();
-    assert!(image.bytes().as_raw()[..] == by_network[..frame.len()]);
+    assert_ne!(by_network, video_of(&frame, &exchange).0);
+    run.ok(&[&["fuse", "a.png"], &exchange[..], &["-o", "out.png"], &model].concat());
+    assert!(read("out.png")[..] == by_network[..frame.len()]);
+
+    // What surrounds the scene is not smoothed with it.
+    let bar = 10 * 3 * 96;
+    frame[..bar].iter_mut().enumerate().for_each(|(i, value)| *value = (i % 3) as u8);
+    let image = Image::<u8>::from_raw(96, 64, frame.clone()).unwrap();
+    ImageFile::new(image).write(&run.path("bar.png"), &WriteOptions::default()).unwrap();
+    let smooth = [&exchange[..], &["--smooth", "bilateral", "--border", "10,0,0,0"], &model].concat();
+    let (with_bar, _) = video_of(&frame, &smooth);
+    run.ok(&[&["fuse", "bar.png"], &smooth[..], &["-o", "smooth.png"]].concat());
+    assert!(with_bar[..bar] == frame[..bar] && read("smooth.png")[..] == with_bar[..frame.len()]);
+
+    // Levels are set without depth.
+    let (enhanced, said) = video_of(&frame, &[&["--enhance"], &model[..]].concat());
+    assert!(enhanced == video_of(&frame, &["--enhance"]).0 && !said.contains("network"), "{said}");
 
     let ask = ["video", "in.y4m", "preset:jerlov-3C", "-o", "out.mp4", "--depth-model-seconds", "9"];
     assert!(run.fails(2, &ask).stderr.contains("--depth-model FILE.onnx"));

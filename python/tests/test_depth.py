@@ -187,9 +187,17 @@ def test_a_network_is_an_object(tmp_path: Path, reef: np.ndarray) -> None:
     path.write_bytes(b"no network")
     with pytest.raises(aquafuse.FileError, match="ONNX"):
         aquafuse.depth(reef, model=str(path))
-    with pytest.raises(aquafuse.ArgumentError, match="a sequence takes depth from colour"):
-        mean_of_channels(path)
-        aquafuse.Sequence(COAST, depth_model=path)
+    mean_of_channels(path)
+    with pytest.raises(aquafuse.FileError, match="0 s"):
+        DepthNetwork(path, seconds=0)
+
+
+def test_the_first_frame_of_a_sequence_by_a_network_is_that_image(tmp_path: Path, reef: np.ndarray) -> None:
+    network = DepthNetwork(mean_of_channels(tmp_path / "net.onnx"), size=98)
+    frames = aquafuse.Sequence(COAST, depth_model=network)
+    fused = Fuser(COAST, depth_model=network).fuse(reef)
+    np.testing.assert_array_equal(frames.next(reef), fused)
+    assert not np.array_equal(fused, Fuser(COAST).fuse(reef)) and frames.next(reef).shape == reef.shape
 
 
 def test_a_dataset_is_multiplied_with_a_network(tmp_path: Path) -> None:

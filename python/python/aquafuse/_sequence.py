@@ -28,8 +28,7 @@ class Sequence:
 
     Each frame would have an estimate of its own, and a video would flicker. Here water and levels are means over about
     ``steady_over`` frames; at a cut they begin again. No frame is delayed. Frames are arrays as in :func:`aquafuse.fuse`, all of one
-    dtype; depth is estimated from colour,
-    not by a network.
+    dtype. Depth by a network (``depth_model``) is found for each of them, which takes long and may flicker.
 
     Args:
         water: As in :class:`aquafuse.Fuser`, with the options after it.

@@ -106,7 +106,9 @@ class Region:
         variance = np.maximum(of_cells(squares) / count[..., None] - mean * mean, 0)
         self.rows, self.columns, self.mean = rows, columns, mean[..., ::-1] / 255.0
         spread, level = np.sqrt(variance.max(axis=2)), of_cells(depth_sums) // count
-        rough, grey = np.sqrt(mean_around(variance.mean(axis=2) / 255.0**2, 1)), self.mean.mean(axis=2)
+        # Sums that are taken off each other may leave less than nothing.
+        rough = np.sqrt(np.maximum(mean_around(variance.mean(axis=2) / 255.0**2, 1), 0))
+        grey = self.mean.mean(axis=2)
         usual = upper_median(grey.ravel())
         high = 1 - (np.arange(len(rows) - 1) + 0.5) / (len(rows) - 1)
         self.evidence = mean_around(

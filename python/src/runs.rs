@@ -38,7 +38,7 @@ impl Limits {
     }
 }
 
-/// The number of threads that a run was given, or else that of one call.
+/// How many threads a run was given, or else how many one call uses.
 pub(crate) fn threads_of(options: &RunOptions) -> usize {
     options.threads.map_or_else(threads::get_threads, NonZeroUsize::get)
 }

@@ -98,7 +98,7 @@ def train(
         images: The folder of the images; by default ``images`` in the scene, or the scene itself.
         skip_missing: Train without the images that are not there.
         overwrite: Replace the output, and start from the beginning.
-        threads: Number of threads; by default that of :func:`aquafuse.get_threads`. No byte depends on it.
+        threads: Number of threads; by default as many as :func:`aquafuse.get_threads` says. No byte depends on it.
         max_memory: Bytes that training may take; by default 2 GiB.
         on_event: Called with an :class:`aquafuse.Event` for each step, in this thread.
         progress: Show progress by ``tqdm``, if it is installed.

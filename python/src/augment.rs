@@ -4,7 +4,6 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use aquafuse::depth::DepthKind;
-use aquafuse::fusion::Options;
 use aquafuse::waterbody::Verdict;
 use aquafuse_data::augment::{
     Augmentation, DepthPlan, Draws, OnDoubtful, Recipe, Sea, Shard, Water as Drawable,
@@ -18,7 +17,7 @@ use pyo3::prelude::*;
 
 use crate::error::Fault;
 use crate::runs;
-use crate::settings::{Reading, gain, incidence, kind, scale};
+use crate::settings::{Reading, fusion_options, kind, scale};
 use crate::threads;
 use crate::water::{Water, checked};
 
@@ -143,13 +142,7 @@ fn without_bad(dataset: &mut Dataset, how: &str) -> Result<(), Fault> {
 
 impl Settings<'_> {
     fn recipe(&self, waters: Vec<Named<'_>>, reading: &Reading) -> PyResult<Recipe> {
-        let mut options = Options::for_model(self.model.parse().map_err(Fault::from)?);
-        if let Some(theta) = self.theta {
-            options = options.with_incidence(incidence(theta)?);
-        }
-        if let Some(alpha) = self.alpha {
-            options = options.with_gain(gain(alpha)?);
-        }
+        let options = fusion_options(self.model.parse().map_err(Fault::from)?, self.theta, self.alpha)?;
         let estimator = reading.estimator()?;
         let of_map = match self.depth_kind.as_deref() {
             Some("metres" | "millimetres") => DepthKind::Metres,

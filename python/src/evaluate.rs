@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aquafuse::depth::{DepthModel, SuppliedKind};
 use aquafuse::formation::RestoreOptions;
-use aquafuse::fusion::{Model, Options};
+use aquafuse::fusion::Model;
 use aquafuse::levels::LevelsOptions;
 use aquafuse::truth::{LitWaters, Site};
 use aquafuse_data::depth_file::DepthFolder;
@@ -22,7 +22,7 @@ use serde_json::{Map, json};
 
 use crate::error::Fault;
 use crate::runs::{self, Limits};
-use crate::settings::{ModelArgument, Reading, gain, incidence, kind, optional, scale, whole};
+use crate::settings::{ModelArgument, Reading, fusion_options, kind, optional, scale, whole};
 use crate::water::Water;
 
 /// The figures of an evaluation.
@@ -142,7 +142,7 @@ pub(crate) fn evaluate_fusion(
     let model: Model = asked.model.parse().map_err(Fault::from)?;
     let settings = evaluate::Settings {
         depth_model: reading.estimator()?,
-        options: options(model, asked.theta, asked.alpha)?,
+        options: fusion_options(model, asked.theta, asked.alpha)?,
         smoothing: asked.smooth.parse().map_err(Fault::from)?,
         encoding: reading.encoding(),
     };
@@ -211,7 +211,7 @@ pub(crate) fn evaluate_enhancement(
     let mut settings = Map::from_iter([("encoding".to_owned(), json!(encoding.name()))]);
     if let Some((name, water)) = &asked.clear {
         let options =
-            options(asked.model.parse().map_err(Fault::from)?, Some(asked.theta), Some(asked.alpha))?;
+            fusion_options(asked.model.parse().map_err(Fault::from)?, Some(asked.theta), Some(asked.alpha))?;
         let reference = water.get().per(estimator.kind(), scale(asked.metres_at_one)?, None)?;
         settings.insert("water".into(), json!(name));
         settings.insert("model".into(), json!(options.model.name()));
@@ -312,17 +312,6 @@ pub(crate) fn evaluate_truth(py: Python<'_>, asked: Synthetic, run: Run<'_>) -> 
         run_options: run.limits.options(ReadOptions::default())?,
     };
     run.report(py, &truth.run_options, |listener| truth.run(listener))
-}
-
-fn options(model: Model, theta: Option<f32>, alpha: Option<f32>) -> Result<Options, Fault> {
-    let mut options = Options::for_model(model);
-    if let Some(theta) = theta {
-        options = options.with_incidence(incidence(theta)?);
-    }
-    if let Some(alpha) = alpha {
-        options = options.with_gain(gain(alpha)?);
-    }
-    Ok(options)
 }
 
 /// The outputs of other tools, whose names must differ from those that are taken.

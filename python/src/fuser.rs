@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::array::{check_out, give, take};
 use crate::error::Fault;
 use crate::operations::apply;
-use crate::settings::{ModelArgument, gain, incidence, scale, supplied};
+use crate::settings::{ModelArgument, fusion_options, gain, incidence, scale, supplied};
 use crate::water::{Water, reason_names};
 
 /// How images are fused.
@@ -84,13 +84,7 @@ impl Fuser {
                 if settings.linear { "True" } else { "False" }
             )));
         }
-        let mut options = Options::for_model(model);
-        if let Some(theta) = settings.theta {
-            options = options.with_incidence(incidence(theta)?);
-        }
-        if let Some(alpha) = settings.alpha {
-            options = options.with_gain(gain(alpha)?);
-        }
+        let options = fusion_options(model, settings.theta, settings.alpha)?;
         let scale = scale(settings.metres_at_one)?;
         Ok(Self {
             relative: water.per(DepthKind::Relative, scale, settings.visibility)?,

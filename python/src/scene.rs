@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::DepthKind;
-use aquafuse::fusion::{Model, Options};
+use aquafuse::fusion::Model;
 use aquafuse_data::batch::Recipe;
 use aquafuse_data::files::{Claim, FileError, display};
 use aquafuse_data::image_file::ReadOptions;
@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 
 use crate::error::Fault;
 use crate::runs::{self, Limits};
-use crate::settings::{Reading, gain, incidence, optional, scale, whole};
+use crate::settings::{Reading, fusion_options, optional, scale, whole};
 use crate::threads;
 use crate::water::{Water, checked};
 
@@ -208,13 +208,7 @@ pub(crate) fn fuse_scene(
     if asked.visibility.is_some() && model != Model::Exchange {
         return Err(Fault::argument("visibility needs model=\"exchange\"; leave it out").into());
     }
-    let mut options = Options::for_model(model);
-    if let Some(theta) = asked.theta {
-        options = options.with_incidence(incidence(theta)?);
-    }
-    if let Some(alpha) = asked.alpha {
-        options = options.with_gain(gain(alpha)?);
-    }
+    let options = fusion_options(model, asked.theta, asked.alpha)?;
     let reference =
         asked.water.get().per(DepthKind::Metres, scale(asked.metres_at_one)?, checked(asked.visibility)?)?;
     let smoothing = asked.smooth.parse().map_err(Fault::from)?;

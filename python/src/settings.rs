@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use aquafuse::depth::{DepthModel, RelativeScale, SuppliedKind};
-use aquafuse::fusion::{Gain, Incidence};
+use aquafuse::fusion::{Gain, Incidence, Model, Options};
 use aquafuse::levels::{LevelsOptions, Setting};
 use aquafuse_data::image_file::ReadOptions;
 use aquafuse_data::model_file::{self, ModelFile};
@@ -128,6 +128,18 @@ pub(crate) fn incidence(degrees: f32) -> Result<Incidence, Fault> {
 
 pub(crate) fn gain(alpha: f32) -> Result<Gain, Fault> {
     Ok(Gain::new(alpha)?)
+}
+
+/// How to fuse by a model, with its own θ and α where none is given.
+pub(crate) fn fusion_options(model: Model, theta: Option<f32>, alpha: Option<f32>) -> Result<Options, Fault> {
+    let mut options = Options::for_model(model);
+    if let Some(theta) = theta {
+        options = options.with_incidence(incidence(theta)?);
+    }
+    if let Some(alpha) = alpha {
+        options = options.with_gain(gain(alpha)?);
+    }
+    Ok(options)
 }
 
 pub(crate) fn scale(metres_at_one: Option<f32>) -> Result<RelativeScale, Fault> {

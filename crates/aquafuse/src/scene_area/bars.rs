@@ -7,12 +7,14 @@
 //! JPEG stores blocks of 8 or 16 pixels, and an edge ripples through its blocks. So there are tiers: the less even the first
 //! lines are, the higher and the more complete the edge must be.
 
+mod line;
 mod lines;
 
 use std::ops::Range;
 
 use super::Margins;
 use crate::image::{Encoding, ImageRef, Sample};
+use line::leaving;
 use lines::{Lines, SIDES};
 pub(super) use lines::{distance, median, to_bytes};
 
@@ -145,8 +147,8 @@ fn edge<T: Sample, E: Encoding>(
         if leaving > most && gone * 100 <= GONE * span.len() {
             (best, most) = (k, leaving);
         }
-        let is_near = |&&pixel: &&[u8; 3]| distance(pixel, colour) <= TEXT_WITHIN.max(tier.within);
-        if around[2].iter().filter(is_near).count() * 100 < TEXT * span.len() {
+        let has = around[2].has(colour, TEXT_WITHIN.max(tier.within));
+        if has * 100 < TEXT * span.len() {
             end = end.or(Some(k));
         }
         if end.is_some_and(|end| k >= end + RIPPLES) {
@@ -160,37 +162,14 @@ fn edge<T: Sample, E: Encoding>(
     }
     let mut sharpness = |k: usize| -> u64 {
         let [_, outer, inner, _] = lines.around([k - 1, k - 1, k, k], span);
-        outer.iter().zip(inner).map(|(&a, &b)| u64::from(distance(a, b))).sum()
+        outer.off(inner)
     };
     let candidates = first.max(best.saturating_sub(BEFORE))..=last.min(best + after);
     // Of equally sharp lines the first one.
     candidates.rev().max_by_key(|&k| sharpness(k))
 }
 
-/// In how many places colours leave that of the bar, by a number of steps, between the second and the third of four lines;
-/// and in how many they have left it before. The lines are averaged by two.
-fn leaving([before, outer, inner, behind]: [&[[u8; 3]]; 4], colour: [u8; 3], step: u16) -> (usize, usize) {
-    let (mut leaving, mut gone) = (0, 0);
-    for ((&before, &outer), (&inner, &behind)) in before.iter().zip(outer).zip(inner.iter().zip(behind)) {
-        let (off, left) = (twice_off(before, outer, colour), twice_off(inner, behind, colour));
-        let is_far = left >= 2 * step && 4 * distance(inner, colour) >= left;
-        leaving += usize::from(is_far && 2 * off <= left);
-        gone += usize::from(off >= 2 * step && 2 * off > left);
-    }
-    (leaving, gone)
-}
-
 /// Whether a colour is black, white or between.
 fn is_grey([r, g, b]: [u8; 3]) -> bool {
     r.max(g).max(b) - r.min(g).min(b) <= 12
-}
-
-/// Twice the largest difference, in a channel, of the mean of two pixels from a colour.
-#[inline]
-fn twice_off(a: [u8; 3], b: [u8; 3], colour: [u8; 3]) -> u16 {
-    let mut most = 0;
-    for c in 0..3 {
-        most = most.max((u16::from(a[c]) + u16::from(b[c])).abs_diff(2 * u16::from(colour[c])));
-    }
-    most
 }

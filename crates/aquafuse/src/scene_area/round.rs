@@ -98,7 +98,7 @@ fn corners((width, height): (usize, usize), pixel: impl Fn(usize, usize) -> [u8;
         .flat_map(|(x, y)| corner(x, y))
         .map(|(x, y)| pixel(x, y))
         .collect();
-    let colour = median(&pixels);
+    let colour = [0, 1, 2].map(|c| median(pixels.iter().map(|pixel| pixel[c])));
     pixels.retain(|&pixel| distance(pixel, colour) > WITHIN / 2);
     (pixels.len() * 10 <= 4 * side * side).then_some(colour)
 }

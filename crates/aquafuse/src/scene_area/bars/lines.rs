@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::{Margins, places};
+use super::line::Line;
 use super::{EVEN, MOST, TIERS, UNEVEN};
 use crate::image::{Encoding, ImageRef, Sample};
 
@@ -49,8 +50,8 @@ pub(super) struct Lines<'a, T, E: Encoding> {
     side: Side,
     /// The places of a line that are read, rising.
     places: Vec<usize>,
-    /// The lines that were read, from the outermost on.
-    read: Vec<Vec<[u8; 3]>>,
+    /// The planes of the lines that were read, from the outermost on.
+    read: Vec<u8>,
     /// The median of the outermost line, in each channel.
     pub(super) colour: [u8; 3],
 }
@@ -63,7 +64,7 @@ impl<'a, T: Sample, E: Encoding> Lines<'a, T, E> {
         let length = if side.is_row() { columns.len() } else { rows.len() };
         let (places, read) = (places(length), Vec::new());
         let mut lines = Self { image, columns, rows, side, places, read, colour: [0; 3] };
-        lines.colour = median(lines.get(0));
+        lines.colour = lines.get(0).median();
         lines
     }
 
@@ -91,33 +92,49 @@ impl<'a, T: Sample, E: Encoding> Lines<'a, T, E> {
     }
 
     /// The pixels of line `k` that are read.
-    pub(super) fn get(&mut self, k: usize) -> &[[u8; 3]] {
-        while self.read.len() <= k {
-            self.read.push(self.pixels(self.read.len()));
-        }
-        &self.read[k]
+    pub(super) fn get(&mut self, k: usize) -> Line<'_> {
+        self.read_to(k);
+        self.line(k)
     }
 
     /// The pixels of a line with a few lines before and behind it, in a span.
-    pub(super) fn around(&mut self, lines: [usize; 4], span: &Range<usize>) -> [&[[u8; 3]]; 4] {
-        lines.into_iter().for_each(|k| _ = self.get(k));
-        lines.map(|k| &self.read[k][span.clone()])
+    pub(super) fn around(&mut self, lines: [usize; 4], span: &Range<usize>) -> [Line<'_>; 4] {
+        lines.into_iter().for_each(|k| self.read_to(k));
+        lines.map(|k| self.line(k).within(span))
     }
 
-    fn pixels(&self, k: usize) -> Vec<[u8; 3]> {
-        let places = self.places.iter();
-        let row = |y: usize| {
-            let row = &self.image.row(y)[self.columns.clone()];
-            places.clone().map(|&place| to_bytes(row[place])).collect()
-        };
-        let column = |x: usize| {
-            places.clone().map(|&place| to_bytes(self.image.row(self.rows.start + place)[x])).collect()
-        };
+    fn line(&self, k: usize) -> Line<'_> {
+        let length = 3 * self.places.len();
+        Line::new(&self.read[k * length..(k + 1) * length])
+    }
+
+    fn read_to(&mut self, k: usize) {
+        let length = 3 * self.places.len();
+        while self.read.len() <= k * length {
+            let next = self.read.len() / length;
+            self.read.resize((next + 1) * length, 0);
+            self.pixels(next);
+        }
+    }
+
+    /// Reads line `k`, for which there is room.
+    fn pixels(&mut self, k: usize) {
+        let count = self.places.len();
+        let (r, gb) = self.read[3 * k * count..].split_at_mut(count);
+        let (g, b) = gb.split_at_mut(count);
+        let planes = r.iter_mut().zip(g).zip(b).zip(&self.places);
+        let place = |((r, g), b): ((&mut u8, &mut u8), &mut u8), pixel| [*r, *g, *b] = to_bytes(pixel);
+        let row = |y: usize| &self.image.row(y)[self.columns.clone()];
+        let (rows, columns) = (&self.rows, &self.columns);
         match self.side {
-            Side::Top => row(self.rows.start + k),
-            Side::Bottom => row(self.rows.end - 1 - k),
-            Side::Left => column(self.columns.start + k),
-            Side::Right => column(self.columns.end - 1 - k),
+            Side::Top | Side::Bottom => {
+                let row = row(if self.side == Side::Top { rows.start + k } else { rows.end - 1 - k });
+                planes.for_each(|(to, &x)| place(to, row[x]));
+            }
+            Side::Left | Side::Right => {
+                let x = if self.side == Side::Left { k } else { columns.len() - 1 - k };
+                planes.for_each(|(to, &y)| place(to, row(rows.start + y)[x]));
+            }
         }
     }
 
@@ -136,10 +153,12 @@ impl<'a, T: Sample, E: Encoding> Lines<'a, T, E> {
 
     /// How many lines from the outermost on have a colour, within so many steps.
     pub(super) fn even_in(&mut self, colour: [u8; 3], within: u16) -> usize {
-        let is_even = |line: &[[u8; 3]]| {
-            line.iter().filter(|&&pixel| distance(pixel, colour) <= within).count() * 100 >= EVEN * line.len()
+        let most = self.most_even(within);
+        let mut is_even = |k: usize| {
+            let line = self.get(k);
+            line.has(colour, within) * 100 >= EVEN * line.len()
         };
-        (0..self.most_even(within)).take_while(|&k| is_even(self.get(k))).count()
+        (0..most).take_while(|&k| is_even(k)).count()
     }
 }
 
@@ -156,18 +175,16 @@ pub(in super::super) fn to_bytes<T: Sample>([r, g, b]: [T; 3]) -> [u8; 3] {
     [r.to_byte(), g.to_byte(), b.to_byte()]
 }
 
-/// The lower median of each channel.
-pub(in super::super) fn median(pixels: &[[u8; 3]]) -> [u8; 3] {
-    [0, 1, 2].map(|c| {
-        let mut counts = [0_usize; 256];
-        pixels.iter().for_each(|pixel| counts[usize::from(pixel[c])] += 1);
-        let half = pixels.len().div_ceil(2);
-        let mut below = 0;
-        (0..=255)
-            .find(|&level: &u8| {
-                below += counts[usize::from(level)];
-                below >= half
-            })
-            .expect("all pixels are counted")
-    })
+/// The lower median.
+pub(in super::super) fn median(values: impl ExactSizeIterator<Item = u8>) -> u8 {
+    let half = values.len().div_ceil(2);
+    let mut counts = [0_usize; 256];
+    values.for_each(|value| counts[usize::from(value)] += 1);
+    let mut below = 0;
+    (0..=255)
+        .find(|&level: &u8| {
+            below += counts[usize::from(level)];
+            below >= half
+        })
+        .expect("all values are counted")
 }

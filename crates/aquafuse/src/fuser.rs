@@ -12,7 +12,7 @@ use crate::image::{Clipping, Image, ImageError, ImageMut, ImageRef, Sample, chec
 use crate::scene_area::{Border, Margins, SceneArea};
 use crate::smooth::{self, Smoothing};
 use crate::stream::Steady;
-use crate::waterbody::{self, Estimate, EstimateOptions, Look, Scratch, WaterShare, Waterbody, sureness};
+use crate::waterbody::{self, Estimate, EstimateOptions, Glimpse, Look, WaterShare, Waterbody, sureness};
 
 /// Fuses images with the water of one reference.
 ///
@@ -310,8 +310,8 @@ impl<'z> Fuser<'z> {
     ) -> Result<Report, ImageError> {
         let source = content.unwrap_or(fused.as_ref());
         let depth = self.options.depth_in(source, depth, memory);
-        let Memory { scratch, steady, .. } = memory;
-        let found = self.content_in(source, &depth, known, scratch, steady.as_mut())?;
+        let Memory { glimpse, steady, .. } = memory;
+        let found = self.content_in(source, &depth, known, glimpse, steady.as_mut())?;
         let law = LawInUse::new(&found.law, steady.as_ref().and_then(Steady::effect));
         let share = Some(&found.share);
         let clipping = match self.options.smoothing {
@@ -346,13 +346,13 @@ impl Fuser<'_> {
         content: ImageRef<'_, T>,
         depth: &DepthMap,
         known: Option<Estimate>,
-        scratch: &mut Scratch,
+        glimpse: &mut Glimpse,
         mut steady: Option<&mut Steady>,
     ) -> Result<Found, ImageError> {
         let reads_share = self.options.fusion.model != Model::Aquafuse;
         on_bytes(content, |bytes| {
             let is_same_scene = steady.as_mut().is_some_and(|steady| steady.is_same_scene(bytes));
-            scratch.glimpse.next(is_same_scene);
+            glimpse.next(is_same_scene);
             if let Some(steady) = steady.as_mut().filter(|_| known.is_none()) {
                 steady.is_estimated();
             }
@@ -370,7 +370,7 @@ impl Fuser<'_> {
                     let (bounds, mut law) = law_by(water);
                     let share = match reads_share {
                         true => {
-                            let (options, glimpse) = (&self.options.estimate, &mut scratch.glimpse);
+                            let options = &self.options.estimate;
                             waterbody::water_share_by(bytes, depth, options, glimpse, |seen| {
                                 follow(&water, &mut law, seen)
                             })?
@@ -386,7 +386,7 @@ impl Fuser<'_> {
                     bytes,
                     depth,
                     &self.options.estimate,
-                    scratch,
+                    glimpse,
                     |looked: &Look<_>, whole, depth| {
                         let water = looked.judged(depth);
                         let (bounds, mut law) = law_by(water);
@@ -459,9 +459,9 @@ impl Options {
         }
         let depth = self.depth_in(image, depth, memory);
         // What was seen in the frames of a sequence is kept for its next one.
-        let kept = std::mem::take(&mut memory.scratch.glimpse);
+        let kept = std::mem::take(&mut memory.glimpse);
         let found = self.water_in(image, &depth, memory);
-        memory.scratch.glimpse = kept;
+        memory.glimpse = kept;
         memory.take_back(depth);
         found
     }
@@ -489,7 +489,7 @@ impl Options {
     ) -> Result<Estimate, ImageError> {
         on_bytes(image, |bytes| {
             let judged = |looked: &Look<_>, _: waterbody::Seen<'_>, depth: &DepthMap| looked.judged(depth);
-            waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.scratch, judged)
+            waterbody::estimate_in(bytes, depth, &self.estimate, &mut memory.glimpse, judged)
         })
     }
 }

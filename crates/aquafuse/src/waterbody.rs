@@ -16,9 +16,9 @@ mod near_colour;
 mod pool;
 pub mod presets;
 mod quality;
+mod seen;
 mod share;
 mod statistics;
-mod thumbnail;
 mod unit;
 mod veiling_light;
 mod water_map;
@@ -40,10 +40,9 @@ use crate::image::{Encoded, Encoding, ImageError, ImageRef, TopEdge};
 use backscatter::Growth;
 use cells::Cells;
 use far_region::Region;
-use glimpse::Glimpse;
+pub(crate) use glimpse::Glimpse;
+pub(crate) use seen::Seen;
 use statistics::Statistics;
-pub(crate) use thumbnail::Scratch;
-use thumbnail::Thumbnail;
 use veiling_light::Reading;
 
 /// The water of one image, per channel red, green, blue.
@@ -211,7 +210,7 @@ pub fn estimate<'a, E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<Estimate<E>, ImageError> {
-    estimate_in(image.into(), depth, options, &mut Scratch::default(), |looked: &Look<E>, _, depth| {
+    estimate_in(image.into(), depth, options, &mut Glimpse::default(), |looked: &Look<E>, _, depth| {
         looked.judged(depth)
     })
 }
@@ -226,47 +225,22 @@ pub fn estimate_with_share<'a, E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<(Estimate<E>, WaterShare), ImageError> {
-    estimate_in(image.into(), depth, options, &mut Scratch::default(), Look::judged_with_share)
+    estimate_in(image.into(), depth, options, &mut Glimpse::default(), Look::judged_with_share)
 }
 
-/// What [`estimate`] looks at, in the memory of the last image.
+/// What [`estimate`] looks at; `glimpse` is what the network saw in the image before.
 pub(crate) fn estimate_in<E: Encoding, R>(
     image: ImageRef<'_, u8>,
     depth: &DepthMap,
     options: &EstimateOptions,
-    scratch: &mut Scratch,
+    glimpse: &mut Glimpse,
     result: impl FnOnce(&Look<E>, Seen<'_>, &DepthMap) -> R,
 ) -> Result<R, ImageError> {
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
-    let whole = Seen { image, levels: &quantised.levels };
-    let Some(thumbnail) = Thumbnail::of(image, &quantised, scratch) else {
-        let looked = look(whole, image, &quantised, depth, options, &mut scratch.glimpse);
-        return Ok(result(&looked, whole, depth));
-    };
-    let (small, levels) = (thumbnail.image.view(), &thumbnail.depth);
-    let looked = look(whole, small, levels, depth, options, &mut scratch.glimpse);
-    thumbnail.give_back(scratch);
+    let whole = Seen::whole(image, &quantised.levels);
+    let looked = look(whole, whole.thinned(), &quantised, depth, options, glimpse);
     Ok(result(&looked, whole, depth))
-}
-
-/// An image and its level of depth pixel by pixel.
-#[derive(Clone, Copy)]
-pub(crate) struct Seen<'a> {
-    image: ImageRef<'a, u8>,
-    levels: &'a [u8],
-}
-
-impl<'a> Seen<'a> {
-    /// Pixels and their levels in runs without padding, from the top.
-    fn runs(self) -> impl Iterator<Item = (&'a [[u8; 3]], &'a [u8])> {
-        self.image.runs_with(self.levels)
-    }
-
-    /// Each pixel with its level.
-    fn pixels(self) -> impl Iterator<Item = (&'a [u8; 3], u8)> {
-        self.runs().flat_map(|(pixels, levels)| pixels.iter().zip(levels.iter().copied()))
-    }
 }
 
 /// All that was read and fitted: what [`estimate`] judges and [`evidence`] shows.
@@ -322,28 +296,27 @@ impl<E: Encoding> Look<E> {
     }
 }
 
-/// Open water is looked for in all of the image, for whether a place is smooth is a close decision on many images; what is
-/// counted is counted in `image` at the levels `quantised`, which may be a thumbnail.
+/// Open water is looked for in all of the image, for whether a place is smooth is a close decision on many images; colours by
+/// depth are those of what is `counted`.
 fn look<E: Encoding>(
     whole: Seen<'_>,
-    image: ImageRef<'_, u8>,
+    counted: Seen<'_>,
     quantised: &Quantised<'_>,
     depth: &DepthMap,
     options: &EstimateOptions,
     glimpse: &mut Glimpse,
 ) -> Look<E> {
-    let counted = Seen { image, levels: &quantised.levels };
     let given = depth.model().is_none();
     let (statistics, region) = bands::both(
         whole.levels.len(),
-        || Statistics::<E>::gather(image, quantised),
+        || Statistics::<E>::gather(counted, quantised),
         || Region::by(options, Cells::new(whole.image, whole.levels), whole.image, given, glimpse),
     );
     let mut light = veiling_light::read(region.as_ref(), counted, depth.is_measured(), options.top);
-    let mut growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
+    let mut growth = fit(counted, depth, quantised, &statistics, &light, options.backscatter);
     if depth.is_measured() && is_seen_through(&light, &growth, quantised) {
         light = veiling_light::read_things(counted);
-        growth = fit(image, depth, quantised, &statistics, &light, options.backscatter);
+        growth = fit(counted, depth, quantised, &statistics, &light, options.backscatter);
     }
     let veil = VeilingLight::<E>::new(growth.veil);
     // The paper's way is the slope alone, wherever depth is from.
@@ -356,7 +329,7 @@ fn look<E: Encoding>(
 }
 
 fn fit<E: Encoding>(
-    image: ImageRef<'_, u8>,
+    counted: Seen<'_>,
     depth: &DepthMap,
     quantised: &Quantised<'_>,
     statistics: &Statistics<E>,
@@ -365,12 +338,7 @@ fn fit<E: Encoding>(
 ) -> Growth {
     match method {
         BackscatterMethod::Envelope => backscatter::fit(statistics, light, depth),
-        BackscatterMethod::Published => backscatter::fit_published(
-            Seen { image, levels: &quantised.levels },
-            quantised,
-            statistics,
-            light,
-        ),
+        BackscatterMethod::Published => backscatter::fit_published(counted, quantised, statistics, light),
     }
 }
 

@@ -6,13 +6,14 @@ use crate::depth::{Buffers, DepthMap};
 use crate::image::{ImageError, ImageMut, ImageRef, Sample};
 use crate::scene_area::{Border, Margins, SceneArea};
 use crate::stream::Steady;
-use crate::waterbody::Scratch;
+use crate::waterbody::Glimpse;
 
 /// What an image needs and the next of its size can use again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory<T> {
     pub(super) depth: Buffers,
-    pub(crate) scratch: Scratch,
+    /// What the network saw last.
+    pub(crate) glimpse: Glimpse,
     /// What an image consists of before it is smoothed.
     pub(super) samples: Vec<T>,
     /// The part of the last image that is scene, and of how many images it has been.

@@ -201,16 +201,6 @@ impl<'a, T: Sample, E: Encoding> ImageRef<'a, T, E> {
         let (step, run) = self.shape.run(self.samples.len());
         self.samples.chunks(step).map(move |samples| samples[..run].as_chunks().0)
     }
-
-    /// [`runs`](Self::runs), each with the values of its pixels in `per_pixel`, which holds one a pixel.
-    #[inline]
-    pub(crate) fn runs_with<'b, V>(
-        &self,
-        per_pixel: &'b [V],
-    ) -> impl Iterator<Item = (&'a [[T; 3]], &'b [V])> + use<'a, 'b, T, E, V> {
-        let (_, run) = self.shape.run(self.samples.len());
-        self.runs().zip(per_pixel.chunks(run / 3))
-    }
 }
 
 impl<'a, T: Sample, E: Encoding> ImageMut<'a, T, E> {

@@ -111,7 +111,7 @@ impl<'z, T: Sample> RestoreStream<'z, T> {
             .on_scene(frame.into(), estimates.border, *depth, |mut scene, depth, memory| {
                 let image = scene.as_ref();
                 let is_same_scene = on_bytes(image, |bytes| steady.is_same_scene(bytes));
-                memory.scratch.glimpse.next(is_same_scene);
+                memory.glimpse.next(is_same_scene);
                 let z = estimates.depth_in(image, depth, memory);
                 let content = estimates.water_in(image, &z, memory)?;
                 let bounded = BoundedRestoration::new(image, &z, &content, restoration)?;

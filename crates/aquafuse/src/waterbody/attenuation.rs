@@ -280,7 +280,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn gathered(image: &Image<u8>, levels: &[u8]) -> Statistics<Encoded> {
-        Statistics::gather(
+        Statistics::of_all(
             image.view(),
             &Quantised { levels: levels.into(), step: 1.0 / 255.0, beyond: None },
         )

@@ -218,7 +218,7 @@ mod tests {
 
     fn found<E: Encoding>(image: &Image<u8>, levels: &[u8], step: f32, light: &Reading) -> (Growth, f32) {
         let quantised = Quantised { levels: levels.into(), step, beyond: None };
-        let statistics = Statistics::<E>::gather(image.view(), &quantised);
+        let statistics = Statistics::<E>::of_all(image.view(), &quantised);
         let given = DepthMap::from_levels(image.width(), image.height(), levels.to_vec()).unwrap();
         (fit(&statistics, light, &given), statistics.z95)
     }
@@ -283,9 +283,9 @@ mod tests {
     fn the_published_fit_needs_black_and_is_right_with_it() {
         let (image, levels) = seen_through::<Encoded>(1.5, 0.6, 0.0);
         let quantised = Quantised { levels: (&levels[..]).into(), step: 1.0 / 255.0, beyond: None };
-        let statistics = Statistics::<Encoded>::gather(image.view(), &quantised);
+        let statistics = Statistics::<Encoded>::of_all(image.view(), &quantised);
         let growth = fit_published(
-            Seen { image: image.view(), levels: &quantised.levels },
+            Seen::whole(image.view(), &quantised.levels),
             &quantised,
             &statistics,
             &open_water(0.6),

@@ -1,7 +1,6 @@
 //! What an estimate was fitted to, for whoever wants to see it.
 
 use super::glimpse::Glimpse;
-use super::thumbnail::Scratch;
 use super::{
     Estimate, EstimateOptions, Look, Seen, VeilingLight, WaterShare, attenuation, backscatter, estimate_in,
     look,
@@ -66,8 +65,8 @@ pub fn evidence<'a, E: Encoding>(
     let image = image.into();
     depth.check_fits(image.size())?;
     let quantised = depth.quantised();
-    let whole = Seen { image, levels: &quantised.levels };
-    Ok(look::<E>(whole, image, &quantised, depth, options, &mut Glimpse::default()).shown(whole))
+    let whole = Seen::whole(image, &quantised.levels);
+    Ok(look::<E>(whole, whole, &quantised, depth, options, &mut Glimpse::default()).shown(whole))
 }
 
 /// [`estimate`](super::estimate), how much of each pixel is open water, and what all that was fitted to, in one pass. Of a large
@@ -81,7 +80,7 @@ pub fn estimate_with_evidence<'a, E: Encoding>(
     depth: &DepthMap,
     options: &EstimateOptions,
 ) -> Result<(Estimate<E>, WaterShare, Evidence), ImageError> {
-    estimate_in(image.into(), depth, options, &mut Scratch::default(), |looked: &Look<E>, whole, depth| {
+    estimate_in(image.into(), depth, options, &mut Glimpse::default(), |looked: &Look<E>, whole, depth| {
         let (estimate, share) = looked.judged_with_share(whole, depth);
         (estimate, share, looked.shown(whole))
     })

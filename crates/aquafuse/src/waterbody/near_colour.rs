@@ -38,7 +38,7 @@ mod tests {
         let levels: Vec<u8> = (0..200).map(|i| if i < 100 { 10 } else { 200 }).collect();
         let image = Image::<u8>::from_raw(200, 1, samples).unwrap();
         let depth = Quantised { levels: levels.into(), step: 1.0, beyond: None };
-        Statistics::gather(image.view(), &depth)
+        Statistics::of_all(image.view(), &depth)
     }
 
     #[test]

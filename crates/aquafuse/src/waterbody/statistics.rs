@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::Seen;
 use crate::depth::{LEVELS, Quantised};
-use crate::image::{Encoding, ImageRef};
+use crate::image::Encoding;
 
 /// Bins over depth, equally full. The darkest things of a wide bin are those of its near end, which bends the
 /// curve; more bins leave too few pixels for a dark quantile in each.
@@ -42,15 +42,16 @@ pub(super) struct Dark {
 const AT_END: usize = 3;
 
 impl<E: Encoding> Statistics<E> {
-    /// Counts `image` by its depth. What lies beyond the steps of depth gives the veiling light, but not how
+    /// Counts an image by its depth. What lies beyond the steps of depth gives the veiling light, but not how
     /// fast anything grows with distance: it joins no bin, unless there is nothing else.
-    pub(super) fn gather(image: ImageRef<'_, u8>, depth: &Quantised<'_>) -> Self {
-        let Quantised { levels, step, beyond } = depth;
-        let mut counts = count(levels);
-        let at_end = |counts: &[u64]| counts.iter().sum::<u64>() as f64 / levels.len().max(1) as f64;
+    pub(super) fn gather(counted: Seen<'_>, depth: &Quantised<'_>) -> Self {
+        let Quantised { step, beyond, .. } = depth;
+        let pixels = counted.count() as u64;
+        let mut counts = count(counted);
+        let at_end = |counts: &[u64]| counts.iter().sum::<u64>() as f64 / pixels.max(1) as f64;
         let at_ends = [at_end(&counts[..AT_END]), at_end(&counts[LEVELS - AT_END..])];
         if let Some(beyond) = beyond.map(usize::from)
-            && counts[beyond] < levels.len() as u64
+            && counts[beyond] < pixels
         {
             counts[beyond] = 0;
         }
@@ -74,7 +75,7 @@ impl<E: Encoding> Statistics<E> {
             count[bin as usize] += counts[level];
             bin as u8
         });
-        let values = count_by_bin(Seen { image, levels }, &bin_of, &counts);
+        let values = count_by_bin(counted, &bin_of, &counts);
         let bins =
             values.into_iter().zip(count).zip(weighted).filter(|((_, count), _)| *count >= LEAST_PIXELS);
         let bin = |((values, count), weighted): ((_, u64), u64)| {
@@ -88,23 +89,33 @@ impl<E: Encoding> Statistics<E> {
     }
 }
 
+#[cfg(test)]
+impl<E: Encoding> Statistics<E> {
+    /// Counts all of an image.
+    pub(super) fn of_all(image: crate::image::ImageRef<'_, u8>, depth: &Quantised<'_>) -> Self {
+        Self::gather(Seen::whole(image, &depth.levels), depth)
+    }
+}
+
 /// Pixels of each level.
-fn count(levels: &[u8]) -> [u64; LEVELS] {
+fn count(seen: Seen<'_>) -> [u64; LEVELS] {
     // Neighbours are often equal, and a count cannot rise again before it has been written: four take turns.
     let mut turns = [[0_u32; LEVELS]; 4];
-    let (fours, rest) = levels.as_chunks::<4>();
-    for four in fours {
-        for (turn, &level) in turns.iter_mut().zip(four) {
-            turn[usize::from(level)] += 1;
+    for (_, levels) in seen.rows() {
+        let (fours, rest) = levels.as_chunks::<4>();
+        for four in fours {
+            for (turn, &level) in turns.iter_mut().zip(four) {
+                turn[usize::from(level)] += 1;
+            }
         }
-    }
-    for &level in rest {
-        turns[0][usize::from(level)] += 1;
+        for &level in rest {
+            turns[0][usize::from(level)] += 1;
+        }
     }
     std::array::from_fn(|level| turns.iter().map(|turn| u64::from(turn[level])).sum())
 }
 
-/// Parts of a run of pixels that are counted side by side.
+/// Parts of a row that are counted side by side.
 const PARTS: usize = 4;
 
 /// Pixels of each value, by channel.
@@ -123,7 +134,7 @@ fn count_by_bin(seen: Seen<'_>, bin_of: &[u8; LEVELS], counts: &[u64; LEVELS]) -
             values[usize::from(value)] += 1;
         }
     };
-    for (pixels, levels) in seen.runs() {
+    for (pixels, levels) in seen.rows() {
         // As in `count`: pixels of four parts take turns, which are seldom alike.
         let part = pixels.len() / PARTS;
         let (rest, rest_of_levels) = (&pixels[PARTS * part..], &levels[PARTS * part..]);
@@ -195,7 +206,7 @@ mod tests {
         let samples: Vec<u8> = (0..100).flat_map(|v| [v, 2 * v, 100]).collect();
         let image = Image::from_raw(100, 1, samples).unwrap();
         let depth = Quantised { levels: vec![7; 100].into(), step: 0.5, beyond: None };
-        let statistics = Statistics::<Encoded>::gather(image.view(), &depth);
+        let statistics = Statistics::<Encoded>::of_all(image.view(), &depth);
         let [bin] = &statistics.bins[..] else { panic!("flat depth is one bin") };
         assert_eq!((bin.z, statistics.z95), (3.5, 3.5));
         assert!((bin.quantile(0, 0.5) - 49.5).abs() < 1.0);

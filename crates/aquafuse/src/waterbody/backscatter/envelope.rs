@@ -52,11 +52,11 @@ mod tests {
         for value in [0, 3, 128, 254, 255] {
             let image = Image::from_raw(64, 1, vec![value; 192]).unwrap();
             let depth = Quantised { levels: vec![9; 64].into(), step: 0.1, beyond: None };
-            let [encoded] = &read(&Statistics::<Encoded>::gather(image.view(), &depth), 1, 0.3)[..] else {
+            let [encoded] = &read(&Statistics::<Encoded>::of_all(image.view(), &depth), 1, 0.3)[..] else {
                 panic!()
             };
             assert!((encoded.slope - 1.0).abs() < 1e-4, "{}", encoded.slope);
-            let [linear] = &read(&Statistics::<Linear>::gather(image.view(), &depth), 1, 0.3)[..] else {
+            let [linear] = &read(&Statistics::<Linear>::of_all(image.view(), &depth), 1, 0.3)[..] else {
                 panic!()
             };
             assert!(linear.slope > 0.05 && linear.slope < 2.4, "{}", linear.slope);

@@ -70,7 +70,7 @@ mod tests {
         let levels: Vec<u8> =
             (0..8000_u32).map(|i| if i < 4000 { 80 } else { 140 } + (i % 16) as u8).collect();
         let quantised = Quantised { levels: levels.into(), step: 1.0 / 255.0, beyond: None };
-        let statistics = Statistics::<Encoded>::gather(image.view(), &quantised);
+        let statistics = Statistics::<Encoded>::of_all(image.view(), &quantised);
         let envelopes = std::array::from_fn(|c| envelope::read(&statistics, c, 0.3));
         let veil = [200, 180, 90].map(|value| f32::from(value as u8) / 255.0);
         by_coefficient(&statistics, &envelopes, veil, [coefficient; 3]).unwrap()

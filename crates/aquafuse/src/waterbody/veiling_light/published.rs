@@ -57,7 +57,7 @@ fn reading(
     Reading {
         rgb,
         source,
-        share: histogram.count as f64 / seen.levels.len() as f64,
+        share: histogram.count as f64 / seen.count() as f64,
         places,
         standard_error: [0.0; 3],
         seen: None,
@@ -79,7 +79,7 @@ fn farthest(seen: Seen<'_>, keep: impl Fn(&[u8; 3]) -> bool) -> (u8, Histogram) 
         all[usize::from(level)] += 1;
         kept[usize::from(level)] += u64::from(keep(pixel));
     }
-    let total = seen.levels.len() as f64;
+    let total = seen.count() as f64;
     let (mut passed, mut taken) = (0, 0);
     let nearest_taken = (0..LEVELS).rev().find(|&level| {
         passed += all[level];
@@ -123,7 +123,7 @@ mod tests {
     fn the_farthest_five_percent_are_read() {
         let (image, levels) =
             paint(|_, y| if y < 3 { [9, 99, 149] } else { WATER }, |_, y| if y < 3 { 200 } else { 50 });
-        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
+        let found = read(Seen::whole(image.view(), &levels), TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Farthest);
         assert!((found.share - 0.075).abs() < 1e-6);
         assert!(bytes(&found).iter().zip([9.0, 99.0, 149.0]).all(|(a, b)| (a - b).abs() < 1e-3));
@@ -133,14 +133,14 @@ mod tests {
     fn a_hundred_pixels_are_not_enough() {
         // Two of forty rows are 5 % of the pixels, but only 80 of them.
         let (image, levels) = paint(|_, _| WATER, |_, y| if y < 2 { 200 } else { 50 });
-        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
+        let found = read(Seen::whole(image.view(), &levels), TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::TopCorners);
     }
 
     #[test]
     fn a_saturated_level_is_taken_whole_and_reported() {
         let (image, levels) = paint(|_, _| WATER, |_, y| if y < 30 { 255 } else { 10 });
-        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
+        let found = read(Seen::whole(image.view(), &levels), TopEdge::First);
         assert!((found.share - 0.75).abs() < 1e-6);
     }
 
@@ -148,7 +148,7 @@ mod tests {
     fn paint_at_the_far_end_is_passed_over() {
         let (image, levels) =
             paint(|_, y| if y < 4 { PAINT } else { WATER }, |_, y| if y < 4 { 255 } else { 100 });
-        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
+        let found = read(Seen::whole(image.view(), &levels), TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Farthest);
         assert!((bytes(&found)[2] - 150.0).abs() < 1e-3);
     }
@@ -159,16 +159,16 @@ mod tests {
         let half = |y: usize| y < 20;
         let (image, levels) =
             paint(|_, y| if half(y) { WATER } else { PAINT }, |_, y| if half(y) { 10 } else { 200 });
-        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
+        let found = read(Seen::whole(image.view(), &levels), TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::TopCorners);
-        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::Last);
+        let found = read(Seen::whole(image.view(), &levels), TopEdge::Last);
         assert_eq!(found.source, VeilingLightSource::BottomCorners);
     }
 
     #[test]
     fn when_nothing_is_water_the_far_end_is_read_unfiltered() {
         let (image, levels) = paint(|x, _| if x > 36 { [9, 5, 9] } else { PAINT }, |x, _| x as u8);
-        let found = read(Seen { image: image.view(), levels: &levels }, TopEdge::First);
+        let found = read(Seen::whole(image.view(), &levels), TopEdge::First);
         assert_eq!(found.source, VeilingLightSource::Unfiltered);
         assert!((bytes(&found)[1] - 5.0).abs() < 1e-3);
     }
@@ -177,7 +177,7 @@ mod tests {
     fn measured_depth_says_what_is_farthest_whatever_its_colour() {
         let (image, levels) =
             paint(|_, y| if y < 4 { PAINT } else { WATER }, |_, y| if y < 4 { 255 } else { 100 });
-        let found = read_things(Seen { image: image.view(), levels: &levels });
+        let found = read_things(Seen::whole(image.view(), &levels));
         assert_eq!(found.source, VeilingLightSource::Unfiltered);
         assert!(bytes(&found).iter().zip(PAINT).all(|(a, b)| (a - f32::from(b)).abs() < 1e-3));
     }

@@ -12,7 +12,8 @@
 //! | [`spearman`] | the order of two series | 1 | whether relative depth is right |
 //!
 //! As in the paper, a fused image is compared with its content: a high score says that little was lost,
-//! not that the water is right. [`lab`] converts a colour to CIELab. The two scores without a reference are fooled by oversaturation and noise.
+//! not that the water is right. [`lab`] converts a colour to CIELab, [`colour_difference`] says
+//! how far pixels are apart there. The two scores without a reference are fooled by oversaturation and noise.
 
 mod depth_rmse;
 mod flicker;
@@ -25,7 +26,7 @@ mod uiqm;
 pub use crate::rank::spearman;
 pub use depth_rmse::{DepthRmse, depth_rmse};
 pub use flicker::{Flicker, warping_error};
-pub use lab::lab;
+pub use lab::{colour_difference, lab};
 pub use psnr::psnr;
 pub use ssim::ssim;
 pub use uciqe::{Uciqe, uciqe};

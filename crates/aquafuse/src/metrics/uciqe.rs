@@ -1,6 +1,6 @@
 //! UCIQE, underwater colour image quality without a reference.
 
-use super::lab::lab_of_light;
+use super::lab::{lab_of_light, light_of_bytes};
 use crate::image::{Encoding, ImageRef, Linear, Sample};
 use crate::simd;
 
@@ -51,7 +51,7 @@ pub fn uciqe<'a, T: Sample>(image: impl Into<ImageRef<'a, T>>) -> Uciqe {
     let image = image.into();
     let [chroma, mut lightness] = match image.as_bytes() {
         Some(bytes) => {
-            let light: [f32; 256] = std::array::from_fn(|byte| Linear::from_encoded((byte as u8).to_unit()));
+            let light = light_of_bytes();
             colours(bytes, |byte| light[usize::from(byte)])
         }
         None => colours(image, |value| Linear::from_encoded(value.to_unit())),

@@ -2,7 +2,7 @@
 
 mod window;
 
-pub(crate) use window::mean_around;
+pub(crate) use window::{BLOCK, Window, mean_around};
 
 /// Where the cells of an image begin and end.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@
 use std::any::TypeId;
 use std::ops::Range;
 
-use crate::grid::{Grid, mean_around};
+use crate::grid::{BLOCK, Grid, Window};
 use crate::image::{Encoded, Encoding, Sample};
 use crate::packed::{channels, pack};
 use crate::simd::{self, Level, Work};
@@ -227,36 +227,112 @@ fn mixed(from: &Affine, to: &Affine, [of_from, of_to]: [f32; 2]) -> Affine {
 
 /// For each cell the affine function of colour, in `[0, 1]`, that follows `map` around it, a mean of those of its neighbours.
 fn fit(columns: usize, colours: &[[f32; 3]], map: &[f32], flat: f32) -> Vec<Affine> {
-    let cells = map.len();
-    let of_colour = [0, 1, 2].map(|c| mean(columns, cells, |i| colours[i][c]));
-    let of_map = mean(columns, cells, |i| map[i]);
-    let products = [0, 1, 2].map(|c| mean(columns, cells, |i| colours[i][c] * map[i]));
-    let squares = PAIRS.map(|(a, b)| mean(columns, cells, |i| colours[i][a] * colours[i][b]));
-    let fits: Vec<Affine> = (0..map.len())
-        .map(|i| {
-            let means = of_colour.each_ref().map(|mean| mean[i]);
-            let with_map = [0, 1, 2].map(|c| products[c][i] - means[c] * of_map[i]);
-            let mut with_one_another = [0.0; 6];
-            for (covariance, (k, (a, b))) in with_one_another.iter_mut().zip(PAIRS.into_iter().enumerate()) {
-                *covariance = squares[k][i] - means[a] * means[b] + if a == b { flat } else { 0.0 };
-            }
-            let [r, g, b] = solve(with_one_another, with_map);
-            [r, g, b, of_map[i] - r * means[0] - g * means[1] - b * means[2]]
-        })
-        .collect();
-    let [r, g, b, one] = [0, 1, 2, 3].map(|k| mean(columns, cells, |i| fits[i][k]));
-    (0..map.len()).map(|i| [r[i] / 255.0, g[i] / 255.0, b[i] / 255.0, one[i]]).collect()
+    simd::widest(Fit { columns, colours, map, flat })
 }
 
-/// The mean around each cell of what is known of it.
-fn mean(columns: usize, cells: usize, of: impl Fn(usize) -> f32) -> Vec<f32> {
-    mean_around(columns, REACH, &(0..cells).map(of).collect::<Vec<f32>>())
+struct Fit<'a> {
+    columns: usize,
+    colours: &'a [[f32; 3]],
+    map: &'a [f32],
+    flat: f32,
+}
+
+impl Work for Fit<'_> {
+    type Output = Vec<Affine>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Affine> {
+        let columns = self.columns;
+        let size = (columns, self.map.len() / columns);
+        let (mut means, mut fits) = (Window::new(QUANTITIES, size, REACH), Window::new(4, size, REACH));
+        let mut smoothed = vec![[0.0; 4]; self.map.len()];
+        // A row of means is a row of fits, of which the means are what is asked for.
+        for turn in 0..fits.turns().end + REACH {
+            if turn < size.1 {
+                self.write(turn, &mut means);
+                means.add(turn);
+            }
+            let Some(y) = turn.checked_sub(REACH) else { continue };
+            if y < size.1 {
+                means.average(turn);
+                self.solve(&means, &mut fits);
+                fits.add(y);
+            }
+            if let Some(y) = fits.average(y) {
+                let [r, g, b, one] = [0, 1, 2, 3].map(|k| fits.mean(k));
+                for (x, fit) in smoothed[y * columns..][..columns].iter_mut().enumerate() {
+                    *fit = [r[x] / 255.0, g[x] / 255.0, b[x] / 255.0, one[x]];
+                }
+            }
+        }
+        smoothed
+    }
+}
+
+/// What is averaged: three colours, the map, its products with them, and theirs with one another.
+const QUANTITIES: usize = 13;
+const MAP: usize = 3;
+const WITH_MAP: usize = 4;
+const WITH_ONE_ANOTHER: usize = 7;
+
+impl Fit<'_> {
+    /// Writes row `y` of all quantities.
+    #[inline(always)]
+    fn write(&self, y: usize, window: &mut Window) {
+        let cells = y * self.columns..(y + 1) * self.columns;
+        for c in 0..3 {
+            for (value, colour) in window.next(c).iter_mut().zip(&self.colours[cells.clone()]) {
+                *value = colour[c];
+            }
+        }
+        window.next(MAP).copy_from_slice(&self.map[cells]);
+        for c in 0..3 {
+            window.multiply(WITH_MAP + c, c, MAP);
+        }
+        for (k, (a, b)) in PAIRS.into_iter().enumerate() {
+            window.multiply(WITH_ONE_ANOTHER + k, a, b);
+        }
+    }
+
+    /// Writes a row of fits by a row of means.
+    #[inline(always)]
+    fn solve(&self, means: &Window, fits: &mut Window) {
+        for from in (0..self.columns).step_by(BLOCK) {
+            let [r, g, b, map] = [0, 1, 2, MAP].map(|k| means.block(k, from));
+            let with_map = [0, 1, 2].map(|c| means.block(WITH_MAP + c, from));
+            let squares = [0, 1, 2, 3, 4, 5].map(|k| means.block(WITH_ONE_ANOTHER + k, from));
+            let mut solved = [[0.0; BLOCK]; 4];
+            for x in 0..BLOCK {
+                let colour = [r[x], g[x], b[x]];
+                let mut with_one_another = [0.0; 6];
+                for k in 0..6 {
+                    let (a, b) = PAIRS[k];
+                    let flat = if a == b { self.flat } else { 0.0 };
+                    with_one_another[k] = squares[k][x] - colour[a] * colour[b] + flat;
+                }
+                let right = [
+                    with_map[0][x] - colour[0] * map[x],
+                    with_map[1][x] - colour[1] * map[x],
+                    with_map[2][x] - colour[2] * map[x],
+                ];
+                let [of_r, of_g, of_b] = solve(with_one_another, right);
+                let one = map[x] - of_r * colour[0] - of_g * colour[1] - of_b * colour[2];
+                (solved[0][x], solved[1][x], solved[2][x], solved[3][x]) = (of_r, of_g, of_b, one);
+            }
+            for (k, solved) in solved.iter().enumerate() {
+                let row = &mut fits.next(k)[from..];
+                let count = row.len().min(BLOCK);
+                row[..count].copy_from_slice(&solved[..count]);
+            }
+        }
+    }
 }
 
 /// The entries of a symmetric matrix, in the order in which they are kept.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 /// x of `M x = y`, M symmetric and positive definite.
+#[inline(always)]
 fn solve([rr, rg, rb, gg, gb, bb]: [f32; 6], [r, g, b]: [f32; 3]) -> [f32; 3] {
     // By cofactors: three unknowns need no pivots.
     let (c_rr, c_rg, c_rb) = (gg * bb - gb * gb, gb * rb - rg * bb, rg * gb - gg * rb);

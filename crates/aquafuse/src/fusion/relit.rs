@@ -1,7 +1,7 @@
 //! [`Model::Relight`](super::Model::Relight) on bytes: one look at a table of F a pixel, and arithmetic on many values at once.
 
 use super::LawInUse;
-use super::shared::{ToLeft, WHOLE};
+use super::shared::{ToLeft, WHOLE, nearest};
 use super::shift::BLOCK;
 use crate::bands;
 use crate::depth::{DepthMap, InSteps, Stepped, TABLE};
@@ -90,7 +90,7 @@ impl Relit {
         for (place, entry) in factors.iter_mut().enumerate().take(S::COUNT) {
             let factor = law.effect(S::z(place)).factor;
             for c in 0..3 {
-                entry[c] = (WHOLE_FACTOR * factor[c]).round() as u16;
+                entry[c] = nearest(WHOLE_FACTOR * factor[c]) as u16;
             }
         }
         let (cosine, [own, veil]) = law.veils();

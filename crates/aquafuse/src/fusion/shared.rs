@@ -120,7 +120,7 @@ struct Table {
 impl Table {
     /// None for a law that takes a byte farther than from black to white, or one channel up and down, which no shift does.
     fn new<S: Stepped, E: Encoding>(law: LawInUse<'_, E>) -> Option<Self> {
-        let steps = |offset: f32| (255.0 * STEPS * offset).round();
+        let steps = |offset: f32| nearest(255.0 * STEPS * offset);
         let water = law.in_share(PixelTransform::NONE, 1.0).offset.map(steps);
         // A NaN is no such shift either.
         if !water.iter().all(|shift| shift.abs() <= 255.0 * STEPS) {
@@ -141,6 +141,12 @@ impl Table {
         let shifts = Shifts::new(std::iter::once(up_or_down))?;
         Some(Self { water: water.map(|shift| shift.abs() as u16), less, shifts })
     }
+}
+
+/// The nearest whole number, of numbers that 32 bits hold; a NaN stays one. The library's takes as long as the law.
+#[inline(always)]
+pub(super) fn nearest(value: f32) -> f32 {
+    if value.is_nan() { value } else { ((value.abs() + 0.5) as i32 as f32).copysign(value) }
 }
 
 /// 1 - w of a row, in shares of [`WHOLE`].

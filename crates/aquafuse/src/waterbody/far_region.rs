@@ -143,11 +143,20 @@ fn commonest(
     };
     let within = |[r, g, b]: [f32; 3]| r * r + g * g + b * b < NEAR * NEAR;
     let all_within = |off: [f32; 3]| off.iter().all(|off| *off < READ / 255.0);
-    for round in 0..=ROUNDS {
-        let closer = if round < ROUNDS { near(&colour, &within) } else { near(&colour, &all_within) };
+    for _ in 0..ROUNDS {
+        let closer = near(&colour, &within);
         if closer.is_empty() {
+            return (read, colour);
+        }
+        // Their colour would be what it is.
+        if closer == read {
             break;
         }
+        read = closer;
+        colour = typical(&read);
+    }
+    let closer = near(&colour, &all_within);
+    if !closer.is_empty() {
         read = closer;
         colour = typical(&read);
     }

@@ -106,3 +106,13 @@ fn threads_change_no_bit() {
         assert_eq!(on(model, 1), on(model, 3));
     }
 }
+
+#[test]
+fn the_nearest_whole_number_is_that_of_the_library() {
+    for value in [0.0, 0.25, 0.5, 1.5, 2.4999, 65279.5, 65280.0] {
+        for value in [value, -value] {
+            assert_eq!(nearest(value), f32::round(value));
+        }
+    }
+    assert!(nearest(f32::NAN).is_nan());
+}

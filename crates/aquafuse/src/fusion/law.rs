@@ -164,12 +164,16 @@ impl<E: Encoding> TransferLaw<E> {
 
     /// What the content's water does at distance `z`, and the gain of the direct signal that the exchange asks for.
     pub(crate) fn of_content(&self, z: f32) -> WaterEffect {
+        self.of_factor(z, self.depth_factor(z, 0.0))
+    }
+
+    /// The same by the depth factor at that distance.
+    fn of_factor(&self, z: f32, factor: [f32; 3]) -> WaterEffect {
         let gain = match self.model {
             Model::Aquafuse | Model::Physical => [1.0; 3],
             Model::Relight => self.light_gain,
             Model::Exchange => std::array::from_fn(|c| self.net_gain(c, z)),
         };
-        let factor = self.depth_factor(z, 0.0);
         let after = if self.haze == [1.0; 3] {
             factor
         } else {
@@ -282,6 +286,23 @@ impl<'a, E: Encoding> LawInUse<'a, E> {
     /// What happens at distance `z`.
     pub(super) fn at(&self, z: f32) -> PixelTransform {
         self.law.at_with(z, self.effect(z))
+    }
+
+    /// What happens at one distance after another, none nearer than the one before.
+    pub(super) fn at_each(
+        &self,
+        distances: impl Iterator<Item = f32>,
+    ) -> impl Iterator<Item = PixelTransform> {
+        let (law, table) = (self.law, self.table);
+        let mut factors = law.depth_factors.as_ref().map(DepthFactors::rising);
+        distances.map(move |z| {
+            let content = match (table, &mut factors) {
+                (Some(table), _) => table.at(z),
+                (None, Some(factors)) => law.of_factor(z, factors(z)),
+                (None, None) => law.of_content(z),
+            };
+            law.at_with(z, content)
+        })
     }
 
     /// As [`TransferLaw::in_share`].

@@ -47,7 +47,7 @@ fn by_steps<T: Sample, E: Encoding, S: Stepped>(
     {
         return shift_bytes(bytes, depths, &table, share);
     }
-    let table: Vec<PixelTransform> = (0..S::COUNT).map(|place| law.at(S::z(place))).collect();
+    let table: Vec<PixelTransform> = law.at_each((0..S::COUNT).map(S::z)).collect();
     let width = fused.width();
     change_pixels(fused, law, share, |x, y| table[depths[y * width + x].place()])
 }
@@ -127,8 +127,8 @@ impl Table {
             return None;
         }
         let mut less = Box::new([[0; 4]; TABLE]);
-        for (place, less) in less.iter_mut().enumerate().take(S::COUNT) {
-            let things = law.at(S::z(place)).offset.map(steps);
+        for (less, things) in less.iter_mut().zip(law.at_each((0..S::COUNT).map(S::z))) {
+            let things = things.offset.map(steps);
             for c in 0..3 {
                 let (least, most) = (water[c].min(0.0), water[c].max(0.0));
                 if !(least..=most).contains(&things[c]) {

@@ -139,24 +139,28 @@ fn edge<T: Sample, E: Encoding>(
     if first == 0 || first >= lines.most_even(tier.within) || span.len() < LEAST / 2 {
         return None;
     }
+    let (percent, after) =
+        if is_grey(colour) { (tier.percent, AFTER) } else { (tier.percent.max(COLOURED), AFTER_COLOURED) };
     let last = lines.count() - 2;
     let (mut best, mut most, mut end) = (0, 0, None);
     for k in first..=last.min(lines.most()) {
         let around = lines.around([k.saturating_sub(2), k - 1, k, k + 1], span);
-        let (leaving, gone) = leaving(around, colour, tier.step);
-        if leaving > most && gone * 100 <= GONE * span.len() {
-            (best, most) = (k, leaving);
+        // What leaves the colour is half a step from it: most lines are no edge, whatever is about them, and lie within the bar.
+        let near = around[2].has(colour, tier.step.div_ceil(2) - 1);
+        if near * 100 <= (100 - percent) * span.len() {
+            let (leaving, gone) = leaving(around, colour, tier.step);
+            if leaving > most && gone * 100 <= GONE * span.len() {
+                (best, most) = (k, leaving);
+            }
         }
-        let has = around[2].has(colour, TEXT_WITHIN.max(tier.within));
-        if has * 100 < TEXT * span.len() {
+        let is_short = |has: usize| has * 100 < TEXT * span.len();
+        if is_short(near) && is_short(around[2].has(colour, TEXT_WITHIN.max(tier.within))) {
             end = end.or(Some(k));
         }
         if end.is_some_and(|end| k >= end + RIPPLES) {
             break;
         }
     }
-    let (percent, after) =
-        if is_grey(colour) { (tier.percent, AFTER) } else { (tier.percent.max(COLOURED), AFTER_COLOURED) };
     if most * 100 < percent * span.len() {
         return None;
     }

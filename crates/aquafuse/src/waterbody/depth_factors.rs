@@ -50,7 +50,20 @@ impl DepthFactors {
 
     /// F of red, green and blue at one distance.
     pub fn at(&self, z: f32) -> [f32; 3] {
-        let after = self.z.partition_point(|&knot| knot < z);
+        self.before(self.z.partition_point(|&knot| knot < z), z)
+    }
+
+    /// The same at one distance after another, none nearer than the one before: knots are passed once.
+    pub(crate) fn rising(&self) -> impl FnMut(f32) -> [f32; 3] {
+        let mut after = 0;
+        move |z| {
+            after += self.z[after..].iter().take_while(|&&knot| knot < z).count();
+            self.before(after, z)
+        }
+    }
+
+    /// F at a distance that lies before this knot and not before the last one.
+    fn before(&self, after: usize, z: f32) -> [f32; 3] {
         let (from, before) = match after.checked_sub(1) {
             Some(i) => (self.z[i], self.factors[i]),
             None => (0.0, [1.0; 3]),

@@ -2,14 +2,14 @@
 """The main way of AquaFuse written with OpenCV and NumPy: the rival, and an independent check.
 
 The same algorithm as the Rust core, step by step, each step done by the fastest call OpenCV has for it:
-table look-ups for Eq. 3, `medianBlur`, histograms and masks for the estimates, a table over the 256 levels
-of depth for the fusion. Attenuation is left out: fusion does not use it.
+table look-ups for Eq. 3, means over cells and `resize` for what refines it, histograms and masks for the
+estimates, a table over the 256 levels of depth for the fusion. Attenuation is left out: fusion does not use it.
 
-    opencv_pipeline.py fuse CONTENT REFERENCE OUT.png [--model M] [--depth OUT.png]
+    opencv_pipeline.py fuse CONTENT REFERENCE OUT.png [--model M] [--depth-model D] [--depth OUT.png]
     opencv_pipeline.py time CONTENT.ppm REFERENCE.ppm --frames N
 
 `time` prints the median milliseconds of a frame whose reference's water is known already, and of a frame
-for which both images are estimated.
+for which both images are estimated; `unrefined` is the first with the paper's median of depth instead.
 """
 
 import argparse
@@ -32,6 +32,8 @@ LIFT, SIXTEEN = 143, 64
 OF_RED_U16 = np.rint(OF_RED / (1 << FRACTION) * SIXTEEN).astype(np.uint16)
 OF_MAX_U16 = np.rint((OF_MAX / (1 << FRACTION) + LIFT) * SIXTEEN).astype(np.uint16)
 
+# Cells of depth, their least side in pixels, rows that are read of a cell, and steps of z.
+DEPTH_CELLS, DEPTH_LEAST_SIDE, DEPTH_ROWS, DEPTH_FLAT, DEPTH_STEPS = 32, 4, 8, 4e-3, 2040
 CELLS, LEAST_SIDE, ROUNDING, MOST_NOISE, LIKELY_WATER, SURE = 48, 3, 0.3, 4.0, 0.68, 0.97
 SMOOTH, HIGH, FAR, BRIGHT, DARKER, GLARING, DARKEST = 0.73, 0.28, 0.075, -0.044, -1.5, -10.0, 0.05
 REGION, SEED, NEAR, ROUNDS, READ = 0.12, 0.4, 0.07, 5, 12 / 255
@@ -60,8 +62,44 @@ def depth_before_median(bgr, exact):
     return cv2.convertScaleAbs(total, alpha=1.0 / SIXTEEN, beta=-LIFT)
 
 
-def depth(bgr, exact=False):
-    return cv2.medianBlur(depth_before_median(bgr, exact), 7)
+def depth(bgr, exact=False, model="eq3"):
+    """z in steps of 1 / 2040 and its levels of 1 / 255; of the median, levels alone."""
+    raw = depth_before_median(bgr, exact)
+    if model == "eq3-median":
+        return None, cv2.medianBlur(raw, 7)
+    if exact:
+        steps = np.floor(DEPTH_STEPS * np.clip(refined(bgr, raw), 0, 1) + 0.5).astype(np.int64)
+        return steps, ((steps + 4) // 8).astype(np.uint8)
+    return None, refined_fast(bgr, raw)
+
+
+def refined(bgr, raw):
+    """Depth as a function of colour that changes from cell to cell, fitted to means over some rows of each."""
+    height, width = raw.shape
+    side = max(np.float32(min(width, height)) / np.float32(DEPTH_CELLS), np.float32(DEPTH_LEAST_SIDE))
+    rows, columns = borders(height, side), borders(width, side)
+    values = np.dstack((bgr[..., ::-1], raw)).astype(np.float64) / 255.0
+    means = []
+    for start, end in zip(rows[:-1], rows[1:]):
+        stride = max((end - start) // DEPTH_ROWS, 1)
+        some = values[start + (end - start - 1) % stride // 2 : end : stride].mean(axis=0)
+        means.append(np.add.reduceat(some, columns[:-1], axis=0) / np.diff(columns)[:, None])
+    means = np.stack(means)
+    return follow(bgr, guided(means[..., :3], means[..., 3], DEPTH_FLAT), rows, columns)
+
+
+def refined_fast(bgr, raw):
+    """The same in levels, by cells of equal size, as OpenCV makes them fastest."""
+    height, width = raw.shape
+    side = max(min(width, height) / DEPTH_CELLS, DEPTH_LEAST_SIDE)
+    small = lambda image: cv2.resize(image, (int(width / side), int(height / side)), interpolation=cv2.INTER_AREA)
+    fits = guided(small(bgr)[..., ::-1] / 255.0, small(raw) / 255.0, DEPTH_FLAT).astype(np.float32)
+    fits[..., 3] *= 255.0
+    red, green, blue, z = (cv2.resize(np.ascontiguousarray(fits[..., k]), (width, height)) for k in range(4))
+    for fit, channel in zip((blue, green, red), cv2.split(bgr)):
+        cv2.accumulateProduct(fit, channel.astype(np.float32), z)
+    # `convertScaleAbs` would turn what is below 0 round.
+    return cv2.convertScaleAbs(cv2.max(z, 0))
 
 
 def counts_of(levels, mask=None):
@@ -89,6 +127,31 @@ def standard(values):
 
 def upper_median(values):
     return np.sort(values, axis=0)[len(values) // 2]
+
+
+def guided(colours, wanted, flat):
+    """For each cell the affine function of colour that follows what is wanted around it."""
+    colour, of_wanted = mean_around(colours, AROUND), mean_around(wanted, AROUND)
+    outer = colours[..., :, None] * colours[..., None, :]
+    products = [mean_around(np.ascontiguousarray(outer[..., row, :]), AROUND) for row in range(3)]
+    matrix = np.stack(products, axis=2) - colour[..., :, None] * colour[..., None, :]
+    right = mean_around(colours * wanted[..., None], AROUND) - colour * of_wanted[..., None]
+    slope = np.linalg.solve(matrix + flat * np.eye(3), right[..., None])[..., 0]
+    return mean_around(np.concatenate((slope, (of_wanted - (slope * colour).sum(axis=2))[..., None]), axis=2), AROUND)
+
+
+def follow(bgr, fits, rows, columns):
+    """What these functions make of each pixel, interpolated between the middles of cells."""
+    middles = lambda borders: (borders[:-1] + borders[1:] - 1) / 2
+    cells = lambda borders: np.arange(len(borders) - 1)
+    place = lambda length, borders: np.interp(np.arange(length), middles(borders), cells(borders)).astype(np.float32)
+    x, y = np.meshgrid(place(bgr.shape[1], columns), place(bgr.shape[0], rows))
+    # OpenCV interpolates in steps of 1/32 of a cell, so this is done by hand.
+    left, above = np.minimum(x.astype(int), fits.shape[1] - 2), np.minimum(y.astype(int), fits.shape[0] - 2)
+    x, y = (x - left)[..., None], (y - above)[..., None]
+    corner = lambda down, right: fits[above + down, left + right]
+    fit = (1 - y) * ((1 - x) * corner(0, 0) + x * corner(0, 1)) + y * ((1 - x) * corner(1, 0) + x * corner(1, 1))
+    return (fit[..., :3] * bgr[..., ::-1] / 255.0).sum(axis=2) + fit[..., 3]
 
 
 class Region:
@@ -145,28 +208,9 @@ class Region:
         along = off @ veil / length
         across = np.maximum((off**2).sum(axis=2) - along**2, 0)
         alike = np.exp(-across / ACROSS**2 - (along / ALONG) ** 2)
-        fits = self.guided(MOST * (1 - (1 - by_evidence) * (1 - BY_COLOUR * alike)))
-        middles = lambda borders: (borders[:-1] + borders[1:] - 1) / 2
-        cells = lambda borders: np.arange(len(borders) - 1)
-        place = lambda length, borders: np.interp(np.arange(length), middles(borders), cells(borders)).astype(np.float32)
-        x, y = np.meshgrid(place(bgr.shape[1], self.columns), place(bgr.shape[0], self.rows))
-        # OpenCV interpolates in steps of 1/32 of a cell, so this is done by hand.
-        left, above = np.minimum(x.astype(int), fits.shape[1] - 2), np.minimum(y.astype(int), fits.shape[0] - 2)
-        x, y = (x - left)[..., None], (y - above)[..., None]
-        corner = lambda down, right: fits[above + down, left + right]
-        fit = (1 - y) * ((1 - x) * corner(0, 0) + x * corner(0, 1)) + y * ((1 - x) * corner(1, 0) + x * corner(1, 1))
-        shares = (fit[..., :3] * bgr[..., ::-1] / 255.0).sum(axis=2) + fit[..., 3]
+        share = MOST * (1 - (1 - by_evidence) * (1 - BY_COLOUR * alike))
+        shares = follow(bgr, guided(self.mean, share, FLAT_COLOUR), self.rows, self.columns)
         return sure * sure * (3 - 2 * sure) * np.clip(shares, 0, 1)
-
-    def guided(self, wanted):
-        """For each cell the affine function of colour that follows what is wanted around it."""
-        colour, of_wanted = mean_around(self.mean, AROUND), mean_around(wanted, AROUND)
-        outer = self.mean[..., :, None] * self.mean[..., None, :]
-        products = [mean_around(np.ascontiguousarray(outer[..., row, :]), AROUND) for row in range(3)]
-        matrix = np.stack(products, axis=2) - colour[..., :, None] * colour[..., None, :]
-        right = mean_around(self.mean * wanted[..., None], AROUND) - colour * of_wanted[..., None]
-        slope = np.linalg.solve(matrix + FLAT_COLOUR * np.eye(3), right[..., None])[..., 0]
-        return mean_around(np.concatenate((slope, (of_wanted - (slope * colour).sum(axis=2))[..., None]), axis=2), AROUND)
 
 
 def veiling_light(bgr, levels):
@@ -301,13 +345,13 @@ def quality(found, veil, levels, z, number, values, seen):
     return seen and not (dark or off or flat or ends or glare or dead), glare
 
 
-def estimate(bgr, exact=False):
-    levels = depth(bgr, exact)
-    return (levels, *backscatter(bgr, levels, *veiling_light(bgr, levels)))
+def estimate(bgr, exact=False, model="eq3"):
+    steps, levels = depth(bgr, exact, model)
+    return (steps, levels, *backscatter(bgr, levels, *veiling_light(bgr, levels)))
 
 
 def depth_factors(bgr, levels, beta, good):
-    """F of things by level where open water is in view; the physical model reads it."""
+    """F of things by distance where open water is in view; the physical model reads it."""
     _, veil, noise, seen = veiling_light(bgr, levels)
     if not seen:
         return None
@@ -318,7 +362,7 @@ def depth_factors(bgr, levels, beta, good):
     factors = np.maximum(np.maximum.accumulate(factors[::-1])[::-1], 0)
     if not good:
         factors[:, 0] = np.maximum(factors[:, 0], factors[:, 1:].min(axis=1))
-    return np.stack([np.interp(BYTES, np.r_[0, z], np.r_[1, factors[:, c]]) for c in range(3)], axis=1)
+    return lambda at: np.stack([np.interp(at, np.r_[0, z], np.r_[1, factors[:, c]]) for c in range(3)], axis=1)
 
 
 def bounded(veil, beta, good, reference_veil, reference_glare, model):
@@ -334,17 +378,19 @@ def bounded(veil, beta, good, reference_veil, reference_glare, model):
     return beta, reference_veil
 
 
-def fuse(bgr, levels, veil, beta, reference_veil, model, factor=None, share=None):
+def fuse(bgr, levels, veil, beta, reference_veil, model, steps=None, factors=None, share=None):
     """The shift is a table over depth: one positive and one negative part, each added with saturation."""
-    if factor is None:
-        factor = np.exp(-beta[None, :] * BYTES[:, None])
+    at = BYTES if steps is None else np.arange(DEPTH_STEPS + 1) / DEPTH_STEPS
+    factor = np.exp(-beta[None, :] * at[:, None]) if factors is None else factors(at)
     if share is not None:
-        shift = 255.0 * (1 - (1 - share[..., None]) * factor[levels]) * (reference_veil - veil)
+        shift = 255.0 * (1 - (1 - share[..., None]) * factor[levels if steps is None else steps]) * (reference_veil - veil)
         shift = np.sign(shift) * np.floor(np.abs(shift) + 0.5)
         return np.clip(bgr + shift[..., ::-1], 0, 255).astype(np.uint8)
     cosine = math.cos(math.radians(45.0)) if model == "aquafuse" else 1.0
     weight = factor * (1 - factor) if model == "aquafuse" else 1 - factor
     shift = np.floor(255.0 * cosine * weight * (reference_veil - veil)[None, :] + 0.5)[:, ::-1]
+    if steps is not None:
+        return np.clip(bgr + shift[steps], 0, 255).astype(np.uint8)
     table = lambda part: np.clip(part, 0, 255).astype(np.uint8).reshape(256, 1, 3)
     three = cv2.merge([levels, levels, levels])
     out = bgr
@@ -356,21 +402,23 @@ def fuse(bgr, levels, veil, beta, reference_veil, model, factor=None, share=None
 
 
 def time_frames(content, reference, frames):
-    _, reference_veil, *_ = estimate(reference)
+    _, _, reference_veil, *_ = estimate(reference)
 
-    def cached():
-        levels, veil, beta, _ = estimate(content)
+    def cached(model="eq3"):
+        _, levels, veil, beta, _ = estimate(content, model=model)
         return fuse(content, levels, veil, beta, reference_veil, "aquafuse")
 
     def both_estimated():
-        _, veil2, *_ = estimate(reference)
-        levels, veil, beta, _ = estimate(content)
+        _, _, veil2, *_ = estimate(reference)
+        _, levels, veil, beta, _ = estimate(content)
         return fuse(content, levels, veil, beta, veil2, "aquafuse")
 
     def smoothed():
         return cv2.bilateralFilter(cached(), 5, 75, 75)
 
-    for name, run in (("cached", cached), ("estimated", both_estimated), ("smoothed", smoothed)):
+    unrefined = lambda: cached("eq3-median")
+    named = ("cached", cached), ("estimated", both_estimated), ("smoothed", smoothed), ("unrefined", unrefined)
+    for name, run in named:
         run()
         spent = []
         for _ in range(frames):
@@ -387,6 +435,7 @@ def main():
     parser.add_argument("reference")
     parser.add_argument("output", nargs="?")
     parser.add_argument("--model", choices=["aquafuse", "physical"], default="aquafuse")
+    parser.add_argument("--depth-model", choices=["eq3", "eq3-median"], default="eq3")
     parser.add_argument("--depth", help="write the depth map here, 16 bit")
     parser.add_argument("--fast", action="store_true", help="the arithmetic that `time` measures")
     parser.add_argument("--frames", type=int, default=10)
@@ -396,14 +445,17 @@ def main():
         print(f"opencv {cv2.__version__}")
         time_frames(content, reference, given.frames)
         return
-    levels, veil, beta, (good, _) = estimate(content, exact=not given.fast)
-    _, reference_veil, _, (_, glare) = estimate(reference, exact=not given.fast)
-    factor = depth_factors(content, levels, beta, good) if given.model == "physical" else None
+    look = lambda image: estimate(image, not given.fast, given.depth_model)
+    steps, levels, veil, beta, (good, _) = look(content)
+    _, _, reference_veil, _, (_, glare) = look(reference)
+    factors = depth_factors(content, levels, beta, good) if given.model == "physical" else None
     share = Region(content, levels).share(content, veil) if given.model == "physical" else None
     beta, reference_veil = bounded(veil, beta, good, reference_veil, glare, given.model)
-    cv2.imwrite(given.output, fuse(content, levels, veil, beta, reference_veil, given.model, factor, share))
+    fused = fuse(content, levels, veil, beta, reference_veil, given.model, steps, factors, share)
+    cv2.imwrite(given.output, fused)
     if given.depth:
-        cv2.imwrite(given.depth, levels.astype(np.uint16) * 257)
+        z = levels.astype(np.float64) / 255.0 if steps is None else steps / DEPTH_STEPS
+        cv2.imwrite(given.depth, np.floor(65535 * z + 0.5).astype(np.uint16))
 
 
 if __name__ == "__main__":

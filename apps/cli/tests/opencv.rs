@@ -20,16 +20,19 @@ fn fusion_and_depth_equal_the_same_algorithm_in_opencv() {
         scene(&run.path(content).with_extension("png"), 1, content);
         scene(&run.path(reference).with_extension("jpg"), 2, reference);
         for model in ["aquafuse", "physical"] {
-            compare(&run, Path::new(&python), &format!("{content}.png"), &format!("{reference}.jpg"), model);
+            for depth_model in ["eq3", "eq3-median"] {
+                let [content, reference] = [format!("{content}.png"), format!("{reference}.jpg")];
+                compare(&run, Path::new(&python), [&content, &reference], [model, depth_model]);
+            }
         }
     }
     // No open water in sight: the lower half of a place, so near that the far end is rock and sand.
     for content in ["blue", "turbid", "clear"] {
         lower_half(&run.path(content).with_extension("png"), &run.path("floor.png"));
-        compare(&run, Path::new(&python), "floor.png", "green.jpg", "physical");
+        compare(&run, Path::new(&python), ["floor.png", "green.jpg"], ["physical", "eq3-median"]);
         // The darkest things cut off at black.
         crushed(&run.path("floor.png"), &run.path("crushed.png"));
-        compare(&run, Path::new(&python), "crushed.png", "green.jpg", "physical");
+        compare(&run, Path::new(&python), ["crushed.png", "green.jpg"], ["physical", "eq3-median"]);
     }
 }
 
@@ -66,30 +69,39 @@ fn smoothing_equals_the_bilateral_filter_of_opencv() {
     }
 }
 
-fn compare(run: &Run, python: &Path, content: &str, reference: &str, model: &str) {
+fn compare(run: &Run, python: &Path, [content, reference]: [&str; 2], [model, depth_model]: [&str; 2]) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/opencv_pipeline.py");
     let fused = |output: &str, more: &[&str]| {
         let mut command = Command::new(python);
         command.current_dir(run.path("")).arg(&script).args(["fuse", content, reference, output]);
-        let ended = command.args(["--model", model]).args(more).output().unwrap();
+        let ended =
+            command.args(["--model", model, "--depth-model", depth_model]).args(more).output().unwrap();
         assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     };
     fused("theirs.png", &["--depth", "their_z.png"]);
     fused("fast.png", &["--fast"]);
-    let median = ["--depth-model", "eq3-median", "--overwrite"];
+    let by = ["--depth-model", depth_model, "--overwrite"];
     let fuse = ["fuse", content, reference, "-o", "ours.png", "--model", model, "--water-map", "rules"];
-    run.ok(&[&fuse, &median[..]].concat());
-    run.ok(&[&["depth", content, "-o", "our_z.png"], &median[..]].concat());
+    run.ok(&[&fuse, &by[..]].concat());
+    run.ok(&[&["depth", content, "-o", "our_z.png"], &by[..]].concat());
 
+    let said = format!("{content} in the water of {reference}, {model} by {depth_model}");
     let depth = |name: &str| image::open(run.path(name)).unwrap().into_luma16().into_raw();
-    assert_eq!(depth("our_z.png"), depth("their_z.png"), "{content}: the depth differs");
+    let (ours, theirs) = (depth("our_z.png"), depth("their_z.png"));
+    // One of 2040 steps, and of few pixels: sums of floats are rounded in another order. The median is whole numbers.
+    let most = if depth_model == "eq3" { 33 } else { 0 };
+    let apart = ours.iter().zip(&theirs).map(|(a, b)| a.abs_diff(*b));
+    assert!(apart.clone().all(|apart| apart <= most), "{said}: depth is off by {:?}", apart.max());
+    assert!(
+        apart.filter(|&apart| apart > 0).count() * 100 <= ours.len(),
+        "{said}: depth is off in many pixels"
+    );
 
-    // One step of 255: sums of floats are rounded in another order.
+    // One step of 255, for the same reason.
     let off = |name: &str| {
         let pixels = |name: &str| image::open(run.path(name)).unwrap().into_rgb8().into_raw();
         pixels("ours.png").iter().zip(&pixels(name)).map(|(a, b)| a.abs_diff(*b)).max()
     };
-    let said = format!("{content} in the water of {reference}, {model}");
     assert!(off("theirs.png") <= Some(1), "{said}: off by {:?}", off("theirs.png"));
     // What is timed, `aquafuse`, rounds depth in another place: a level here and there, and so the estimates by a trifle.
     if model == "aquafuse" {

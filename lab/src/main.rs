@@ -1,6 +1,7 @@
 //! The laboratory: what measures AquaFuse and forges files for it. `cargo lab COMMAND` builds and runs it.
 
 mod arm64;
+mod arrays;
 mod bench;
 mod bounds;
 mod chance;
@@ -87,6 +88,7 @@ Files
   instructions        counts the instructions of each kernel by valgrind, into benches/instructions.tsv
 
 Checks of `cargo xtask test`
+  arrays              arrays of any kind given to the Python package, a hundred times as many as in the tests
   arm64               the core's tests on 64-bit Arm, under an emulator that is set up if need be
   guards              `arm64`, and the instructions of each kernel compared with benches/instructions.tsv
 
@@ -137,6 +139,7 @@ fn run(words: &[&str]) -> Option<Result<()>> {
         ["multiply", images] => multiply::run(images.parse().ok().filter(|&count| count >= 10)?),
         ["networks"] => networks::run(),
         ["nodes"] => nodes::run(),
+        ["arrays"] => arrays::run(),
         ["roundtrip"] => roundtrip::run(),
         ["variations"] => variations::run(),
         ["helps", ref options @ ..] => helps::run(options),

@@ -114,10 +114,10 @@ impl From<aquafuse_data::augment::AugmentError> for Failure {
 impl From<aquafuse_data::video::VideoError> for Failure {
     /// What the request makes impossible is wrong usage; what the files or ffmpeg do is a failure of the work.
     fn from(error: aquafuse_data::video::VideoError) -> Self {
-        use aquafuse_data::video::VideoError::{Codec, File, Request};
+        use aquafuse_data::video::VideoError::{Codec, File, Folder, Request};
         match error {
             File(error) => error.into(),
-            error @ (Codec { .. } | Request(_)) => Self::usage(error),
+            error @ (Codec { .. } | Folder { .. } | Request(_)) => Self::usage(error),
             error => Self::work(error),
         }
     }

@@ -3,6 +3,7 @@
 mod args;
 mod commands;
 mod failure;
+mod refusal;
 mod report;
 mod signals;
 mod tool;
@@ -65,7 +66,7 @@ Examples:
                                                      with measured depth
   aquafuse fuse reef.jpg preset:jerlov-3C -o fused.jpg
                                                      in the water of a published table
-  aquafuse enhance reef.jpg -o clearer.jpg           in clear water, with scores before and after
+  aquafuse enhance reef.jpg -o clearer.jpg           stretched colours, with scores before and after
   aquafuse restore reef.jpg -o air.jpg               as if seen through air
   aquafuse water extract green.jpg -o green.water.json
                                                      save a water to a file
@@ -90,9 +91,16 @@ SIGTERM, all written files are complete.";
 /// It is for a process of its own: it takes over signals, the panic hook and the process's pool of threads, and a signal
 /// ends the process.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(refusal) => return said(&refusal),
+        Err(refusal) => {
+            let code = said(&refusal);
+            if let Some(tip) = refusal::tip(&arguments, &refusal) {
+                output::remark(&format_args!("  tip: {tip}"));
+            }
+            return code;
+        }
     };
     aquafuse_data::files::silence_decoder_panics();
     let ended = run_command(&cli);

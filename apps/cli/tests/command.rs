@@ -44,8 +44,8 @@ fn a_folder_gets_one_line_of_counts_and_verbose_names_the_images() {
     assert!(said.starts_with(&format!("{}\n{counts}\n", lines[0])), "{said}");
     let clipped = said.split_once("  much clipped:\n").unwrap().1;
     assert!(clipped.lines().next().unwrap().contains("reef.png: "), "{said}");
-    let failed = said.split_once("  estimate failed, see `aquafuse inspect`:\n").unwrap().1;
-    let night = "night.png: no open water in view, all depths are alike,";
+    let failed = said.split_once("  estimate failed:\n").unwrap().1;
+    let night = "night.png: no open water was found, all depths are alike,";
     assert!(failed.lines().next().unwrap().contains(night), "{said}");
     run.fails(2, &[&bright[..], &["-v", "--quiet"]].concat());
 }
@@ -67,8 +67,11 @@ fn the_line_on_a_single_image_gives_the_verdict_and_its_reasons() {
     let night = aquafuse_data::image_file::ImageFile::new(night);
     night.write(&run.path("night.png"), &Default::default()).unwrap();
     let said = run.ok(&["restore", "night.png", "-o", "day.png"]).stdout;
-    assert_eq!(said.lines().count(), 1, "{said}");
-    assert!(said.starts_with("day.png: written; estimate failed (no open water in view, "), "{said}");
+    assert!(said.starts_with("day.png: written; estimate failed (no open water was found, "), "{said}");
+    // And where they are explained.
+    assert!(said.lines().nth(1).unwrap().contains("`aquafuse inspect --help`"), "{said}");
+    let said = run.ok(&["restore", "night.png", "-o", "day.png", "--overwrite", "-v"]).stdout;
+    assert_eq!(said.matches("all depths are alike").count(), 1, "{said}");
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn training_learns_the_water_and_scores_images_it_was_not_shown() {
     reef(&run);
     let said = train(&run, "reef", "reef.ply", &["--water", "learn"]);
     assert!(
-        said.contains("splats") && said.contains("B_inf") && said.contains("2 images held out: PSNR"),
+        said.contains("splats") && said.contains("B∞") && said.contains("2 images held out: PSNR"),
         "{said}"
     );
     let water = WaterFile::read(&run.path("reef.water.json"), PixelEncoding::Encoded).unwrap();

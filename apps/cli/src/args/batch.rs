@@ -17,7 +17,7 @@ use crate::failure::Failure;
 /// What is read, and where and how the outputs are written.
 #[derive(Args)]
 pub(crate) struct BatchArguments {
-    /// Output file, or output folder (required if CONTENT is a folder, or there are several). Missing folders are created. The extension
+    /// Output file, or output folder (required for a folder of images, or for several). Missing folders are created. The extension
     /// selects the format: .png and .tif keep 16 bits and transparency, .webp is lossless, .jpg is 4:4:4.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,

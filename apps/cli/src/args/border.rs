@@ -12,7 +12,7 @@ pub(crate) struct BorderArgument {
     /// What surrounds the scene: bars, frames and padding of one colour, bars with text, the round of a fish-eye,
     /// transparent pixels. It is left out of every estimate and stays as it is, byte for byte. `auto` finds it in each
     /// image, `none` takes every pixel for scene, and TOP,RIGHT,BOTTOM,LEFT gives rows and columns of the stored image
-    /// (in references it is then found). --as-published takes every pixel.
+    /// (in references it is then found). Where there is --as-published, that takes every pixel.
     #[arg(long, value_name = "auto|none|T,R,B,L", default_value_t)]
     border: Border,
     /// What says where open water is: its share of each pixel, the colour that is read there, and whether there is any. `rules` weigh

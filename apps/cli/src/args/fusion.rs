@@ -54,7 +54,8 @@ pub(crate) struct SettingsArgs {
     smooth: Smoothing,
     #[command(flatten)]
     depth_model: DepthModelArg,
-    /// Use the settings that reproduce the published scores best, instead of the five above.
+    /// Use the settings that reproduce the published scores best, instead of --model, --theta, --alpha, --smooth and
+    /// --depth-model.
     #[arg(long, conflicts_with_all = ["model", "theta", "alpha", "smooth", "depth_model"])]
     as_published: bool,
 }

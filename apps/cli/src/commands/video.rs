@@ -25,18 +25,19 @@ use crate::report::water::veiling_light;
 use crate::report::{network, output};
 
 const HELP: &str = "\
-The program ffmpeg reads and writes video. It is looked for on the search path, or in the environment
-variable AQUAFUSE_FFMPEG. Each frame keeps its time, so a variable rate stays as it is. Sound,
-subtitles, chapters and metadata are copied. Rotation is applied and its tag dropped. Colour matrix,
-range and resolution stay; of 10 bits all are used.
+The program ffmpeg reads and writes video. It is looked for on the search path, or named by the
+environment variable AQUAFUSE_FFMPEG. Each frame keeps its time, so a variable rate stays as it is.
+Sound, subtitles, chapters and metadata are copied. Rotation is applied and its tag dropped. Colour
+matrix, range and resolution stay; of 10 bits all are used.
 
 A damaged video is written as far as it can be decoded, and the exit code is 1 (0 with --lenient).
 
 `-` is a stream of YUV4MPEG2 on standard input and output, or of raw frames with --raw.
 
-Depth is estimated from colour, or by a network, FILE.onnx, which takes from a second to a minute a frame: the
-time that is left is printed after the first. Nothing is kept of its maps; `fuse FRAMES WATER -o DIR --sequence`
-keeps them. Depth maps, --linear and fusion with a clear image (`enhance IMAGE CLEAR`) are for images.
+Depth is estimated from colour, or by a network, FILE.onnx, which takes from a second to a minute a
+frame: the time that is left is printed after the first. Nothing is kept of its maps; `fuse FRAMES
+WATER -o DIR --sequence` keeps them. Depth maps, --linear and fusion with a clear image (`enhance
+IMAGE CLEAR`) are for images.
 
 Examples:
   aquafuse video dive.mp4 green.jpg -o green_dive.mp4

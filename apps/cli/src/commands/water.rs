@@ -126,10 +126,8 @@ impl List {
                 Preset::ALL.iter().map(|preset| show::preset_json(*preset, &conditions)).collect::<Vec<_>>();
             return output::print(&format!("{:#}\n", serde_json::json!({ "schema": 1, "presets": all })));
         }
-        let mut text = format!(
-            "{:<20}{:<10}{:<20}{:<20}\n",
-            "name", "colour", "veiling light B_inf", "beta_B per metre"
-        );
+        let mut text =
+            format!("{:<20}{:<10}{:<20}{:<20}\n", "name", "colour", "veiling light B∞", "beta_B per metre");
         for &preset in Preset::ALL {
             let water = preset.water::<Encoded>(&conditions);
             let ([r, g, b], [x, y, z]) = (water.veiling_light.rgb(), water.backscatter_coefficient);

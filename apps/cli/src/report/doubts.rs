@@ -7,7 +7,8 @@ use aquafuse::waterbody::Reason;
 /// The end of `inspect --help`.
 pub(crate) fn explained() -> String {
     let mut text = String::from(
-        "The verdict is good, doubtful (check the image) or failed (the numbers are a guess).\n\
+        "The verdict is good, doubtful (check the image) or failed (the numbers are a guess). Where it is not good,\n\
+         `physical`, `relight` and `exchange` change the image less.\n\
          Reasons for a verdict, and remedies:\n",
     );
     for &reason in Reason::ALL {

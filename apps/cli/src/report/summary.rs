@@ -20,6 +20,8 @@ const MUCH: f64 = 0.05;
 const MUCH_RED: f32 = 0.05;
 /// No water's backscatter grows faster than this in green, per metre: the thickest of Jerlov's has a third of it.
 const THICKEST: f32 = 20.0;
+/// Where the reasons of a verdict are explained.
+const EXPLAINED: &str = "  `aquafuse inspect --help` says what these reasons mean and what helps";
 /// Images that a warning names; with `--verbose` it names all.
 const NAMED: usize = 5;
 
@@ -70,8 +72,8 @@ const DETAILS: [(&str, Detail); 8] = [
         let share = report.outcome.levels.map_or(0.0, |levels| levels.red_from_green);
         (share > MUCH_RED).then(|| format!("{:.0} % of green where there is no red", 100.0 * share))
     }),
-    ("estimate failed, see `aquafuse inspect`", |report| of_verdict(report, Verdict::Failed)),
-    ("estimate doubtful, see `aquafuse inspect`", |report| of_verdict(report, Verdict::Doubtful)),
+    ("estimate failed", |report| of_verdict(report, Verdict::Failed)),
+    ("estimate doubtful", |report| of_verdict(report, Verdict::Doubtful)),
     ("much clipped", |report| {
         let share = report.outcome.clipping.share();
         (share > MUCH).then(|| format!("{:.0} % of the values", 100.0 * share))
@@ -100,7 +102,10 @@ pub(super) fn of(reports: &[(Item, Report)], skipped: usize, verbose: bool) -> S
     scores(&mut text, reports);
     if verbose {
         for (about, detail) in DETAILS {
-            list(&mut text, about, &entries(reports, detail), reports.len());
+            // The line on a single image has its verdict.
+            if reports.len() > 1 || !about.starts_with("estimate") {
+                list(&mut text, about, &entries(reports, detail), reports.len());
+            }
         }
     }
     text
@@ -129,6 +134,11 @@ fn written(text: &mut String, reports: &[(Item, Report)], verbose: bool) {
             writeln!(text, "{count} written; {estimates}{clipped}{more}")
         }
     };
+    let has_reasons =
+        |(_, report): &(Item, Report)| report.quality.is_some_and(|of| of.verdict != Verdict::Good);
+    if (reports.len() == 1 || verbose) && reports.iter().any(has_reasons) {
+        let _ = writeln!(text, "{EXPLAINED}");
+    }
 }
 
 fn images(count: usize) -> String {

@@ -54,7 +54,7 @@ fn what_is_no_video_is_named_with_its_cause() {
     }
     for (arguments, cause) in [
         (&["video", "gone.mp4", "--enhance", "-o", "out.mp4"][..], "cannot read gone.mp4"),
-        (&["video", ".", "--enhance", "-o", "out.mp4"], "is a directory"),
+        (&["video", ".", "--enhance", "-o", "out.mp4"], "it is a folder"),
         (&["video", "sound.m4a", "--enhance", "-o", "out.avi"], "must end in .mp4"),
         (&["video", "sound.m4a", "--enhance", "-o", "out.mp4", "--codec", "ffv1"], "Write to .mkv"),
         (&["video", "sound.m4a", "--enhance", "-o", "out.mp4", "--raw", "2x2"], "give - for IN"),

@@ -1,6 +1,6 @@
 //! What can go wrong with a file, and what to do about it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use aquafuse::depth::SuppliedError;
 
@@ -44,8 +44,9 @@ pub enum FileError {
     },
     /// The content has none of the supported formats.
     #[error(
-        "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is an image, convert it first",
-        display(path)
+        "cannot read {}: its content is none of PNG, JPEG, TIFF, WebP, BMP and GIF. If it is an image, convert it first{}",
+        display(path),
+        for_video(path, "")
     )]
     UnknownFormat {
         /// The file.
@@ -166,7 +167,7 @@ pub enum FileError {
         bytes: u64,
     },
     /// The extension of the output names no supported format.
-    #[error("cannot write {}: its name must end in {expected}", display(path))]
+    #[error("cannot write {}: its name must end in {expected}{}", display(path), for_video(path, expected))]
     UnknownExtension {
         /// The file.
         path: PathBuf,
@@ -252,6 +253,16 @@ pub enum FileError {
         /// What the system or the encoder said.
         cause: String,
     },
+}
+
+/// Whom to ask for a video, if the name is one of a video and other names are `expected`.
+fn for_video(path: &Path, expected: &str) -> &'static str {
+    const VIDEO: [&str; 7] = ["mp4", "m4v", "mov", "mkv", "webm", "avi", "mpg"];
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    match VIDEO.iter().any(|video| extension.eq_ignore_ascii_case(video)) && !expected.contains(".mp4") {
+        true => "; a video is for `aquafuse video`",
+        false => "",
+    }
 }
 
 /// What to do about an input that cannot be read.

@@ -4,6 +4,8 @@ use serde_json::Value;
 
 /// Differences that are named.
 const NAMED: usize = 4;
+/// Settings of many numbers, which would say nothing one by one.
+const WHOLE: [&str; 2] = ["water", "reference"];
 
 /// Where two settings differ, in words: names with the value that was and the one that is asked for.
 pub(crate) fn differences(was: &Value, is: &Value) -> String {
@@ -20,6 +22,9 @@ pub(crate) fn differences(was: &Value, is: &Value) -> String {
 fn compare(name: &str, was: &Value, is: &Value, found: &mut Vec<String>) {
     match (was, is) {
         _ if was == is => {}
+        _ if was.is_object() && WHOLE.contains(&name.rsplit('.').next().unwrap_or_default()) => {
+            found.push(format!("{name} is another one"));
+        }
         (Value::Object(was), Value::Object(is)) => {
             let mut names: Vec<&String> = was.keys().chain(is.keys()).collect();
             names.sort();
@@ -55,6 +60,8 @@ mod tests {
         let is = json!({"a": 1, "b": {"c": "y", "d": [1, 2]}, "f": 2});
         assert_eq!(differences(&was, &is), "b.c was \"x\", is \"y\", e was true, is null, f was null, is 2");
         assert_eq!(differences(&was, &was), "");
+        let waters = [1, 2].map(|beta| json!({"use": {"water": {"beta": beta, "veil": [beta, 0]}}}));
+        assert_eq!(differences(&waters[0], &waters[1]), "use.water is another one");
         let long = differences(&json!({"w": vec![0; 99]}), &json!({"w": 1}));
         assert!(long.len() < 80 && long.contains("..."), "{long}");
     }

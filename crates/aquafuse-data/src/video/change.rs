@@ -5,7 +5,7 @@ use aquafuse::metrics::Flicker;
 use aquafuse::scene_area::Border;
 use aquafuse::smooth::Smoothing;
 use aquafuse::stream::Steady;
-use aquafuse::waterbody::{Estimate, Quality, Verdict, WaterMap};
+use aquafuse::waterbody::{Estimate, Quality, Reason, Verdict, WaterMap};
 
 use super::frames::{FrameReport, Frames};
 use super::{Codec, Frame, Shape, VideoError};
@@ -87,6 +87,8 @@ impl Recipe {
 pub(super) struct Seen {
     /// Frames by the verdict on their water: good, doubtful, failed.
     pub(super) verdicts: [u64; 3],
+    /// Frames by each of [`Reason::ALL`].
+    pub(super) reasons: [u64; Reason::ALL.len()],
     /// The sum of the shares of values that were clipped.
     pub(super) clipped: f64,
 }
@@ -162,13 +164,16 @@ impl<T: Bytes> Change for Changer<T> {
 impl Seen {
     fn add(&mut self, clipped: f64, quality: Option<Quality>) {
         self.clipped += clipped;
+        let Some(quality) = quality else { return };
         let [good, doubtful, failed] = &mut self.verdicts;
-        let count = match quality.map(|quality| quality.verdict) {
-            Some(Verdict::Good) => good,
-            Some(Verdict::Doubtful) => doubtful,
-            Some(Verdict::Failed) => failed,
-            None => return,
+        let count = match quality.verdict {
+            Verdict::Good => good,
+            Verdict::Doubtful => doubtful,
+            Verdict::Failed => failed,
         };
         *count = count.saturating_add(1);
+        for (count, reason) in self.reasons.iter_mut().zip(Reason::ALL) {
+            *count = count.saturating_add(u64::from(quality.reasons.contains(*reason)));
+        }
     }
 }

@@ -37,9 +37,19 @@ pub enum VideoError {
     /// A frame is no image.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A folder was given.
+    #[error(
+        "cannot read {} as video: it is a folder. Name a video; a folder of images is for `aquafuse fuse`, and with --sequence its \
+         images are the frames of one video",
+        display(path)
+    )]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
     /// ffmpeg does not open the file.
     #[error(
-        "cannot read {} as video: {said}. Check that it is a complete video; ffmpeg can convert what is none, as images",
+        "cannot read {} as video: {said}. Check that it is a complete video; an image is for `aquafuse fuse`",
         display(path)
     )]
     Unreadable {

@@ -72,13 +72,12 @@ impl VideoInfo {
     /// [`VideoError`] when the file is no video, or no frame of it can be decoded.
     pub fn read(ffmpeg: &Ffmpeg, path: &Path) -> Result<Self, VideoError> {
         // A file that is not there has an error of its own, with its remedy.
-        std::fs::File::open(path)
+        let about = std::fs::File::open(path)
             .and_then(|file| file.metadata())
-            .and_then(|about| match about.is_dir() {
-                true => Err(std::io::ErrorKind::IsADirectory.into()),
-                false => Ok(()),
-            })
             .map_err(|error| crate::files::FileError::Read { path: path.to_owned(), error })?;
+        if about.is_dir() {
+            return Err(VideoError::Folder { path: path.to_owned() });
+        }
         let mut command = ffmpeg.command();
         command.args(input(path)).args(["-map", "0:V:0", "-frames:v", "1", "-vf", "showinfo=checksum=0"]);
         command.args(["-f", "null", "-"]).stdin(Stdio::null()).stdout(Stdio::null());

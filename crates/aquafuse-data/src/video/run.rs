@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 
 use aquafuse::metrics::Flicker;
+use aquafuse::waterbody::Reason;
 
 use super::change::{Change, ContentWater, Recipe, Seen};
 use super::decode::{Decoder, Place};
@@ -47,6 +48,8 @@ pub struct Summary {
     pub frames: u64,
     /// Frames by the verdict on their water: good, doubtful, failed. All 0 for enhancement.
     pub verdicts: [u64; 3],
+    /// The reasons of these verdicts, and of how many frames each is one; those of no frame are left out.
+    pub reasons: Vec<(Reason, u64)>,
     /// The share of all values that were clipped.
     pub clipped: f64,
     /// How much the output flickers beside its source, if that was asked for.
@@ -117,11 +120,12 @@ impl Plan {
         if let Some(staged) = staged {
             staged.persist()?;
         }
-        let Seen { verdicts, clipped } = change.seen();
+        let Seen { verdicts, reasons, clipped } = change.seen();
+        let reasons = Reason::ALL.iter().copied().zip(reasons).filter(|&(_, frames)| frames > 0).collect();
         #[allow(clippy::cast_precision_loss, reason = "a mean needs no more")]
         let clipped = clipped / frames.max(1) as f64;
         let damage = damage.map(|cause| Damage { last: seconds(last), cause });
-        Ok(Summary { frames, verdicts, clipped, flicker: change.flicker(), damage })
+        Ok(Summary { frames, verdicts, reasons, clipped, flicker: change.flicker(), damage })
     }
 
     fn source(&self) -> Result<Box<dyn Source>, VideoError> {

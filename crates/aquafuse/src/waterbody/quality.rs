@@ -58,8 +58,8 @@ impl Reason {
     /// The reason in words, for people.
     pub fn describe(self) -> &'static str {
         match self {
-            Self::NoOpenWater => "no open water in view",
-            Self::OpenWaterUnsure => "it is not sure that open water is in view",
+            Self::NoOpenWater => "no open water was found",
+            Self::OpenWaterUnsure => "open water is likely, not sure",
             Self::FlatDepth => "all depths are alike",
             Self::SaturatedDepth => "much of the depth lies at one end of its range",
             Self::LightOutsideWaterHues => "the veiling light has no colour of water",

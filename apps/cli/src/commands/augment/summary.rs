@@ -176,7 +176,11 @@ fn heading(job: &Augmentation, verbose: bool) -> String {
     let waters = &job.recipe.waters;
     let quality = |water: &Water| water.file.estimate.quality();
     let bad: Vec<_> = waters.iter().filter(|water| quality(water).verdict != Verdict::Good).collect();
-    let counted = if bad.is_empty() { String::new() } else { format!(" ({} not good)", bad.len()) };
+    let counted = if bad.is_empty() {
+        String::new()
+    } else {
+        format!(" ({} not good{})", bad.len(), if verbose { "" } else { "; -v says why" })
+    };
     let (root, layout) = (display(&job.dataset.root), job.dataset.layout.name());
     let waters = match (waters.len(), job.recipe.sea) {
         (0, Some(_)) => "waters of the sea".to_owned(),

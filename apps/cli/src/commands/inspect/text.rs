@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use aquafuse::depth::DepthKind;
-use aquafuse::waterbody::{Verdict, WaterShare};
+use aquafuse::waterbody::{VeilingLightSource, Verdict, WaterShare};
 use aquafuse_data::files::display;
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::pipeline::Analysis;
@@ -69,7 +69,7 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
             "a table of F by z for objects instead of e^(−β_B z); see --json".to_owned(),
         );
     }
-    line("open water", open_water(&found.share));
+    line("open water", open_water(&found.share, found.estimate.veiling_light_source));
     line("attenuation", "a curve β_D(z); see --json".to_owned());
     line("  at the far end, β_D z95", format!("{fade_r:.2} {fade_g:.2} {fade_b:.2}"));
     if let Some(path) = plot {
@@ -79,11 +79,16 @@ pub(super) fn text(image: &ImageFile, found: &Analysis, plot: Option<&Path>) -> 
 }
 
 /// How much of the image is open water, and how likely it is that any is in view.
-fn open_water(share: &WaterShare) -> String {
+fn open_water(share: &WaterShare, source: VeilingLightSource) -> String {
     let [mean, seen] = [share.mean(), share.seen()].map(|share| 100.0 * share);
-    match share.is_none() {
-        true => format!("none; probability that any is in view: {seen:.0} %"),
-        false => format!("{mean:.0} % of the image; probability that any is in view: {seen:.0} %"),
+    match (share.is_none(), source) {
+        (true, _) => format!("none; probability that any is in view: {seen:.1} %"),
+        (false, VeilingLightSource::OpenWater) => {
+            format!("{mean:.0} % of the image; probability that any is in view: {seen:.1} %")
+        }
+        (false, _) => {
+            format!("not found; {mean:.0} % of the image may be some, with a probability of {seen:.1} %")
+        }
     }
 }
 

@@ -164,7 +164,7 @@ fn summary(training: &Training, model: &Model) -> String {
     if let Medium::Learned(water) = &model.medium {
         let three = |values: [f32; 3]| values.map(|value| format!("{value:.3}")).join(" ");
         text += &format!(
-            "  water: B_inf {}, beta_B {}, beta_D {} per unit of the scene\n",
+            "  water: B∞ {}, beta_B {}, beta_D {} per unit of the scene\n",
             three(water.veil()),
             three(water.backscatter()),
             three(water.attenuation())

@@ -23,7 +23,7 @@ pub(super) struct Report<'a> {
 
 impl Report<'_> {
     pub(super) fn text(&self) -> String {
-        let Summary { frames, verdicts, clipped, flicker, .. } = self.summary;
+        let Summary { frames, verdicts, reasons, clipped, flicker, .. } = self.summary;
         let [good, doubtful, failed] = verdicts;
         let estimates = match good + doubtful + failed {
             0 => String::new(),
@@ -35,6 +35,17 @@ impl Report<'_> {
             100.0 * clipped,
             self.rate(),
         );
+        if !reasons.is_empty() {
+            let each: Vec<String> = reasons
+                .iter()
+                .map(|(reason, frames)| format!("{} ({frames} frames)", reason.describe()))
+                .collect();
+            let _ = writeln!(
+                text,
+                "  reasons: {}; `aquafuse inspect --help` says what they mean and what helps",
+                each.join(", ")
+            );
+        }
         if let Some(flicker) = flicker {
             let (frame, change) = flicker.largest();
             let _ = match flicker.ratio() {
@@ -72,8 +83,10 @@ impl Report<'_> {
 
     /// One record; `schema` changes when a field changes its meaning or goes.
     pub(super) fn json(&self) -> Result<String, Failure> {
-        let Summary { frames, verdicts: [good, doubtful, failed], clipped, flicker, damage, .. } =
+        let Summary { frames, verdicts: [good, doubtful, failed], reasons, clipped, flicker, damage, .. } =
             self.summary;
+        let reasons: Vec<_> =
+            reasons.iter().map(|(reason, frames)| json!({ "reason": reason, "frames": frames })).collect();
         let record = json!({
             "schema": 1,
             "input": display(self.input).to_string(),
@@ -81,6 +94,7 @@ impl Report<'_> {
             "frames": frames,
             "frames_per_second": self.rate(),
             "estimates": { "good": good, "doubtful": doubtful, "failed": failed },
+            "reasons": reasons,
             "clipped": clipped,
             "flicker": flicker.as_ref().map(|flicker| json!({
                 "ratio": flicker.ratio(),

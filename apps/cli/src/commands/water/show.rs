@@ -83,7 +83,7 @@ fn numbers(file: &WaterFile) -> String {
     line("water of", file.from.join(", "));
     line("values", format!("{}, coefficients per {unit}", file.estimate.encoding()));
     line(
-        "veiling light B_inf",
+        "veiling light B∞",
         format!("{r:.3} {g:.3} {b:.3}   {}", hex(file.estimate.veiling_light_as_seen())),
     );
     line("backscatter beta_B", format!("{x:.3} {y:.3} {z:.3}"));

@@ -38,7 +38,7 @@ pub struct DepthBin {
 }
 
 /// What [`estimate`](super::estimate) reads with the same arguments, of all pixels: of large images that counts
-/// in a thumbnail, which differs by less than the eye sees.
+/// some rows, which differs by less than the eye sees.
 ///
 /// # Errors
 ///
@@ -70,7 +70,7 @@ pub fn evidence<'a, E: Encoding>(
 }
 
 /// [`estimate`](super::estimate), how much of each pixel is open water, and what all that was fitted to, in one pass. Of a large
-/// image the bins are those of the thumbnail in which the estimate counted.
+/// image the bins are those of the rows that the estimate counted.
 ///
 /// # Errors
 ///
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_large_image_the_estimate_is_that_of_the_thumbnail_and_the_places_are_all() {
+    fn of_a_large_image_the_estimate_is_that_of_some_rows_and_the_places_are_all() {
         let (width, height) = (2000, 1001);
         let sample =
             |i: usize| (60 + 90 * (i / 3 / width) / height + i.wrapping_mul(2_654_435_761) % 40) as u8;

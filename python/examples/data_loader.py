@@ -1,7 +1,8 @@
 """Water fusion in a data loader of torch: the same images for any number of workers, other ones in each epoch.
 
-pip install aquafuse[albumentations] torch
-python data_loader.py
+    python data_loader.py
+
+Needs torch, and aquafuse with its extra `albumentations`. It is not on PyPI yet; docs/python.md says how to build it.
 """
 
 import albumentations as A

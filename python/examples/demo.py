@@ -1,7 +1,8 @@
 """A page in the browser: drop an image, choose a water.
 
-pip install aquafuse gradio
-python demo.py
+    python demo.py
+
+Needs gradio, and aquafuse. It is not on PyPI yet; docs/python.md says how to build it.
 """
 
 import aquafuse

@@ -1,8 +1,8 @@
 """A dataset multiplied on the machines of a Ray cluster: one part a task, tried again where a machine fails.
 
-    pip install aquafuse ray
     python ray_augment.py DATASET OUTPUT [PARTS]
 
+Needs ray, opencv-python-headless, and aquafuse. It is not on PyPI yet; docs/python.md says how to build it.
 DATASET and OUTPUT lie on storage that all machines share. The files equal those of a run on one machine.
 """
 

@@ -1,8 +1,8 @@
 """A detector of Ultralytics that sees half of its images in other waters, each epoch in others.
 
-    pip install aquafuse[ultralytics]
     python train_yolo.py [DATA.yaml] [EPOCHS]
 
+Needs aquafuse with its extra `ultralytics`. It is not on PyPI yet; docs/python.md says how to build it.
 Without DATA.yaml it makes a dataset of eight synthetic images. For a paper, multiply the dataset first: see aquafuse.augment.
 """
 

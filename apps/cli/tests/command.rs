@@ -333,7 +333,8 @@ fn demo_makes_what_fuse_makes_of_the_same_images() {
     let run = Run::new();
     let said = run.ok(&["demo", "-o", "demo"]).stdout;
     assert!(said.contains("sheet.jpg") && said.contains("estimated"), "{said}");
-    assert_eq!(std::fs::read_dir(run.path("demo")).unwrap().count(), 3 + 2 + 2 * 3 * 2 + 1);
+    let files = 3 + 2 + 2 * 3 * 2 + 1;
+    assert_eq!(std::fs::read_dir(run.path("demo")).unwrap().count(), files + 2, "and two folders");
     for model in ["physical", "aquafuse"] {
         run.ok(&[
             "fuse",
@@ -347,6 +348,23 @@ fn demo_makes_what_fuse_makes_of_the_same_images() {
         ]);
         assert_eq!(run.bytes("f.png"), run.bytes(&format!("demo/content_blue__green__{model}.png")));
     }
+}
+
+#[test]
+fn what_demo_labels_is_a_dataset_and_its_depth_is_read() {
+    let run = Run::new();
+    run.ok(&["demo", "-o", "demo"]);
+    for name in ["content_blue.png", "content_turbid.png"] {
+        assert_eq!(run.bytes(&format!("demo/fish/images/{name}")), run.bytes(&format!("demo/{name}")));
+        let mask = image::open(run.path(&format!("demo/fish/masks/{name}"))).unwrap().into_luma8();
+        let fish = mask.pixels().filter(|pixel| pixel.0 == [255]).count();
+        let rest = mask.pixels().filter(|pixel| pixel.0 == [0]).count();
+        assert!(fish > 100 && rest > 10 * fish && fish + rest == 480 * 320, "{name}: {fish}, {rest}");
+    }
+    run.ok(&["augment", "demo/fish", "demo/reference_green.png", "-o", "more"]);
+    assert!(run.path("more/masks").is_dir() && run.path("more/preview.jpg").exists());
+    let depth = ["--depth", "demo/depth/content_blue.png", "--depth-kind", "millimetres"];
+    run.ok(&[&["fuse", "demo/content_blue.png", "demo/reference_green.png", "-o", "f.png"][..], &depth].concat());
 }
 
 #[test]

@@ -1,13 +1,16 @@
-//! `aquafuse demo`: fusion of synthetic images.
+//! `aquafuse demo`: fusion of synthetic images, with their depth and a labelled dataset to try the other commands on.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
+use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::fusion::{Bounded, Model, Options, fuse};
-use aquafuse::truth::{NamedWater, Scene, Size, waters};
+use aquafuse::image::Image;
+use aquafuse::truth::{Kind, NamedWater, OPEN_WATER, Scene, Size, waters};
 use aquafuse::waterbody::WaterMap;
+use aquafuse_data::depth_file;
 use aquafuse_data::drawing::{Cell, contact_sheet};
-use aquafuse_data::files::{display, make_folder};
+use aquafuse_data::files::{display, make_folder, make_folder_of};
 use aquafuse_data::image_file::{ImageFile, WriteOptions};
 use aquafuse_data::pipeline::{Analysis, DepthSource, analyse};
 use clap::Args;
@@ -18,7 +21,8 @@ use crate::report::output;
 /// Try fusion on synthetic images.
 ///
 /// Renders scenes of a sea floor in different waters and fuses each with each. The estimators get only the
-/// images.
+/// images. Beside them it writes `depth/`, the true depth of the two contents in millimetres, and `fish/`, a dataset of
+/// the two contents with a mask of the fish.
 #[derive(Args)]
 pub(crate) struct Demo {
     /// Output folder.
@@ -57,11 +61,13 @@ impl Demo {
         }
         let mut rows = vec![heading(&references)];
         for (i, water) in [blue, turbid].into_iter().enumerate() {
-            let content = Made::new(&Scene::new(self.seed.wrapping_add(i as u64), CONTENT), water)?;
+            let scene = Scene::new(self.seed.wrapping_add(i as u64), CONTENT);
+            let content = Made::new(&scene, water)?;
             let name = format!("content_{}", water.name);
             let path = self.write(&format!("{name}.png"), &content.image_file)?;
             say(&format!("  {}   after {:.1} s\n", display(&path), began.elapsed().as_secs_f32()))?;
             say(&content.veils())?;
+            self.write_truth(&name, &scene, &content.image_file)?;
             for model in [Model::Physical, Model::Aquafuse] {
                 let mut row = vec![cell(&format!("content, {} water", water.name), &content.image_file)];
                 for reference in &references {
@@ -76,19 +82,46 @@ impl Demo {
         let sheet = ImageFile::new(contact_sheet(&rows, 320, 214).map_err(Failure::work)?);
         let path = self.write("sheet.jpg", &sheet)?;
         say(&format!(
-            "  {}   all side by side, after {:.1} s\n\n\
+            "  {}   true depth of the contents\n  {}   a dataset: the contents with masks of their fish\n  \
+             {}   all side by side, after {:.1} s\n\n\
              Look at that sheet first. Then try your own images:\n  \
              aquafuse fuse YOUR.jpg {} -o fused.jpg\n",
+            display(&self.output.join("depth")),
+            display(&self.output.join("fish")),
             display(&path),
             began.elapsed().as_secs_f32(),
             display(&self.output.join("reference_green.png"))
         ))
     }
 
+    /// What is known of a content: its depth, and as a dataset where its fish are.
+    fn write_truth(&self, name: &str, scene: &Scene, content: &ImageFile) -> Result<(), Failure> {
+        let (width, height) = scene.clear.size();
+        // Open water has no depth, as where depth is measured: 0 is unknown.
+        let seen = |z: f32| if z < OPEN_WATER { z } else { 0.0 };
+        let metres = scene.depth.distances().into_iter().map(seen).collect();
+        let metres =
+            DepthMap::from_distances(width, height, DepthKind::Metres, metres).map_err(Failure::work)?;
+        let path = self.output.join(format!("depth/{name}.png"));
+        make_folder_of(&path)?;
+        depth_file::write(&path, &metres, &self.options())?;
+
+        let fish = |kind: &Kind| [if *kind == Kind::Fish { u8::MAX } else { 0 }; 3];
+        let mask = Image::from_raw(width, height, scene.kinds.iter().flat_map(fish).collect());
+        self.write(&format!("fish/images/{name}.png"), content)?;
+        self.write(&format!("fish/masks/{name}.png"), &ImageFile::new(mask.map_err(Failure::work)?))?;
+        Ok(())
+    }
+
     fn write(&self, name: &str, image_file: &ImageFile) -> Result<PathBuf, Failure> {
         let path = self.output.join(name);
-        image_file.write(&path, &WriteOptions { overwrite: self.overwrite, quality: 90 })?;
+        make_folder_of(&path)?;
+        image_file.write(&path, &self.options())?;
         Ok(path)
+    }
+
+    fn options(&self) -> WriteOptions {
+        WriteOptions { overwrite: self.overwrite, quality: 90 }
     }
 }
 

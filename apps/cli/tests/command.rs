@@ -364,7 +364,9 @@ fn what_demo_labels_is_a_dataset_and_its_depth_is_read() {
     run.ok(&["augment", "demo/fish", "demo/reference_green.png", "-o", "more"]);
     assert!(run.path("more/masks").is_dir() && run.path("more/preview.jpg").exists());
     let depth = ["--depth", "demo/depth/content_blue.png", "--depth-kind", "millimetres"];
-    run.ok(&[&["fuse", "demo/content_blue.png", "demo/reference_green.png", "-o", "f.png"][..], &depth].concat());
+    run.ok(
+        &[&["fuse", "demo/content_blue.png", "demo/reference_green.png", "-o", "f.png"][..], &depth].concat()
+    );
 }
 
 #[test]

@@ -135,6 +135,12 @@ impl Options {
         WATER_AT.iter().any(|&time| step == self.time(time))
     }
 
+    /// Whether B∞ is learned at this step: not before β was estimated from distances. While β is far off, B∞ would make up for it,
+    /// and what is then too bright in open water would be hidden by splats for good.
+    pub(crate) fn learns_veil(&self, step: u32) -> bool {
+        step > self.time(WATER_AT[0])
+    }
+
     /// Whether surfaces are closed at this step: once distances, B∞ and β are about right, and no splat is added any more.
     pub(crate) fn closes_surfaces(&self, step: u32) -> bool {
         step >= self.time(15_000.0)

@@ -135,9 +135,8 @@ impl Options {
         WATER_AT.iter().any(|&time| step == self.time(time))
     }
 
-    /// Whether B∞ is learned at this step: not before β was estimated from distances. While β is far off, B∞ would make up for it,
-    /// and what is then too bright in open water would be hidden by splats for good.
-    pub(crate) fn learns_veil(&self, step: u32) -> bool {
+    /// Whether β was estimated from distances before this step.
+    pub(crate) fn knows_beta(&self, step: u32) -> bool {
         step > self.time(WATER_AT[0])
     }
 

@@ -249,10 +249,8 @@ mod tests {
         let views = truth::views(1, Size { width: 160, height: 120 }, 6, 1);
         let images: Vec<_> = views.iter().map(|view| view.seen_through(&truth)).collect();
         let points = truth::points(&views, &images, 60);
-        let lenses: Vec<Lens> = views
-            .iter()
-            .map(|view| Lens { camera: view.camera.clone(), distortion: [0.0; 4] })
-            .collect();
+        let lenses: Vec<Lens> =
+            views.iter().map(|view| Lens { camera: view.camera.clone(), distortion: [0.0; 4] }).collect();
         let missing = MissingUnit::OfOthers;
         let options = RunOptions::default();
         let shared = estimate(&lenses.iter().collect::<Vec<_>>(), &points, missing, &options, &|i, look| {

@@ -9,5 +9,5 @@ pub(crate) mod network;
 pub(crate) mod output;
 pub(crate) mod progress;
 pub(crate) mod published;
-mod summary;
+pub(crate) mod summary;
 pub(crate) mod water;

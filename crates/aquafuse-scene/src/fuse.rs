@@ -16,13 +16,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use aquafuse::depth::DepthMap;
-use aquafuse::waterbody::WaterShare;
 use aquafuse_data::batch::{Item, RECORD, Recipe, Record, State};
 use aquafuse_data::files::{
     FileError, display, holds_files, make_folder, place_of, remove_stale_parts, write_bytes,
 };
 use aquafuse_data::image_file::{Format, ImageFile, ReadOptions, WriteOptions};
-use aquafuse_data::pipeline::{Analysis, DepthEstimator, DepthSource, OperationError};
+use aquafuse_data::pipeline::{Analysis, DepthEstimator, DepthSource, Limited, OperationError, Outcome};
 use aquafuse_data::run::{self, Budget, Event, RunOptions, Stopped, Summary};
 use aquafuse_data::water_file::Numbers;
 use serde_json::json;
@@ -94,6 +93,10 @@ pub struct Fused {
     pub shared: SharedWater,
     /// Images that were fused, and those that a run before this one had fused.
     pub summary: Summary,
+    /// How much the images of this run changed: the mean of their [`Outcome::change`]s, ΔE; `None` where all were fused before.
+    pub change: Option<f64>,
+    /// Which safety bounds acted: the same for all images, as the water is.
+    pub limited: Limited,
 }
 
 /// Whoever listens to a run: every image is an item twice, by its input when it was looked at, by its output when it was
@@ -237,7 +240,11 @@ impl Plan {
         self.copy_model()?;
         let skipped = made.iter().filter(|was_made| **was_made).count();
         let summary = Summary { done: made.len() - skipped, skipped, ..Summary::default() };
-        Ok(Fused { shared, summary })
+        let outcomes: Vec<Outcome> = (0..self.items.len()).filter_map(|i| work.slot(i).outcome).collect();
+        let all: f64 = outcomes.iter().map(|outcome| outcome.change).sum();
+        let change = (!outcomes.is_empty()).then(|| all / outcomes.len() as f64);
+        let limited = outcomes.first().map_or_else(Limited::default, |outcome| outcome.limited);
+        Ok(Fused { shared, summary, change, limited })
     }
 
     /// What each image takes of the budget, by its header, and whether it stays decoded between the stages.
@@ -349,6 +356,8 @@ struct Slot {
     was_shown: bool,
     /// The image and its relative depth, where it stays decoded.
     decoded: Option<(ImageFile, DepthMap)>,
+    /// How it was fused in this run.
+    outcome: Option<Outcome>,
 }
 
 /// A plan at work.
@@ -384,21 +393,23 @@ impl Work<'_> {
         let item = &self.plan.items[index];
         let _room = self.budget.reserve(self.needs[index].work);
         let (mut image, relative) = self.decoded(index)?;
+        let share = shared.share_in(&image, &relative)?;
         let found = Analysis {
             depth: in_scene(&relative, shared.units[index]),
             depth_source: item.depth.clone(),
             supplied: None,
-            // The views of a scene must agree, and each by itself is not equally sure that it sees water.
-            share: WaterShare::none(relative.size()),
+            share,
             estimate: shared.water.into(),
         };
         drop(relative);
-        recipe.operation.apply(&mut image.pixels, Some(&found))?;
+        let outcome = recipe.operation.apply(&mut image.pixels, Some(&found))?;
         drop(found);
         image.pixels = image.pixels.smoothed(recipe.smoothing);
         self.options.stop.check(&item.output)?;
         let writing = WriteOptions { overwrite: may_replace, quality: recipe.quality };
-        Ok(image.write(&item.output, &writing)?)
+        image.write(&item.output, &writing)?;
+        self.slot(index).outcome = Some(outcome);
+        Ok(())
     }
 
     /// The image and its relative depth: those that stayed, or decoded now.

@@ -1,12 +1,18 @@
 //! One water for all images of a scene, in its unit of length.
 //!
-//! Depth from colour is relative within an image. The points of the scene that a camera sees give the length of its 1: with
-//! it, distances of all images have one unit, and so have the waters estimated from them, which are then pooled
-//! ([`estimate`]).
+//! Depth from colour is relative within an image, and so is the water that is estimated by it, as for an image by itself. The
+//! points of the scene that a camera sees give the length of relative depth 1: with it, the waters of all images have one unit
+//! and are pooled ([`estimate`]).
+//!
+//! The water is **not** estimated by a map that was scaled first. Such a map would pass for a measured one, whose distances are
+//! right: the dark things of a real image do not follow the curve of backscatter by distances from colour, and β_B came out at a
+//! tenth of the true one.
 
 use aquafuse::depth::{DepthKind, DepthMap};
 use aquafuse::image::{Encoded, ImageError};
-use aquafuse::waterbody::{self, Estimate, EstimateOptions, pool};
+use aquafuse::waterbody::{
+    self, Attenuation, Estimate, EstimateOptions, Reason, WaterShare, pool, water_share,
+};
 use aquafuse_data::files::{Step, count};
 use aquafuse_data::image_file::ImageFile;
 use aquafuse_data::run::{RunOptions, Stopped};
@@ -38,6 +44,30 @@ pub struct SharedWater {
     pub water: Estimate<Encoded>,
     /// How far away things are, in units of the scene: the median over the images of their median distance.
     pub distance: f32,
+}
+
+impl SharedWater {
+    /// Whether the images surely show open water: the verdict that most of them share has no doubt of it.
+    pub fn shows_open_water(&self) -> bool {
+        let reasons = self.water.quality.reasons;
+        ![Reason::NoOpenWater, Reason::OpenWaterUnsure].iter().any(|one| reasons.contains(*one))
+    }
+
+    /// How much of each pixel of an image is open water, which hides nothing and is nowhere: no distance from colour says so.
+    ///
+    /// The views of a scene must agree, and each by itself is not equally sure that it sees water. So the estimate that they share
+    /// decides whether any of them does: if it is unsure, no view has a share.
+    ///
+    /// # Errors
+    ///
+    /// [`SharedWaterError::Size`] when image and depth differ in size.
+    pub fn share_in(&self, image: &ImageFile, relative: &DepthMap) -> Result<WaterShare, SharedWaterError> {
+        if !self.shows_open_water() {
+            return Ok(WaterShare::none(relative.size()));
+        }
+        let veil = &self.water.water.veiling_light;
+        Ok(water_share(&image.bytes(), relative, veil, &options(image))?)
+    }
 }
 
 /// Images give no water together.
@@ -120,9 +150,8 @@ impl Contribution {
     ) -> Result<Self, SharedWaterError> {
         let unit = unit_of(relative, lens, points);
         let Some(used) = unit.or(assumed) else { return Ok(Self { unit, water: None }) };
-        let depth = in_scene(relative, used);
-        let water = water_of(image, &depth)?;
-        Ok(Self { unit, water: Some((used, water, depth.percentile(0.5))) })
+        let water = per_unit(water_of(image, relative)?, used);
+        Ok(Self { unit, water: Some((used, water, used * relative.percentile(0.5))) })
     }
 }
 
@@ -164,15 +193,36 @@ pub fn in_scene(relative: &DepthMap, unit: f32) -> DepthMap {
     scaled.unwrap_or_else(|_| relative.clone())
 }
 
-/// The water of one image, whose depth is in units of the scene.
+/// The water of one image, per unit of relative depth.
 ///
 /// # Errors
 ///
 /// [`ImageError`] when image and depth differ in size.
 pub fn water_of(image: &ImageFile, depth: &DepthMap) -> Result<Estimate<Encoded>, ImageError> {
     count(Step::WaterEstimated);
-    let options = EstimateOptions::default().with_top(image.top_edge());
-    waterbody::estimate(&image.bytes(), depth, &options)
+    waterbody::estimate(&image.bytes(), depth, &options(image))
+}
+
+fn options(image: &ImageFile) -> EstimateOptions {
+    EstimateOptions::default().with_top(image.top_edge()).with_water_map(image.water_map())
+}
+
+/// The same water per unit of the scene, of which relative depth 1 is so many; unchanged if that is no length.
+#[must_use]
+pub fn per_unit(estimate: Estimate<Encoded>, unit: f32) -> Estimate<Encoded> {
+    let rescale =
+        |curve: &Attenuation| Attenuation::new(curve.mu().map(|mu| mu / unit), curve.held_beyond() * unit);
+    let [Ok(red), Ok(green), Ok(blue)] = estimate.water.attenuation.each_ref().map(rescale) else {
+        return estimate;
+    };
+    let mut scaled = estimate;
+    scaled.water.attenuation = [red, green, blue];
+    let of_image = (estimate.water.backscatter_coefficient, estimate.intervals.backscatter_coefficient);
+    scaled.water.backscatter_coefficient = of_image.0.map(|beta| beta / unit);
+    scaled.intervals.backscatter_coefficient = of_image.1.map(|interval| interval.map(|beta| beta / unit));
+    // A table by relative depth.
+    scaled.depth_factors = None;
+    scaled
 }
 
 /// The first guess of a water to be learned: β_D is constant, with its value at `distance`, where most things are.
@@ -189,7 +239,59 @@ pub fn to_learn(estimate: &Estimate<Encoded>, distance: f32) -> Water<f32> {
 mod tests {
     use super::*;
     use crate::truth;
-    use aquafuse::truth::Size;
+    use aquafuse::depth::DepthModel;
+    use aquafuse::truth::{Size, waters};
+    use aquafuse::waterbody::Verdict;
+
+    #[test]
+    fn views_give_the_water_of_their_place_together() {
+        let truth = waters()[0].water;
+        let views = truth::views(1, Size { width: 160, height: 120 }, 6, 1);
+        let images: Vec<_> = views.iter().map(|view| view.seen_through(&truth)).collect();
+        let points = truth::points(&views, &images, 60);
+        let lenses: Vec<Lens> =
+            views.iter().map(|view| Lens { camera: view.camera.clone(), distortion: [0.0; 4] }).collect();
+        let missing = MissingUnit::OfOthers;
+        let options = RunOptions::default();
+        let shared = estimate(&lenses.iter().collect::<Vec<_>>(), &points, missing, &options, &|i, look| {
+            let image = ImageFile::new(images[i].convert::<u8>());
+            look(&image, &image.pixels.depth(&DepthModel::default(), image.top_edge()));
+            Ok::<(), crate::fuse::FuseError>(())
+        })
+        .unwrap();
+        let found = shared.water;
+        assert_eq!(found.quality.verdict, Verdict::Good, "{:?}", found.quality.reasons);
+        for c in 0..3 {
+            let off = (found.water.veiling_light.rgb()[c] - truth.veiling_light.rgb()[c]).abs();
+            assert!(off < 0.01, "B∞ of channel {c} is off by {off}");
+            // Distances are from colour: β_B is about right, in units of the scene.
+            let ratio = found.water.backscatter_coefficient[c] / truth.backscatter_coefficient[c];
+            assert!((0.6..1.7).contains(&ratio), "β_B of channel {c} is {ratio} times the true one");
+        }
+        let image = ImageFile::new(images[0].convert::<u8>());
+        let relative = image.pixels.depth(&DepthModel::default(), image.top_edge());
+        assert!(shared.share_in(&image, &relative).unwrap().mean() > 0.05);
+        let mut unsure = shared.clone();
+        unsure.water.quality = found.quality.with(Reason::OpenWaterUnsure);
+        assert!(unsure.share_in(&image, &relative).unwrap().is_none());
+    }
+
+    #[test]
+    fn a_water_per_unit_is_the_same_at_one_place() {
+        let image = truth::views(1, Size { width: 80, height: 60 }, 2, 1)[0].seen_through(&waters()[0].water);
+        let image = ImageFile::new(image.convert::<u8>());
+        let relative = image.pixels.depth(&DepthModel::default(), image.top_edge());
+        let own = water_of(&image, &relative).unwrap();
+        // A scene in millimetres has large numbers.
+        for unit in [0.004, 6.0, 9000.0] {
+            let per = per_unit(own, unit);
+            for z in [0.2_f32, 0.5, 0.9] {
+                let [a, b] = [own.water.backscatter(z), per.water.backscatter(z * unit)];
+                let [c, d] = [own.water.illumination(z), per.water.illumination(z * unit)];
+                assert!(a.iter().zip(b).chain(c.iter().zip(d)).all(|(a, b)| (a - b).abs() < 1e-4));
+            }
+        }
+    }
 
     #[test]
     fn points_tell_the_unit_of_relative_depth() {

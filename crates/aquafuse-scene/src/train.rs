@@ -130,8 +130,10 @@ impl Trainer {
         state.step += 1;
         state.moments.step(state.splats.rows_mut(), gradient.splats.rows(), &rates, state.step);
         if let Some((water, moments)) = &mut state.water {
-            let veil = self.options.rates.water as f32;
-            let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { veil / 6.0 });
+            let rate = self.options.rates.water as f32;
+            let is_held = !self.options.knows_beta(state.step) && water::is_shown(&self.views, water.veil());
+            let veil = if is_held { 0.0 } else { rate };
+            let rates: [f32; PARAMETERS] = std::array::from_fn(|i| if i < 3 { veil } else { rate / 6.0 });
             moments.step(&mut water.raw, &gradient.water, &rates, state.step);
             water::keep_colours(&mut state.splats);
         }

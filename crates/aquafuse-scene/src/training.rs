@@ -373,6 +373,7 @@ impl Training {
                 let view = &views[index];
                 let _room = budget.reserve(WATER_BYTES_A_PIXEL * pixels(view));
                 let image = ImageFile::new(view.image.convert::<u8>());
+                let image = image.with_water_map(options.reading.water_map);
                 look(&image, &image.pixels.depth(&DepthModel::default(), image.top_edge()));
                 Ok::<(), TrainingError>(())
             },

@@ -163,6 +163,34 @@ fn a_water_is_learned_and_taken_out() {
 }
 
 #[test]
+fn the_veiling_light_does_not_make_up_for_a_beta_that_is_far_off() {
+    let place = Place::new();
+    let truth = waters()[0].water;
+    let images = place.seen(|view| view.seen_through(&truth));
+    // B∞ as open water shows it; β_B at a tenth of the true one and β_D at three times.
+    let growth = truth.backscatter_coefficient.map(|beta| 0.1 * f64::from(beta));
+    let fading = truth.attenuation.each_ref().map(|curve| 3.0 * f64::from(curve.coefficient(0.0)));
+    let guess = Water::new(truth.veiling_light.rgb().map(f64::from), growth, fading);
+    let mut trainer = Trainer::new(options(400), place.shots(&images), place.splats(&images), Some(guess));
+    while !trainer.is_done() {
+        trainer.step();
+    }
+    let Medium::Learned(water) = trainer.medium() else { panic!("a water was to be learned") };
+    println!("{:?} {:?} {:?}", water.veil(), water.backscatter(), water.attenuation());
+    let off = water.veil().into_iter().zip(truth.veiling_light.rgb()).map(|(a, b)| (a - b).abs());
+    let off = off.fold(0.0, f32::max);
+    assert!(off < 0.04, "B∞ is off by {off}: {:?}", water.veil());
+    // Open water is empty: without the water it is black.
+    let view = &place.views[HELD];
+    let dry = render(trainer.splats(), 1, &view.camera, &Medium::Air).rendering;
+    let open = view.scene.depth.distances().into_iter().zip(&dry.transmittance);
+    let (sum, count) = open
+        .filter(|(z, _)| *z >= OPEN_WATER)
+        .fold((0.0, 0.0), |(sum, count), (_, through)| (sum + through, count + 1.0));
+    assert!(sum / count > 0.85, "open water lets {} through", sum / count);
+}
+
+#[test]
 fn surfaces_are_closed_and_open_water_stays_empty() {
     let place = Place::new();
     let truth = waters()[0].water;

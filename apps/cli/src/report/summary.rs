@@ -226,7 +226,7 @@ fn scores(text: &mut String, reports: &[(Item, Report)]) {
 }
 
 /// Which bounds acted, in words.
-fn bounds(bounds: Limited) -> String {
+pub(crate) fn bounds(bounds: Limited) -> String {
     let Limited { fusion, restoration } = bounds;
     let all = [
         (fusion.glare, "glare of WATER darkened"),

@@ -67,6 +67,17 @@ fn neither_threads_nor_memory_change_a_byte() {
 }
 
 #[test]
+fn open_water_takes_the_colour_of_the_other_water() {
+    let folder = scene();
+    let fused = plan(&folder, "green").run(&recipe(), &RunOptions::default(), &|_| {}).unwrap();
+    assert!(fused.change.unwrap() > 5.0, "{:?}", fused.change);
+    let image = ImageFile::read(&folder.path().join("green/images/view_000.png")).unwrap();
+    let top = image.bytes().pixels()[32].map(|value| f32::from(value) / 255.0);
+    let off = top.into_iter().zip(waters()[1].water.veiling_light.rgb()).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f32::max) < 0.06, "{top:?}");
+}
+
+#[test]
 fn a_run_that_is_stopped_goes_on_where_it_stopped() {
     let folder = scene();
     let whole = plan(&folder, "whole").run(&recipe(), &RunOptions::default(), &|_| {}).unwrap();

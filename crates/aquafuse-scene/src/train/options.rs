@@ -135,6 +135,11 @@ impl Options {
         WATER_AT.iter().any(|&time| step == self.time(time))
     }
 
+    /// Whether β was estimated from distances before this step.
+    pub(crate) fn knows_beta(&self, step: u32) -> bool {
+        step > self.time(WATER_AT[0])
+    }
+
     /// Whether surfaces are closed at this step: once distances, B∞ and β are about right, and no splat is added any more.
     pub(crate) fn closes_surfaces(&self, step: u32) -> bool {
         step >= self.time(15_000.0)

@@ -10,7 +10,7 @@ use crate::train::loss::Target;
 
 /// A pixel is open water if no channel of the image differs more from B∞: two steps of 255. With five, turbid water would hide
 /// things that can still be seen.
-const OPEN: f32 = 0.008;
+pub(super) const OPEN: f32 = 0.008;
 /// Surfaces are closed where less than this is let through: more is an edge, or water that is not uniform.
 const SURFACE: f32 = 1.0 / 3.0;
 

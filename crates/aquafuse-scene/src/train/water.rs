@@ -6,6 +6,7 @@
 //! over two numbers a channel, for the β that gives each place one colour.
 
 use super::TrainView;
+use super::transmittance::OPEN;
 use crate::camera::Camera;
 use crate::compare::distances;
 use crate::medium::{Medium, Water};
@@ -169,6 +170,28 @@ pub(super) fn repaint(splats: &mut Splats<f32>, views: &[TrainView], old: &Mediu
         let seen = between.through(splats.colour(i), distance);
         splats.paint(i, new.taken_out(seen, distance));
     }
+}
+
+/// B∞ is shown where this share of the pixels has its colour.
+const SHOWN: f64 = 0.02;
+/// One pixel in so many is looked at.
+const LOOKED_AT: usize = 31;
+
+/// Whether the images show this B∞ as open water does.
+///
+/// It is then right, and must stay until β is: while β_B is far too low, B∞ would rise to make up for it, and what is then too bright
+/// in open water would be hidden by splats for good. A B∞ that no image shows is wrong, and must be found before splats hide
+/// where it is.
+pub(super) fn is_shown(views: &[TrainView], veil: [f32; 3]) -> bool {
+    let (mut near, mut all) = (0_usize, 0_usize);
+    for TrainView { target, .. } in views {
+        let (width, height) = target.size();
+        for i in (0..width * height).step_by(LOOKED_AT) {
+            near += usize::from(target.is_near(i, veil, OPEN));
+            all += 1;
+        }
+    }
+    near as f64 >= SHOWN * all as f64
 }
 
 /// The least colour that a splat keeps while a water is learned.

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use aquafuse::depth::DepthKind;
+use aquafuse::fusion::Model;
 use aquafuse_data::batch::Recipe;
 use aquafuse_data::files::display;
-use aquafuse_data::pipeline::{Operation, PixelEncoding};
+use aquafuse_data::pipeline::{Operation, Outcome, PixelEncoding};
 use aquafuse_scene::fuse::{FuseError, Fused, Plan, Request};
 use clap::Args;
 
@@ -15,6 +16,7 @@ use crate::args::water::{WaterArguments, WaterSource};
 use crate::failure::Failure;
 use crate::report::output;
 use crate::report::progress::Progress;
+use crate::report::summary::bounds;
 use crate::report::water::veiling_light;
 
 /// Fuse all images of a scene with another water, by the one water that they share.
@@ -66,23 +68,44 @@ impl Fuse {
             progress.show(&event, |path| display(path).to_string());
         });
         progress.finish();
-        let Fused { shared, .. } = fused?;
+        let fused = fused?;
         if common.quiet {
             return Ok(());
         }
         output::print(&format!(
-            "{}: {} images in {}'s water{}\n  {}\n  {}\n",
+            "{}: {} images in {}'s water{}\n  {}\n  {}\n{}",
             display(output),
             plan.items().len(),
             water.name(),
             plan.unused(),
-            veiling_light(&shared.water.into()),
-            match shared.unit {
+            veiling_light(&fused.shared.water.into()),
+            match fused.shared.unit {
                 Some(unit) => format!("relative depth 1 is {unit:.2} units of the scene"),
                 None => "the scene has no points, so that depth has no unit".into(),
-            }
+            },
+            held_back(&fused, options.model)
         ))
     }
+}
+
+/// How much the images changed, and if it is little, why and what helps.
+fn held_back(fused: &Fused, model: Model) -> String {
+    let Some(change) = fused.change else { return String::new() };
+    let mut text = format!("  colours changed by {change:.1} ΔE on average\n");
+    if fused.limited.any() {
+        text += &format!("  limited by safety bounds: {}\n", bounds(fused.limited));
+    }
+    if !fused.shared.shows_open_water() {
+        text += "  no open water is exchanged as such, because most images do not surely show any: images that do help\n";
+    }
+    if change < Outcome::UNCHANGED {
+        let helps = match model {
+            Model::Exchange => "a reference in another water",
+            _ => "another reference, `--model exchange`, or another `--depth-model`",
+        };
+        text += &format!("  that is hardly visible; what helps: {helps}\n");
+    }
+    text
 }
 
 impl From<FuseError> for Failure {

@@ -131,6 +131,9 @@ fn a_variant_is_made_again_with_the_same_network_alone() {
     let made = ["augment", "photos", "preset:jerlov-3C", "-o", "more", "--keep-share", "0"];
     run.ok(&[&made[..], &model].concat());
     assert!(run.ok(&["replay", "more", "-o", "again"]).stdout.starts_with("1 variants"));
+    run.ok(&["replay", "more", "-o", "in_time", "--depth-model-seconds", "600"]);
+    let said = run.fails(2, &["replay", "more", "-o", "never", "--depth-model-seconds", "0"]).stderr;
+    assert!(said.contains("--depth-model-seconds"), "{said}");
 
     // The same numbers by another file: its name alone is not enough.
     let other = Network {
@@ -226,6 +229,29 @@ fn the_frames_of_a_video_take_a_network_as_images_do() {
 
     let ask = ["video", "in.y4m", "preset:jerlov-3C", "-o", "out.mp4", "--depth-model-seconds", "9"];
     assert!(run.fails(2, &ask).stderr.contains("--depth-model FILE.onnx"));
+}
+
+#[test]
+fn one_water_is_refused_before_a_network_reads_the_reference() {
+    let run = Run::new();
+    network(&run);
+    // No image: it would be refused first, if it were read.
+    std::fs::write(run.path("water.png"), b"no image").unwrap();
+    let ask =
+        ["video", "-", "water.png", "-o", "-", "--raw", "96x64", "--one-water", "--depth-model", "net.onnx"];
+    let said = run.fails(2, &ask).stderr;
+    assert!(said.contains("--one-water pools waters at depth from colour"), "{said}");
+    assert!(run.fails(1, &ask[..7]).stderr.contains("water.png"));
+}
+
+#[test]
+fn the_memory_of_a_network_counts_in_a_video() {
+    let run = Run::new();
+    network(&run);
+    let ask = ["video", "-", "preset:jerlov-3C", "-o", "-", "--raw", "96x64", "--max-memory", "64M"];
+    let said = |more: &[&str]| run.fails(1, &[&ask[..], more].concat()).stderr;
+    let (by_colour, by_network) = (said(&[]), said(&["--depth-model", "net.onnx"]));
+    assert!(!by_colour.contains("--max-memory") && by_network.contains("--max-memory"), "{by_network}");
 }
 
 #[test]

@@ -4,6 +4,12 @@
 
 #[path = "bag/depth.rs"]
 mod depth;
+#[cfg(feature = "onnx")]
+#[path = "bag/network.rs"]
+mod network;
+#[cfg(feature = "onnx")]
+#[allow(dead_code, reason = "other tests use what is not used here")]
+mod onnx;
 
 use std::collections::BTreeMap;
 use std::path::Path;

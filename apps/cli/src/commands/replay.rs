@@ -33,6 +33,9 @@ pub(crate) struct Replay {
     /// Make variants again that exist, and replace them.
     #[arg(long)]
     overwrite: bool,
+    /// Refuse the network of depth that the manifest names, FILE.onnx, if reading it, or one image, takes more than N seconds [default: 600].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    depth_model_seconds: Option<u32>,
     /// Set this if the manifest is from a run with --linear.
     #[arg(long)]
     linear: bool,
@@ -53,6 +56,7 @@ impl Replay {
             overwrite: self.overwrite,
             reading,
             encoding: encoding(self.linear),
+            network_seconds: self.depth_model_seconds,
         };
         let (mut equal, mut kept, mut different, mut failed) = (0, 0, 0, 0);
         replay(&manifest, &again, |made| match made {

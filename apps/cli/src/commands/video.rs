@@ -213,6 +213,9 @@ impl Video {
         depth_model: DepthEstimator,
         common: &Common,
     ) -> Result<(Recipe, String), Failure> {
+        let content_water = self.content_water(&depth_model)?;
+        // Before a network has read the reference.
+        content_water.check(&depth_model).map_err(Failure::usage)?;
         let mut heading = String::new();
         let operation = match water {
             None if self.restore => Operation::Restore {
@@ -229,7 +232,6 @@ impl Video {
                 Operation::Fuse { reference, options: settings.options }
             }
         };
-        let content_water = self.content_water(&depth_model)?;
         let recipe = Recipe {
             depth_model,
             smoothing: settings.smoothing,

@@ -48,6 +48,8 @@ pub struct Again<'a> {
     pub reading: ReadOptions,
     /// The encoding that the manifest must be of.
     pub encoding: PixelEncoding,
+    /// Seconds that reading the manifest's network of depth, or one image, may take; `None`: [`NetworkOptions::SECONDS`].
+    pub network_seconds: Option<u32>,
 }
 
 /// Makes variants again, and gives `each` what became of them, one by one. The waters come from the manifest.
@@ -63,10 +65,10 @@ pub fn replay(
     again: &Again<'_>,
     mut each: impl FnMut(Replayed),
 ) -> Result<(), AugmentError> {
-    let Again { only, dataset, output, overwrite, reading, encoding } = *again;
+    let Again { only, dataset, output, overwrite, reading, encoding, network_seconds } = *again;
     let mut stored = Manifest::open(manifest, &reading)?;
     let header = stored.header.clone();
-    let recipe: Recipe = header.recipe(manifest, encoding)?;
+    let recipe: Recipe = header.recipe(manifest, encoding, network_seconds)?;
     let settings = &header.settings;
     let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
     let border = settings.border.parse().map_err(|_| unknown())?;
@@ -168,7 +170,12 @@ impl Remaker<'_> {
 
 impl Header {
     /// The recipe that it records.
-    fn recipe(&self, manifest: &Path, wanted: PixelEncoding) -> Result<Recipe, AugmentError> {
+    fn recipe(
+        &self,
+        manifest: &Path,
+        wanted: PixelEncoding,
+        network_seconds: Option<u32>,
+    ) -> Result<Recipe, AugmentError> {
         let settings = &self.settings;
         let unknown = || AugmentError::Manifest { path: manifest.to_owned(), line: 1 };
         let encoding: PixelEncoding = self.encoding.parse().map_err(|_| unknown())?;
@@ -194,7 +201,7 @@ impl Header {
             },
             options: Options::for_model(model).with_max_gain(settings.most_gain),
             smoothing: settings.smooth.parse().map_err(|_| unknown())?,
-            depth: settings.depth.plan()?.ok_or_else(unknown)?,
+            depth: settings.depth.plan(network_seconds)?.ok_or_else(unknown)?,
             on_doubtful: instead.map_or(OnDoubtful::Flag, |water| OnDoubtful::Instead(Box::new(water))),
             on_bad_annotation: "",
             keep_originals: settings.keep_originals,
@@ -207,17 +214,15 @@ impl Header {
 
 impl StoredDepth {
     /// `None` where it is no record of ours.
-    fn plan(&self) -> Result<Option<DepthPlan>, FileError> {
+    fn plan(&self, seconds: Option<u32>) -> Result<Option<DepthPlan>, FileError> {
         let estimated = |model: DepthModel| DepthPlan::Estimated(model.into());
         Ok(match self {
             Self::Eq3(mu) => Eq3::new(*mu).ok().map(|eq3| estimated(DepthModel::Eq3(eq3))),
             Self::Model(name) => name.parse().ok().map(estimated),
             Self::Network { file, sha256, kind, side } => {
                 let kind = NetworkKind::ALL.iter().copied().find(|known| known.name() == kind);
-                let network = DepthNetwork::read(
-                    file.as_ref(),
-                    &NetworkOptions { kind, side: *side, ..NetworkOptions::default() },
-                )?;
+                let options = NetworkOptions { kind, side: *side, seconds };
+                let network = DepthNetwork::read(file.as_ref(), &options)?;
                 if network.origin().1 != sha256 {
                     return Err(FileError::UnfitNetwork {
                         path: file.into(),
@@ -237,3 +242,6 @@ impl StoredDepth {
         })
     }
 }
+
+#[cfg(all(test, feature = "onnx"))]
+mod tests;

@@ -255,6 +255,7 @@ fn making<'a>(only: Option<&'a str>, dataset: Option<&'a Path>, output: &'a Path
         overwrite: false,
         reading: ReadOptions::default(),
         encoding: PixelEncoding::Encoded,
+        network_seconds: None,
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) enum Outcome {
 
 /// The images of a topic, one after another.
 pub(super) enum Sequence {
-    /// Depth is estimated of each.
+    /// Depth is estimated of each, from its colours or by a network.
     ByColour(Box<Frames<u8>>),
     /// Depth comes with each.
     AtDepth(Box<AtDepth>),
@@ -31,7 +31,21 @@ pub(super) enum Sequence {
 
 impl Sequence {
     /// Changes the next image; in words, why it stays.
-    fn change(&mut self, image: &mut Image<u8>, depth: Option<Supplied>) -> Result<(), String> {
+    fn change(
+        &mut self,
+        image: &mut Image<u8>,
+        depth: Option<Supplied>,
+        options: &ReadOptions,
+    ) -> Result<(), String> {
+        if let Self::ByColour(frames) = self {
+            let memory = frames.network_memory(image.pixels().len() as u64);
+            if memory > options.max_memory {
+                let [needed, limit] = [memory, options.max_memory].map(|bytes| bytes.div_ceil(1 << 20));
+                return Err(format!(
+                    "the network needs {needed} MiB of memory, more than {limit} MiB (--max-memory)"
+                ));
+            }
+        }
         match (self, depth) {
             (Self::ByColour(frames), _) => {
                 frames.change(image.view_mut()).map(|_| ()).map_err(|error| error.to_string())
@@ -64,7 +78,7 @@ pub(super) fn changed(
     let cut = || Outcome::Damaged("the message is cut short, or has other fields than its schema".into());
     match kind {
         Kind::Raw(wire) => match message::raw(bytes, wire) {
-            Some(raw) => raw_changed(bytes, &raw, sequence, depth),
+            Some(raw) => raw_changed(bytes, &raw, (sequence, depth), options),
             None => cut(),
         },
         Kind::Packed(_) | Kind::Foxglove => {
@@ -100,7 +114,12 @@ fn colours(encoding: &str) -> Option<([usize; 3], usize)> {
     })
 }
 
-fn raw_changed(bytes: &[u8], raw: &Raw<'_>, sequence: &mut Sequence, depth: Option<Supplied>) -> Outcome {
+fn raw_changed(
+    bytes: &[u8],
+    raw: &Raw<'_>,
+    (sequence, depth): (&mut Sequence, Option<Supplied>),
+    options: &ReadOptions,
+) -> Outcome {
     let Some((places, channels)) = colours(raw.encoding) else {
         return Outcome::Kept(format!("its encoding {} is not 8 bits of red, green and blue", raw.encoding));
     };
@@ -124,7 +143,7 @@ fn raw_changed(bytes: &[u8], raw: &Raw<'_>, sequence: &mut Sequence, depth: Opti
         Ok(image) => image,
         Err(error) => return Outcome::Damaged(error.to_string()),
     };
-    if let Err(why) = sequence.change(&mut image, depth) {
+    if let Err(why) = sequence.change(&mut image, depth, options) {
         return Outcome::Kept(why);
     }
     let mut changed = image.pixels().iter();
@@ -169,7 +188,7 @@ fn file_changed(
     if colours.pixels().iter().all(|[red, green, blue]| red == green && green == blue) {
         return Err(Outcome::Kept("it is grey".into()));
     }
-    sequence.change(&mut colours, depth).map_err(Outcome::Kept)?;
+    sequence.change(&mut colours, depth, options).map_err(Outcome::Kept)?;
     if let Pixels::Bytes(layers) = &mut image.pixels {
         layers.image = colours;
     }

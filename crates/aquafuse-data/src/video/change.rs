@@ -49,6 +49,24 @@ pub enum ContentWater {
     Given(Estimate<Encoded>),
 }
 
+impl ContentWater {
+    /// Refuses a water that cannot be estimated with depth from this: a program can ask before it reads anything.
+    ///
+    /// # Errors
+    ///
+    /// [`VideoError::Request`] for [`ContentWater::Pooled`] with a network.
+    pub fn check(&self, depth: &DepthEstimator) -> Result<(), VideoError> {
+        match self {
+            Self::Pooled if depth.network().is_some() => Err(VideoError::Request(
+                "--one-water pools waters at depth from colour, not at a network's; leave it out, or give the water \
+                 with --content-water"
+                    .into(),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Recipe {
     /// An operation, with the defaults for everything else.
     #[must_use]

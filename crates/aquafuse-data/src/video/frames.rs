@@ -106,6 +106,11 @@ impl Recipe {
         self.depth_model.network().filter(|_| self.operation.needs_analysis())
     }
 
+    /// Bytes that its network takes beside a frame of so many pixels.
+    pub(crate) fn network_memory(&self, pixels: u64) -> u64 {
+        self.network().map_or(0, |_| self.depth_model.memory(pixels))
+    }
+
     /// The model of colours, which a stream of the core estimates depth by.
     fn colour(&self) -> DepthModel {
         match self.depth_model {
@@ -129,6 +134,14 @@ impl Recipe {
 }
 
 impl<T: Sample> Frames<T> {
+    /// Bytes that a network takes beside a frame of so many pixels.
+    pub(crate) fn network_memory(&self, pixels: u64) -> u64 {
+        match &self.0 {
+            Streams::ByNetwork(_, source) => source.memory(pixels),
+            Streams::Fuse(_) | Streams::Restore(_) | Streams::Enhance(_) => 0,
+        }
+    }
+
     /// Changes the next frame in place. Frames may differ in size.
     ///
     /// # Errors

@@ -120,7 +120,7 @@ impl Plan {
             }
         };
         let shape = Shape { width: info.width, height: info.height, is_deep: info.is_deep() };
-        check_size(input, shape, &options.reading)?;
+        check_size(input, shape, &options.reading, 0)?;
         if let Output::File(path) = output {
             remove_stale_parts(make_folder_of(path)?);
         }
@@ -189,7 +189,13 @@ impl Input {
     }
 }
 
-fn check_size(input: &Input, shape: Shape, reading: &ReadOptions) -> Result<(), VideoError> {
+/// Refuses frames that are too large, or that need too much memory with the bytes that are needed beside them.
+pub(super) fn check_size(
+    input: &Input,
+    shape: Shape,
+    reading: &ReadOptions,
+    beside: u64,
+) -> Result<(), VideoError> {
     let Shape { width, height, .. } = shape;
     let pixels = (width as u64).saturating_mul(height as u64);
     let too_large = |limit: String| Err(VideoError::TooLarge { path: input.name(), width, height, limit });
@@ -197,7 +203,7 @@ fn check_size(input: &Input, shape: Shape, reading: &ReadOptions) -> Result<(), 
         return too_large(format!("exceed the limit of {} (--max-pixels)", reading.max_pixels));
     }
     let frames = (shape.bytes() as u64).saturating_mul(BUFFERS as u64);
-    let memory = frames.saturating_add(pixels.saturating_mul(BESIDE));
+    let memory = frames.saturating_add(pixels.saturating_mul(BESIDE)).saturating_add(beside);
     if memory > reading.max_memory {
         let [needed, limit] = [memory, reading.max_memory].map(|bytes| bytes.div_ceil(1 << 20));
         return too_large(format!("need {needed} MiB of memory, more than {limit} MiB (--max-memory)"));

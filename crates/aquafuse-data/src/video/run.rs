@@ -10,7 +10,7 @@ use aquafuse::waterbody::Reason;
 use super::change::{Change, ContentWater, Recipe, Seen};
 use super::decode::{Decoder, Place};
 use super::encode::{Encoder, Target};
-use super::plan::{BUFFERS, Input, Output, Plan};
+use super::plan::{BUFFERS, Input, Output, Plan, check_size};
 use super::raw::{RawSink, RawSource};
 use super::{Ffmpeg, Frame, Sink, Source, VideoError, one_water};
 use crate::files::Staged;
@@ -80,13 +80,11 @@ impl Plan {
         options: &RunOptions,
         listener: VideoListener<'_>,
     ) -> Result<Summary, VideoError> {
+        recipe.content_water.check(&recipe.depth_model)?;
+        let pixels = (self.shape.width as u64).saturating_mul(self.shape.height as u64);
+        check_size(&self.input, self.shape, &options.reading, recipe.network_memory(pixels))?;
         let pooled;
         let recipe = match (&recipe.content_water, &self.input, &self.ffmpeg) {
-            (ContentWater::Pooled, ..) if recipe.network().is_some() => {
-                let why = "--one-water pools waters at depth from colour, not at a network's; leave it out, or give \
-                           the water with --content-water";
-                return Err(VideoError::Request(why.into()));
-            }
             (ContentWater::Pooled, Input::File(path), Some(ffmpeg)) => {
                 let water = one_water::of(ffmpeg, path, &self.info, recipe, &options.stop)?;
                 pooled = Recipe { content_water: ContentWater::Given(water), ..recipe.clone() };

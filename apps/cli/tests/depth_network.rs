@@ -248,7 +248,7 @@ fn one_water_is_refused_before_a_network_reads_the_reference() {
 fn the_memory_of_a_network_counts_in_a_video() {
     let run = Run::new();
     network(&run);
-    let ask = ["video", "-", "preset:jerlov-3C", "-o", "-", "--raw", "96x64", "--max-memory", "64M"];
+    let ask = ["video", "-", "preset:jerlov-3C", "-o", "-", "--raw", "96x64", "--max-memory", "64MiB"];
     let said = |more: &[&str]| run.fails(1, &[&ask[..], more].concat()).stderr;
     let (by_colour, by_network) = (said(&[]), said(&["--depth-model", "net.onnx"]));
     assert!(!by_colour.contains("--max-memory") && by_network.contains("--max-memory"), "{by_network}");

@@ -76,3 +76,9 @@ pub mod run;
 pub mod targets;
 pub mod video;
 pub mod water_file;
+
+/// Networks made for tests.
+#[cfg(all(test, feature = "onnx"))]
+#[path = "../tests/onnx/mod.rs"]
+#[allow(dead_code, reason = "other tests use what is not used here")]
+mod onnx;

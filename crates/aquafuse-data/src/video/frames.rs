@@ -135,6 +135,7 @@ impl Recipe {
 
 impl<T: Sample> Frames<T> {
     /// Bytes that a network takes beside a frame of so many pixels.
+    #[cfg(feature = "bag")]
     pub(crate) fn network_memory(&self, pixels: u64) -> u64 {
         match &self.0 {
             Streams::ByNetwork(_, source) => source.memory(pixels),

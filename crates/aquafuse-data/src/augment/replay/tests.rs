@@ -1,10 +1,7 @@
 //! A network of depth, read again from a manifest.
 
-#[path = "../../../tests/onnx/mod.rs"]
-#[allow(dead_code, reason = "other tests use what is not used here")]
-mod onnx;
-
 use super::*;
+use crate::onnx;
 
 #[test]
 fn the_network_of_a_manifest_has_the_time_that_it_is_given() {

@@ -1,10 +1,7 @@
 //! A network that takes too long.
 
-#[path = "../../../tests/onnx/mod.rs"]
-#[allow(dead_code, reason = "other tests use what is not used here")]
-mod onnx;
-
 use super::*;
+use crate::onnx;
 
 #[test]
 fn a_network_that_takes_too_long_is_refused_by_name_and_not_asked_again() {

@@ -10,7 +10,7 @@ use crate::image::ImageRef;
 
 /// Cells along the shorter side; a cell is one pixel at least.
 const CELLS: usize = 200;
-/// Cells at most, however long an image is: each takes sixty bytes.
+/// Cells at most, however long an image is: each takes fifty bytes.
 const MOST_CELLS: f32 = 1e6;
 /// How strongly neighbours agree, where there are so many cells, and the step of ln brightness at which that has fallen to a half.
 /// Depth that was taken away from seven images, around their holes and in blocks, is found again with two thirds of the error that
@@ -25,22 +25,13 @@ const THINGS: f32 = 0.02;
 const WATER: f32 = 0.7;
 /// Rounds of rows and columns.
 const ROUNDS: i32 = 3;
-/// Measured pixels so near to a hole count little: there the outlines of map and image often differ. A map of single points has no
-/// others.
+/// Measured pixels so near to a hole say nothing: there the outlines of map and image often differ.
 const OUTLINE: usize = 3;
-const NEAR_HOLE: f32 = 0.05;
-/// What the map is off at measured pixels is carried into holes once more, where a pixel of a hole counts for so much of nothing, so
-/// that nothing jumps where the measured ends; neighbours agree as strongly as this. Depth that was taken away is found with a
-/// twelfth less error.
-const HOLE: f32 = 0.05;
-const SMOOTH_REST: f32 = 100.0;
 
 /// A pixel that was not measured, by its colour.
 #[derive(Clone, Copy)]
 pub(super) struct Guess {
     pub(super) distance: f32,
-    /// The same for estimators.
-    pub(super) counted: f32,
     /// 0 on things, 1 in open water.
     pub(super) water: f32,
 }
@@ -61,25 +52,30 @@ pub(super) fn fill(
     let trusted = trusted(valid, [width, height]);
     // Distances by what is left of a signal: between a thing and open water the middle is then the middle of what is seen.
     let scale = 0.5 * far.max(f32::MIN_POSITIVE);
-    let left_at = |z: f32| (-z / scale).exp();
     let mut sums = vec![Sums::default(); cells[0] * cells[1]];
     for (i, pixel) in image.pixels().enumerate() {
         let cell = cell(i / width, height, cells[1]) * cells[0] + cell(i % width, width, cells[0]);
-        let brightness = pixel.iter().map(|&value| f32::from(value)).sum::<f32>() / (3.0 * 255.0);
-        match valid[i] {
-            true => {
-                let counts = if trusted[i] { 1.0 } else { NEAR_HOLE };
-                sums[cell].add_measured(brightness, counts, left_at(distances[i]));
-            }
+        let (counts, water) = match valid[i] {
+            true => (f32::from(u8::from(trusted[i])), 0.0),
             false => {
-                let Guess { distance, counted, water } = guess(i);
-                distances[i] = counted;
-                let counts = THINGS + (WATER - THINGS) * water;
-                sums[cell].add_guess(brightness, counts, left_at(distance), water);
+                let Guess { distance, water } = guess(i);
+                distances[i] = distance;
+                (THINGS + (WATER - THINGS) * water, water)
             }
-        }
+        };
+        let brightness = pixel.iter().map(|&value| f32::from(value)).sum::<f32>() / (3.0 * 255.0);
+        sums[cell].add(brightness, counts, (-distances[i] / scale).exp(), water);
     }
-    let [left, shares] = solved(&sums, cells);
+    let brightness: Vec<f32> =
+        sums.iter().map(|cell| (cell.brightness / cell.pixels + DARKEST).ln()).collect();
+    let smooth = Smooth::new(&brightness, cells);
+    let mean = |of: fn(&Sums) -> f32| smooth.of(sums.iter().map(|cell| of(cell) / cell.pixels).collect());
+    let counts = mean(|cell| cell.counts);
+    let by_count = |sums: Vec<f32>| -> Vec<f32> {
+        // What nothing counts in, nor beside it, is as far as can be.
+        sums.iter().zip(&counts).map(|(sum, counts)| (sum / counts.max(1e-9)).clamp(0.0, 1.0)).collect()
+    };
+    let (left, shares) = (by_count(mean(|cell| cell.left)), by_count(mean(|cell| cell.water)));
     let guesses = Guesses::new(far, Water { cells, shares }, distances);
     for i in (0..distances.len()).filter(|&i| !valid[i]) {
         let left = at(&left, cells, [i % width, i / width], [width, height]);
@@ -88,70 +84,24 @@ pub(super) fn fill(
     guesses
 }
 
-/// What is left of a signal, and the share of open water, by cells.
-fn solved(sums: &[Sums], cells: [usize; 2]) -> [Vec<f32>; 2] {
-    let brightness: Vec<f32> =
-        sums.iter().map(|cell| (cell.brightness / cell.pixels + DARKEST).ln()).collect();
-    let smooth = Smooth::new(&brightness, cells);
-    let mean = |of: &dyn Fn(usize, &Sums) -> f32, strength: f32| {
-        smooth.of(sums.iter().enumerate().map(|(i, cell)| of(i, cell) / cell.pixels).collect(), strength)
-    };
-    let counts = mean(&|_, cell| cell.counts(), SMOOTH);
-    let first = [
-        mean(&|_, cell| cell.measured_left + cell.guessed_left, SMOOTH),
-        mean(&|_, cell| cell.water, SMOOTH),
-    ];
-    // What nothing counts in, nor beside it, is as far as can be.
-    let first = first.map(|map| by_count(&map, &counts));
-    let counts = mean(&|_, cell| cell.measured + HOLE * cell.holes, SMOOTH_REST);
-    let [left, shares] = &first;
-    let off = [
-        mean(&|i, cell| cell.measured_left - cell.measured * left[i], SMOOTH_REST),
-        mean(&|i, cell| -cell.measured * shares[i], SMOOTH_REST),
-    ];
-    let sum = |(first, off): (&f32, f32)| (first + off).clamp(0.0, 1.0);
-    [0, 1].map(|map| first[map].iter().zip(by_count(&off[map], &counts)).map(sum).collect())
-}
-
-/// Sums of what counts, by how much counts.
-fn by_count(sums: &[f32], counts: &[f32]) -> Vec<f32> {
-    sums.iter().zip(counts).map(|(sum, counts)| sum / counts.max(1e-9)).collect()
-}
-
 /// Sums over the pixels of a cell.
 #[derive(Clone, Default)]
 struct Sums {
     pixels: f32,
     brightness: f32,
-    /// What its measured pixels count, and by that what is left of a signal from them.
-    measured: f32,
-    measured_left: f32,
-    /// The same of the guesses in holes, how much of them is open water, and how many they are.
-    guessed: f32,
-    guessed_left: f32,
+    /// What its pixels count, and by that what is left of a signal from them, and open water.
+    counts: f32,
+    left: f32,
     water: f32,
-    holes: f32,
 }
 
 impl Sums {
-    fn add_measured(&mut self, brightness: f32, counts: f32, left: f32) {
+    fn add(&mut self, brightness: f32, counts: f32, left: f32, water: f32) {
         self.pixels += 1.0;
         self.brightness += brightness;
-        self.measured += counts;
-        self.measured_left += counts * left;
-    }
-
-    fn add_guess(&mut self, brightness: f32, counts: f32, left: f32, water: f32) {
-        self.pixels += 1.0;
-        self.brightness += brightness;
-        self.guessed += counts;
-        self.guessed_left += counts * left;
+        self.counts += counts;
+        self.left += counts * left;
         self.water += counts * water;
-        self.holes += 1.0;
-    }
-
-    fn counts(&self) -> f32 {
-        self.measured + self.guessed
     }
 }
 
@@ -176,11 +126,11 @@ impl Smooth {
         Self { cells, along }
     }
 
-    /// The map, smooth where neighbours agree, as strongly as this.
-    fn of(&self, mut map: Vec<f32>, strength: f32) -> Vec<f32> {
+    /// The map, smooth where neighbours agree.
+    fn of(&self, mut map: Vec<f32>) -> Vec<f32> {
         let [columns, rows] = self.cells;
         // A place reaches as far in an image of fewer cells.
-        let smooth = strength * (columns.min(rows) as f32 / CELLS as f32).powi(2);
+        let smooth = SMOOTH * (columns.min(rows) as f32 / CELLS as f32).powi(2);
         for round in 0..ROUNDS {
             let strength = 1.5 * smooth * 4.0_f32.powi(ROUNDS - 1 - round) / (4.0_f32.powi(ROUNDS) - 1.0);
             for y in 0..rows {
@@ -241,7 +191,7 @@ mod tests {
         let valid: Vec<bool> =
             (0..SIZE.0 * SIZE.1).map(|i| is_pier(i % SIZE.0) && i / SIZE.0 >= 80).collect();
         let mut distances: Vec<f32> = valid.iter().map(|&valid| if valid { 6.0 } else { 0.0 }).collect();
-        let guess = |_| Guess { distance: 4.0 * FAR, counted: 4.0 * FAR, water: 1.0 };
+        let guess = |_| Guess { distance: 4.0 * FAR, water: 1.0 };
         let guesses = fill(image.unwrap().view(), &mut distances, &valid, FAR, guess);
         (distances, guesses)
     }
@@ -255,15 +205,6 @@ mod tests {
         let upwards: Vec<f32> = (10..80).rev().map(|y| at(80, y)).collect();
         assert!(upwards.windows(2).all(|pair| pair[1] >= pair[0] && pair[1] < 1.3 * pair[0]), "{upwards:?}");
         assert!(at(56, 100) > 2.0 * FAR && at(30, 20) > 3.9 * FAR, "{} {}", at(56, 100), at(30, 20));
-    }
-
-    #[test]
-    fn neither_distance_nor_water_jumps_where_the_measured_ends() {
-        let (z, guesses) = pier();
-        let at = |y: usize| z[y * SIZE.0 + 80];
-        assert!((at(79) - 6.0).abs() < 2.0, "{}", at(79));
-        let water = |y: usize| guesses.water_at([80, y], [SIZE.0, SIZE.1]);
-        assert!(water(82) < 0.2 && water(78) < 0.4, "{} {}", water(82), water(78));
     }
 
     #[test]

@@ -27,12 +27,19 @@ pub(crate) fn tip(arguments: &[OsString], refusal: &Error) -> Option<&'static st
         {
             Some("the strength of a fusion is --theta: 0 is the whole change, 90 none")
         }
-        (ErrorKind::UnknownArgument, "enhance" | "restore") => Some("for several images, give their folder"),
+        (ErrorKind::UnknownArgument, "enhance" | "restore") if is_name(refusal) => {
+            Some("for several images, give their folder")
+        }
         (ErrorKind::InvalidSubcommand, name) if Path::new(name).exists() => {
             Some("name a command first: `aquafuse fuse CONTENT WATER -o OUTPUT` puts CONTENT into WATER")
         }
         _ => None,
     }
+}
+
+/// Whether what is not known is a name, and no option.
+fn is_name(refusal: &Error) -> bool {
+    matches!(refusal.get(ContextKind::InvalidArg), Some(ContextValue::String(name)) if !name.starts_with('-'))
 }
 
 #[cfg(test)]
@@ -68,5 +75,6 @@ mod tests {
         assert_eq!(tip_for(&["aquafuse", "not-there.jpg"]), None);
         let three = ["aquafuse", "enhance", "a.jpg", "b.jpg", "c.jpg", "-o", "d.jpg"];
         assert!(tip_for(&three).is_some_and(|tip| tip.contains("folder")));
+        assert_eq!(tip_for(&["aquafuse", "restore", "a.jpg", "-o", "b.jpg", "--nonsense"]), None);
     }
 }

@@ -48,7 +48,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// In how many places colours leave that of the bar, by a number of steps, between the second and the third of four lines of as
+/// In how many places colours leave the colour of the bar, by a number of steps, between the second and the third of four lines of as
 /// many places; and in how many they have left it before. The lines are averaged by two.
 pub(super) fn leaving(lines: [Line<'_>; 4], colour: [u8; 3], step: u16) -> (usize, usize) {
     simd::widest(Leaving { lines, colour, step })

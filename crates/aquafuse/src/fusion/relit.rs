@@ -1,7 +1,7 @@
 //! [`Model::Relight`](super::Model::Relight) on bytes: one look at a table of F a pixel, and arithmetic on many values at once.
 
 use super::LawInUse;
-use super::shared::{ToLeft, WHOLE, nearest};
+use super::shared::{ToValues, left, nearest};
 use super::shift::BLOCK;
 use crate::bands;
 use crate::depth::{DepthMap, InSteps, Stepped, TABLE};
@@ -47,16 +47,16 @@ fn by_steps<E: Encoding, S: Stepped>(
     let (width, stride) = (image.width(), image.stride());
     let band = |first: usize, band: &mut [u8]| {
         let mut rows = share.map(WaterShare::rows);
-        let mut left = vec![WHOLE as u16; width];
+        let mut of_values = vec![[0; 3]; width];
         let mut clipped = [0; 3];
         for (y, row) in (first..).zip(band.chunks_mut(stride)) {
             let row = &mut row[..3 * width];
             if let Some(rows) = &mut rows {
                 let shares = rows.row::<u8, E>(y, row.as_chunks().0);
-                simd::widest(ToLeft { shares, left: &mut left });
+                simd::widest(ToValues { shares, of_values: &mut of_values });
             }
             let depths = &depths[y * width..][..width];
-            let clips = simd::widest(Row { relit: &relit, row, depths, left: &left });
+            let clips = simd::widest(Row { relit: &relit, row, depths, shares: &of_values });
             clipped = std::array::from_fn(|c| clipped[c] + clips[c]);
         }
         clipped
@@ -136,8 +136,8 @@ struct Row<'a, S> {
     relit: &'a Relit,
     row: &'a mut [u8],
     depths: &'a [S],
-    /// 1 - w of each pixel, in shares of [`WHOLE`].
-    left: &'a [u16],
+    /// w of each value.
+    shares: &'a [[u16; 3]],
 }
 
 impl<S: Stepped> Work for Row<'_, S> {
@@ -145,17 +145,12 @@ impl<S: Stepped> Work for Row<'_, S> {
 
     #[inline(always)]
     fn run(self) -> [u64; 3] {
-        let Self { relit, row, depths, left } = self;
+        let Self { relit, row, depths, shares } = self;
         let mut factors = [0; 3 * BLOCK + 1];
         let mut clipped = [0; 3];
-        let blocks = row.chunks_mut(3 * BLOCK).zip(depths.chunks(BLOCK).zip(left.chunks(BLOCK)));
-        for (values, (depths, left)) in blocks {
-            for (i, (&depth, &left)) in depths.iter().zip(left).enumerate() {
-                // The fourth is overwritten by the next pixel.
-                let of_things = relit.factors[depth.place()];
-                let factor = of_things.map(|factor| ((u32::from(factor) * u32::from(left)) >> 15) as u16);
-                factors[3 * i..3 * i + 4].copy_from_slice(&factor);
-            }
+        let blocks = row.chunks_mut(3 * BLOCK).zip(depths.chunks(BLOCK).zip(shares.chunks(BLOCK)));
+        for (values, (depths, shares)) in blocks {
+            left(&relit.factors, depths, shares, &mut factors);
             let (turns, rest) = values.as_chunks_mut::<PERIOD>();
             let of_turns = factors.as_chunks::<PERIOD>().0;
             relit.change(turns, of_turns, &mut clipped);

@@ -1,10 +1,10 @@
 //! Fusion where a share of each pixel is open water.
 //!
 //! The shift of a pixel is `D - (1 - w) G(z)`, with D the shift of open water and `G = D - shift(z)`, so that it is still one
-//! look at a table of 256 depths a pixel, and one product. Both are kept in 1/256 of a byte, w in 1/32768: the shift of a byte
+//! look at a table of 256 depths a pixel, and one product. Both are kept in 1/256 of a byte, w in 1/65535: the shift of a byte
 //! is off by less than 1/64 before it is rounded, and a w that changes slowly shows no steps but those of the bytes.
 
-use super::shift::{BLOCK, Shifts};
+use super::shift::{BLOCK, PERIOD, Shifts, look_up};
 use super::{LawInUse, PixelTransform};
 use crate::bands;
 use crate::depth::{DepthMap, InSteps, Stepped, TABLE};
@@ -12,8 +12,8 @@ use crate::image::{Encoding, ImageError, ImageMut, ImageRef, Sample};
 use crate::simd::{self, Whole as _, Work};
 use crate::waterbody::WaterShare;
 
-/// 1 in shares of a table's shifts, and a byte in steps of them.
-pub(super) const WHOLE: f32 = 32768.0;
+/// A share of 1, and a byte in steps of a table's shifts.
+const WHOLE: f32 = 65535.0;
 const STEPS: f32 = 256.0;
 
 /// Fuses the content, or `fused` itself if there is none, into `fused`; how many values were clipped.
@@ -61,14 +61,14 @@ fn shift_bytes<E: Encoding, S: Stepped>(
     let (width, stride) = (image.width(), image.stride());
     let band = |first: usize, band: &mut [u8]| {
         let mut rows = share.rows();
-        let mut left = vec![0; width];
+        let mut of_values = vec![[0; 3]; width];
         let mut clipped = [0; 3];
         for (y, row) in (first..).zip(band.chunks_mut(stride)) {
             let row = &mut row[..3 * width];
             let shares = rows.row::<u8, E>(y, row.as_chunks().0);
-            simd::widest(ToLeft { shares, left: &mut left });
+            simd::widest(ToValues { shares, of_values: &mut of_values });
             let depths = &depths[y * width..][..width];
-            clipped = add(clipped, simd::widest(ShiftRow { table, row, depths, left: &left }));
+            clipped = add(clipped, simd::widest(ShiftRow { table, row, depths, shares: &of_values }));
         }
         clipped
     };
@@ -109,8 +109,8 @@ fn add(a: [u64; 3], b: [u64; 3]) -> [u64; 3] {
 
 /// Shifts of bytes in steps of 1/256.
 struct Table {
-    /// Of open water.
-    water: [u16; 3],
+    /// Of open water, channels in turn.
+    water: [u16; PERIOD],
     /// What things at each step of depth have less. The fourth is nothing.
     less: Box<[[u16; 4]; TABLE]>,
     /// Which channels go up, and the addition of blocks.
@@ -139,7 +139,8 @@ impl Table {
         }
         let up_or_down = water.map(|shift| if shift < 0.0 { -1 } else { 1 });
         let shifts = Shifts::new(std::iter::once(up_or_down))?;
-        Some(Self { water: water.map(|shift| shift.abs() as u16), less, shifts })
+        let water = std::array::from_fn(|i| water[i % 3].abs() as u16);
+        Some(Self { water, less, shifts })
     }
 }
 
@@ -149,20 +150,34 @@ pub(super) fn nearest(value: f32) -> f32 {
     if value.is_nan() { value } else { ((value.abs() + 0.5) as i32 as f32).copysign(value) }
 }
 
-/// 1 - w of a row, in shares of [`WHOLE`].
-pub(super) struct ToLeft<'a> {
+/// w of a row for each value, in shares of [`WHOLE`].
+pub(super) struct ToValues<'a> {
     pub(super) shares: &'a [f32],
-    pub(super) left: &'a mut [u16],
+    pub(super) of_values: &'a mut [[u16; 3]],
 }
 
-impl Work for ToLeft<'_> {
+impl Work for ToValues<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        for (left, w) in self.left.iter_mut().zip(self.shares) {
-            *left = (WHOLE * (1.0 - w)).whole_bits() as u16;
+        for (of_values, w) in self.of_values.iter_mut().zip(self.shares) {
+            *of_values = [(WHOLE * w).whole_bits() as u16; 3];
         }
+    }
+}
+
+/// What a table has at the depths of a block or less, times 1 - w.
+#[inline(always)]
+pub(super) fn left<S: Stepped>(
+    table: &[[u16; 4]; TABLE],
+    depths: &[S],
+    shares: &[[u16; 3]],
+    values: &mut [u16; 3 * BLOCK + 1],
+) {
+    look_up(table, depths, values);
+    for (value, &w) in values.iter_mut().zip(shares.as_flattened()) {
+        *value -= ((u32::from(*value) * u32::from(w)) >> 16) as u16;
     }
 }
 
@@ -171,8 +186,8 @@ struct ShiftRow<'a, S> {
     table: &'a Table,
     row: &'a mut [u8],
     depths: &'a [S],
-    /// 1 - w of each pixel.
-    left: &'a [u16],
+    /// w of each value.
+    shares: &'a [[u16; 3]],
 }
 
 impl<S: Stepped> Work for ShiftRow<'_, S> {
@@ -180,16 +195,16 @@ impl<S: Stepped> Work for ShiftRow<'_, S> {
 
     #[inline(always)]
     fn run(self) -> [u64; 3] {
-        let Self { table, row, depths, left } = self;
-        let mut shifts = [0; 3 * BLOCK + 1];
+        let Self { table, row, depths, shares } = self;
+        let (mut less, mut shifts) = ([0; 3 * BLOCK + 1], [0; 3 * BLOCK + 1]);
         let mut clipped = [0; 3];
-        let blocks = row.chunks_mut(3 * BLOCK).zip(depths.chunks(BLOCK).zip(left.chunks(BLOCK)));
-        for (values, (depths, left)) in blocks {
-            for (i, (&depth, &left)) in depths.iter().zip(left).enumerate() {
-                let less = table.less[depth.place()];
-                for c in 0..3 {
-                    let less = (u32::from(less[c]) * u32::from(left)) >> 15;
-                    shifts[3 * i + c] = ((u32::from(table.water[c]) - less + 128) >> 8) as u8;
+        let blocks = row.chunks_mut(3 * BLOCK).zip(depths.chunks(BLOCK).zip(shares.chunks(BLOCK)));
+        for (values, (depths, shares)) in blocks {
+            left(&table.less, depths, shares, &mut less);
+            let (turns, _) = shifts.as_chunks_mut::<PERIOD>();
+            for (shifts, less) in turns.iter_mut().zip(less.as_chunks::<PERIOD>().0) {
+                for i in 0..PERIOD {
+                    shifts[i] = (table.water[i].wrapping_sub(less[i]).wrapping_add(128) >> 8) as u8;
                 }
             }
             table.shifts.add_run(values, &mut shifts, &mut clipped);

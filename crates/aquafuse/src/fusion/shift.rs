@@ -6,7 +6,7 @@ use crate::simd::{self, Level, Work};
 /// Pixels shifted together: enough that what is looked up has left the processor's store queue before it is read.
 pub(super) const BLOCK: usize = 512;
 /// Values after which the channels have the same order again, in whole vectors.
-const PERIOD: usize = 96;
+pub(super) const PERIOD: usize = 96;
 
 /// What is added to the three channels at each step of depth.
 pub(super) struct Shifts {
@@ -47,15 +47,6 @@ impl Shifts {
         simd::widest_by(level, Add { shifts: self, values, depths })
     }
 
-    /// The shifts of a block, channels in turn.
-    #[inline(always)]
-    fn look_up<S: Stepped>(&self, depths: &[S; BLOCK], shifts: &mut [u8; 3 * BLOCK + 1]) {
-        for (i, &depth) in depths.iter().enumerate() {
-            // The fourth byte is overwritten by the next pixel.
-            shifts[3 * i..3 * i + 4].copy_from_slice(&self.table[depth.place()]);
-        }
-    }
-
     #[inline(always)]
     fn add_block(&self, values: &mut [u8; 3 * BLOCK], shifts: &[u8; 3 * BLOCK + 1], clipped: &mut [u64; 3]) {
         // Each place of the period counts at most once a round: 16 rounds fit into a byte.
@@ -76,6 +67,29 @@ impl Shifts {
                 clipped[i % 3] += u64::from(count);
             }
         }
+    }
+}
+
+/// Pixels looked up without a question in between: the compiler would make gathers and scatters of one loop, which take twice as long.
+const GROUP: usize = 8;
+
+/// What a table has at the depths of a block or less, channels in turn. Of the four entries of a depth the last is nothing: it is
+/// overwritten by the next pixel.
+#[inline(always)]
+pub(super) fn look_up<T: Copy, S: Stepped>(
+    table: &[[T; 4]; TABLE],
+    depths: &[S],
+    of_pixels: &mut [T; 3 * BLOCK + 1],
+) {
+    let (groups, rest) = depths.as_chunks::<GROUP>();
+    for (k, depths) in groups.iter().enumerate() {
+        let of_group = &mut of_pixels[3 * GROUP * k..][..3 * GROUP + 1];
+        for i in 0..GROUP {
+            of_group[3 * i..3 * i + 4].copy_from_slice(&table[depths[i].place()]);
+        }
+    }
+    for (i, depth) in (depths.len() - rest.len()..).zip(rest) {
+        of_pixels[3 * i..3 * i + 4].copy_from_slice(&table[depth.place()]);
     }
 }
 
@@ -116,7 +130,7 @@ impl<S: Stepped> Work for Add<'_, S> {
         let (blocks, rest) = values.as_chunks_mut::<{ 3 * BLOCK }>();
         let (blocks_of_depths, rest_of_depths) = depths.as_chunks::<BLOCK>();
         for (values, depths) in blocks.iter_mut().zip(blocks_of_depths) {
-            of.look_up(depths, &mut shifts);
+            look_up(&of.table, depths, &mut shifts);
             of.add_block(values, &shifts, &mut clipped);
         }
         for (shift, &depth) in shifts.chunks_exact_mut(3).zip(rest_of_depths) {

@@ -72,6 +72,9 @@ fn cells_of(image: ImageRef<'_, u8>, levels: &[u8], columns: &[usize], rows: &[u
     cells
 }
 
+/// Rows added at once.
+const ROWS: usize = 4;
+
 /// Sums over the rows of a row of cells, column by column: what is added is wide and without a branch.
 struct ColumnSums {
     /// Of values and their squares, channels in turn; of levels.
@@ -91,14 +94,30 @@ impl ColumnSums {
         }
     }
 
+    /// Adds some rows: the fewer times a sum is read and written, the better.
     #[inline(always)]
-    fn add(&mut self, values: &[u8], levels: &[u8]) {
-        for ((sum, square), &value) in self.values.iter_mut().zip(&mut self.squares).zip(values) {
-            *sum += u32::from(value);
-            *square += u32::from(u16::from(value) * u16::from(value));
+    fn add<const ROWS: usize>(&mut self, values: [&[u8]; ROWS], levels: [&[u8]; ROWS]) {
+        let width = self.levels.len();
+        let (sums, squares) = (&mut self.values[..3 * width], &mut self.squares[..3 * width]);
+        let values = values.each_ref().map(|row| &row[..3 * width]);
+        for i in 0..3 * width {
+            let (mut sum, mut square) = (0_u16, 0_u32);
+            for row in values {
+                let value = u16::from(row[i]);
+                sum += value;
+                square += u32::from(value * value);
+            }
+            sums[i] += u32::from(sum);
+            squares[i] += square;
         }
-        for (sum, &level) in self.levels.iter_mut().zip(levels) {
-            *sum += u32::from(level);
+        let sums = &mut self.levels[..width];
+        let levels = levels.each_ref().map(|row| &row[..width]);
+        for i in 0..width {
+            let mut sum = 0_u16;
+            for row in levels {
+                sum += u16::from(row[i]);
+            }
+            sums[i] += u32::from(sum);
         }
     }
 
@@ -153,9 +172,18 @@ impl simd::Work for AddRows<'_> {
 
     #[inline(always)]
     fn run(self) {
-        for y in self.rows {
-            let levels = &self.levels[y * self.image.width()..][..self.image.width()];
-            self.sums.add(self.image.row(y).as_flattened(), levels);
+        let Self { sums, image, levels, rows } = self;
+        let width = image.width();
+        let values = |y: usize| image.row(y).as_flattened();
+        let levels = |y: usize| &levels[y * width..][..width];
+        let mut y = rows.start;
+        while y + ROWS <= rows.end {
+            let ys = std::array::from_fn(|i| y + i);
+            sums.add::<ROWS>(ys.map(values), ys.map(levels));
+            y += ROWS;
+        }
+        for y in y..rows.end {
+            sums.add([values(y)], [levels(y)]);
         }
     }
 }

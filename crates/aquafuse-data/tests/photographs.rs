@@ -10,7 +10,7 @@ use aquafuse::formation::RestoreOptions;
 use aquafuse::fusion::{Model, Options};
 use aquafuse::image::Image;
 use aquafuse::levels::LevelsOptions;
-use aquafuse::metrics::psnr;
+use aquafuse::metrics::{Flicker, psnr};
 use aquafuse_data::evaluate::Alone;
 use aquafuse_data::image_file::{ImageFile, ReadOptions};
 use aquafuse_data::pipeline::{DepthSource, Operation, PixelEncoding, analyse_in};
@@ -105,6 +105,30 @@ fn fusion_makes_no_edges_that_the_content_has_not() {
     }
     println!("new edges in {:.4} % of the pixels, {count} fusions", 100.0 * sum / count);
     assert!(sum / count <= 2e-4, "new edges in {:.4} % of the pixels", 100.0 * sum / count);
+}
+
+#[test]
+fn single_frames_without_open_water_in_view_change_little_more_than_their_source() {
+    let data = std::env::var_os("AQUAFUSE_TEST_DATA").map(PathBuf::from);
+    let Some(data) = data.filter(|data| data.join("sequence_subvo_pool/images").is_dir()) else {
+        eprintln!("skipped: AQUAFUSE_TEST_DATA names no folder with sequence_subvo_pool");
+        return;
+    };
+    let folder = data.join("sequence_subvo_pool/images");
+    let mut frames: Vec<PathBuf> = folder.read_dir().unwrap().map(|entry| entry.unwrap().path()).collect();
+    frames.sort();
+    let reference = read(&data.join("scenes").join(WATERS[0]));
+    let reference = analyse_in(PixelEncoding::Encoded, &reference, &DepthSource::default()).unwrap().estimate;
+    for model in [Model::Physical, Model::Relight, Model::Aquafuse] {
+        let operation = Operation::Fuse { reference, options: Options::for_model(model) };
+        let mut flicker = Flicker::default();
+        for path in &frames {
+            let image = read(path);
+            flicker.add(&*image.bytes(), &changed(&image, &operation)).unwrap();
+        }
+        let ratio = flicker.ratio().unwrap();
+        assert!(ratio <= 1.6, "{model}: {ratio:.2} times as much");
+    }
 }
 
 /// The share of pixels in which red newly leads by more than 20 levels.

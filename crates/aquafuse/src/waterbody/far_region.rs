@@ -31,6 +31,10 @@ const GLARING: f32 = 0.92;
 /// What is added to a grey that is divided by.
 const DARKEST: f32 = 0.05;
 
+/// Share of the image that is read where no water is: the colour of things that may be far, each the more the more speaks for it.
+/// With the median of the region, single frames of a sequence changed by 2.6 times as much as their source, with this by 1.5.
+const OF_THINGS: f32 = 0.4;
+
 /// Share of the image that the region is, share of the region whose colour is taken first, and how near to it cells are that
 /// are taken then.
 const SHARE: f32 = 0.12;
@@ -70,9 +74,9 @@ pub(super) struct Region {
     pub(super) read: Vec<usize>,
     /// How likely it is to be open water, in `[0, 1]`.
     pub(super) seen: f32,
-    /// All of its cells, and the median of their colours, in `[0, 1]`: what is read where it is not water.
-    pub(super) inside: Vec<usize>,
-    pub(super) middle: [f32; 3],
+    /// What is read where it is not water: a wider part of the image, and its colour, in `[0, 1]`.
+    pub(super) things: Vec<usize>,
+    pub(super) of_things: [f32; 3],
 }
 
 impl Region {
@@ -104,19 +108,38 @@ impl Region {
         let grey: Vec<f32> = cells.all().iter().map(|cell| grey(&unit(&cell.mean))).collect();
         let evidence = evidence(&cells, &rough, &grey, given, top);
         let (inside, read, colour) = far_colour(&cells, &evidence, SHARE);
-        let middle = colour_of(&inside, &cells);
+        let (things, of_things) = far_things(&cells, &evidence);
         let of_region = median(inside.iter().map(|&cell| rough[cell]).collect());
         let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
         let usual = usual(&cells, &rough, &colour, of_region);
         let of_usual = |values: &[f32]| median(usual.iter().map(|&cell| values[cell]).collect());
         let seen = likelihood(of_region, of_usual(&rough), &colour, of_usual(&grey), given);
-        Self { cells, evidence, logits: None, alone: false, typical, colour, read, middle, inside, seen }
+        Self { cells, evidence, logits: None, alone: false, typical, colour, read, things, of_things, seen }
     }
+}
+
+/// The cells of the largest evidence, and their mean colour, in `[0, 1]`; each counts by how much more it has than the least of them.
+/// In whole numbers, whose sums do not depend on their order.
+fn far_things(cells: &Cells, evidence: &[f32]) -> (Vec<usize>, [f32; 3]) {
+    let least = largest(count(OF_THINGS, evidence.len()), evidence);
+    let things: Vec<usize> = (0..evidence.len()).filter(|&cell| evidence[cell] >= least).collect();
+    let (mut sums, mut weights) = ([0; 3], 0);
+    for &cell in &things {
+        // One more, so that equal cells count.
+        let weight = steps(evidence[cell] - least) + 1;
+        weights += weight;
+        (0..3).for_each(|c| sums[c] += weight * i64::from(cells.all()[cell].mean[c].round() as u8));
+    }
+    (things, sums.map(|sum| (sum as f64 / (255.0 * weights as f64)) as f32))
+}
+
+/// So many of some cells, at least one.
+fn count(share: f32, of: usize) -> usize {
+    ((share * of as f32).ceil() as usize).clamp(1, of)
 }
 
 /// This share of the cells, those of the largest evidence; those of them whose colour is read, and that colour.
 fn far_colour(cells: &Cells, evidence: &[f32], share: f32) -> (Vec<usize>, Vec<usize>, [f32; 3]) {
-    let count = |share: f32, of: usize| ((share * of as f32).ceil() as usize).clamp(1, of);
     let members = count(share, evidence.len());
     let least = largest(members, evidence);
     let surest = largest(count(SEED, members), evidence);

@@ -1,6 +1,6 @@
 //! The far region as a network sees it, alone or together with rules.
 
-use super::{Region, colour_of, commonest, far_colour, height, median};
+use super::{Region, commonest, far_colour, far_things, height, median};
 use crate::image::TopEdge;
 use crate::network::Sight;
 use crate::waterbody::cells::Cells;
@@ -28,7 +28,7 @@ impl Region {
     /// The region of the image in cells, by rules and a network.
     pub(in crate::waterbody) fn by_both(cells: Cells, sight: &Sight, given: bool, top: TopEdge) -> Self {
         let rules = Self::of(cells, given, top);
-        let Self { cells, evidence, seen, inside: of_rules, middle, .. } = rules;
+        let Self { cells, evidence, seen, things, of_things, .. } = rules;
         let logits = sight.logits_between(cells.grid().columns(), cells.grid().rows());
         let both: Vec<f32> =
             evidence.iter().zip(&logits).map(|(rule, logit)| rule + OF_LOGIT * logit).collect();
@@ -46,7 +46,7 @@ impl Region {
         let odds = (by_rules / (1.0 - by_rules)).ln() + OF_ODDS * odds(sight);
         let by_both = Self::seen(cells, both, logits, read, false, odds);
         // Where no water is likely in view, the network says nothing of what is farther, and its doubt changes from frame to frame.
-        Self { inside: of_rules, middle, ..by_both }
+        Self { things, of_things, ..by_both }
     }
 
     fn seen(
@@ -58,9 +58,9 @@ impl Region {
         odds: f32,
     ) -> Self {
         let typical = median(inside.iter().map(|&cell| evidence[cell]).collect());
-        let middle = colour_of(&inside, &cells);
+        let (things, of_things) = far_things(&cells, &evidence);
         let seen = (1.0 + (-odds).exp()).recip();
-        Self { cells, evidence, logits: Some(logits), alone, typical, colour, read, middle, inside, seen }
+        Self { cells, evidence, logits: Some(logits), alone, typical, colour, read, things, of_things, seen }
     }
 }
 

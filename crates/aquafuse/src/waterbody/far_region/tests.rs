@@ -90,3 +90,22 @@ fn an_image_on_its_side_or_upside_down_has_the_same_water() {
     let on_its_side = region(&Image::from_raw(HEIGHT, WIDTH, samples).unwrap(), TopEdge::Left);
     assert!((found.seen - on_its_side.seen).abs() < 0.02);
 }
+
+#[test]
+fn things_that_are_as_far_as_each_other_are_read_together() {
+    // Two walls, of which now one and then the other is a little smoother; as bright and by colour as far as each other.
+    let (left, right) = ([60.0, 80.0, 140.0], [60.0, 140.0, 80.0]);
+    let of_things = |smoother_left: bool| {
+        let image = paint(|x, y| {
+            let is_left = x < WIDTH / 2;
+            let texture = if is_left == smoother_left { 0.30 } else { 0.31 };
+            let wall = if is_left { left } else { right };
+            wall.map(|value| value * (1.0 + texture * grain(x, y)))
+        });
+        region(&image, TopEdge::First).of_things
+    };
+    let (one, other) = (of_things(true), of_things(false));
+    for c in [1, 2] {
+        assert!((one[c] - other[c]).abs() < 20.0 / 255.0, "{one:?} {other:?}");
+    }
+}

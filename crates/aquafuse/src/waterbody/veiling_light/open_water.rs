@@ -31,14 +31,14 @@ pub(super) fn read(region: &Region) -> Option<Reading> {
     })
 }
 
-/// The middle colour of a region that is not likely to be water: things, of which depth from colour does not know well
-/// enough which are farthest.
+/// The colour of things, where no region is likely to be water. Depth from colour does not know well enough which are farthest: a wide
+/// mean changes little from frame to frame.
 pub(super) fn read_things(region: &Region) -> Reading {
     Reading {
-        rgb: region.middle,
+        rgb: region.of_things,
         source: VeilingLightSource::FarRegion,
-        share: region.inside.len() as f64 / region.cells.all().len() as f64,
-        places: Places::Cells(region.inside.iter().map(|&cell| region.cells.place(cell)).collect()),
+        share: region.things.len() as f64 / region.cells.all().len() as f64,
+        places: Places::Cells(region.things.iter().map(|&cell| region.cells.place(cell)).collect()),
         standard_error: [0.0; 3],
         seen: None,
         level: None,

@@ -10,6 +10,7 @@ use numpy::{
 };
 use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 
 use crate::error::Fault;
 
@@ -149,8 +150,13 @@ fn shared<'py>(object: &Bound<'py, PyAny>, what: &str) -> PyResult<(Bound<'py, P
         return Ok((array.cast_into()?, Container::Array));
     }
     let name = object.get_type().qualname()?;
+    let is_path = object.is_instance_of::<PyString>() || object.hasattr(intern!(py, "__fspath__"))?;
+    let remedy = match is_path {
+        true => "read the file first, for example by numpy.asarray(PIL.Image.open(path))",
+        false => "pass numpy.asarray(...)",
+    };
     Err(Fault::array(format!(
-        "{what} is a numpy array or a tensor of torch on the CPU, not {name}; pass numpy.asarray(...)"
+        "{what} is a numpy array or a tensor of torch on the CPU, not {name}; {remedy}"
     ))
     .into())
 }

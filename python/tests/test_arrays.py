@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pathlib
 
 import aquafuse
 import numpy as np
@@ -120,6 +121,8 @@ def test_a_refusal_says_what_to_do() -> None:
         (image[None], "one image of the batch"),
         (image.astype(float), "astype(numpy.float32)"),
         (image[:0], "empty"),
+        ("reef.jpg", "read the file first"),
+        (pathlib.Path("reef.jpg"), "read the file first"),
         (np.broadcast_to(image[:1, :1], (100_000, 100_000, 3)), "limit"),
     ]
     for array, said in cases:

@@ -59,10 +59,10 @@ pub(crate) fn run(parts: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// The pipeline against the same in OpenCV, its stages, and `restore`.
+/// The pipeline against the same in OpenCV, its stages, streams, and `restore`.
 fn frames(python: &Path) -> Result<()> {
     let published = Published::read()?;
-    let (mut rows, mut stages, mut restored) = (String::new(), String::new(), String::new());
+    let [mut rows, mut stages, mut streamed, mut restored] = [const { String::new() }; 4];
     let mut machine = None;
     for size @ (width, height) in SIZES {
         say(&format!("{width} x {height}"));
@@ -86,8 +86,10 @@ fn frames(python: &Path) -> Result<()> {
         }
         let [depth, water, fusion, bilateral] = STAGES.map(|stage| ours.median(stage));
         writeln!(stages, "| {width} x {height} | {depth:.2} | {water:.2} | {fusion:.2} | {bilateral:.2} |")?;
-        let milliseconds = ours.median("restored");
-        writeln!(restored, "| {width} x {height} | {milliseconds:.2} | {:.1} |", 1e3 / milliseconds)?;
+        for (case, table) in [("streamed", &mut streamed), ("restored", &mut restored)] {
+            let milliseconds = ours.median(case);
+            writeln!(table, "| {width} x {height} | {milliseconds:.2} | {:.1} |", 1e3 / milliseconds)?;
+        }
     }
     if let Some(machine) = machine {
         write_section(PAGE, "machine", &about(python, &machine)?)?;
@@ -97,6 +99,8 @@ fn frames(python: &Path) -> Result<()> {
     write_section(PAGE, "speed", &format!("{head}{rows}"))?;
     let head = "| size | depth, ms | waterbody, ms | fusion, ms | bilateral, ms |\n|---|---|---|---|---|\n";
     write_section(PAGE, "stages", &format!("{head}{stages}"))?;
+    let head = "| size | ms a frame | frames/s |\n|---|---|---|\n";
+    write_section(PAGE, "streamed", &format!("{head}{streamed}"))?;
     let head = "| size | `restore`, ms a frame | frames/s |\n|---|---|---|\n";
     write_section(PAGE, "restored", &format!("{head}{restored}"))
 }

@@ -70,7 +70,7 @@ fn each(
 /// What is made of a sequence, by the name of the way.
 type Made = Vec<(&'static str, Vec<Image<u8>>)>;
 
-/// A sequence fused frame by frame, with steady water, and with one water for all frames.
+/// A sequence fused frame by frame, with steady water, also of every eighth frame alone, and with one water for all frames.
 fn fused(sequence: &Sequence, model: Model) -> Result<Made> {
     let options = Options::default().with_estimate(by_both());
     let fuser = Fuser::with_options(&sequence.reference, options)?.model(model);
@@ -79,11 +79,12 @@ fn fused(sequence: &Sequence, model: Model) -> Result<Made> {
     let estimates = estimates.collect::<Result<Vec<_>, _>>()?;
     let one = waterbody::pool(&estimates).context("a sequence has frames")?;
     let streams = WAYS.map(|(name, frames)| (name, Stream::new(fuser.clone()).steady_over(frames)));
+    let eighth = ("steady, every eighth", Stream::new(fuser.clone()).every(8));
     let one = ("one water", Stream::new(fuser.clone()).content_water(one));
     let made = |(name, mut stream): (&'static str, Stream<'_>)| {
         Ok((name, each(sequence, |frame| stream.fuse_mut(frame).map(|_| ()))?))
     };
-    streams.into_iter().chain([one]).map(made).collect()
+    streams.into_iter().chain([eighth, one]).map(made).collect()
 }
 
 /// The rival of every frame: each channel from its 1 % to its 99 % percentile.

@@ -20,8 +20,8 @@ fn every_case_is_measured_and_its_figures_agree() {
         .map(|case| format!("{}x{} {} {}", case["width"], case["height"], case["reference"], case["smooth"]))
         .collect();
     cases.dedup();
-    // Two sizes, two references, with smoothing and without.
-    assert_eq!(cases.len(), 8, "{cases:?}");
+    // Two sizes, three ways to estimate, with smoothing and without.
+    assert_eq!(cases.len(), 12, "{cases:?}");
     for case in results {
         let number = |value: &Value| value.as_f64().filter(|number| *number > 0.0).unwrap();
         let milliseconds = number(&case["ms_per_frame"]);

@@ -50,7 +50,7 @@ struct Stages {
 pub(super) const ALL: &[&str] = &[];
 pub(super) const CACHED: &[&str] = &["--reference", "cached", "--smooth", "none"];
 
-/// One turn at this size on one thread: frames `cached`, `estimated`, `smoothed`, `restored`, and the stages by name.
+/// One turn at this size on one thread: frames `cached`, `estimated`, `streamed`, `smoothed`, `restored`, and the stages by name.
 pub(super) fn turn(turns: &mut Turns, size: Size, frames: &str, wanted: &[&str]) -> Result<Machine> {
     let report = report(size, frames, &[&["--threads", "1"], wanted].concat())?;
     add(turns, report.results.iter());

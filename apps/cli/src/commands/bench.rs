@@ -25,8 +25,9 @@ const LONGEST_SIDE: usize = 16_384;
 const HELP: &str = "\
 A frame is an 8-bit image in memory. Its depth and water are estimated, and it is fused with the
 model `aquafuse`; memory is reused between frames. Cached: the water of the reference is known.
-Estimated: it is estimated again for every frame. The JSON also has each stage alone, with its own
-memory, and `restore`. Times are medians.";
+Estimated: it is estimated again for every frame. Streamed: the water of the reference is known, and
+that of the content is estimated for every eighth frame. `restore` is measured too. The JSON also has
+each stage alone, with its own memory. Times are medians; of eight frames at once if streamed.";
 
 /// Measure the speed of fusion on this machine.
 ///
@@ -40,7 +41,7 @@ pub(crate) struct Bench {
     /// Frames per case [default: as many as half a second allows, at least 5].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Measure only `cached` or `estimated` references [default: both].
+    /// Measure only this way to estimate [default: all].
     #[arg(long, value_name = "WHICH")]
     reference: Option<Reference>,
     /// Measure only this smoothing [default: with and without].

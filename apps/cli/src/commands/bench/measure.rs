@@ -31,15 +31,21 @@ pub(super) enum Reference {
     Cached,
     /// Estimate content and reference.
     Estimated,
+    /// Estimate the water of every eighth content.
+    Streamed,
 }
 
+/// Frames from one estimate of [`Reference::Streamed`] to the next.
+const EVERY: usize = 8;
+
 impl Reference {
-    pub(super) const ALL: [Self; 2] = [Self::Cached, Self::Estimated];
+    pub(super) const ALL: [Self; 3] = [Self::Cached, Self::Estimated, Self::Streamed];
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Cached => "cached",
             Self::Estimated => "estimated",
+            Self::Streamed => "streamed",
         }
     }
 }
@@ -97,19 +103,22 @@ impl Images {
     ) -> Result<Speed, ImageError> {
         let mut stream = Stream::new(Fuser::new(&self.reference)?.model(MODEL).smoothing(smoothing));
         let mut fused = self.content.clone();
-        self.speed(frames, || {
+        // As many at once as one estimate serves.
+        let at_once = if let Reference::Streamed = reference { EVERY } else { 1 };
+        stream = stream.every(at_once);
+        self.speed(at_once, frames, || {
             if let Reference::Estimated = reference {
                 let water = stream.estimate(&self.reference);
                 stream.refer_to(water);
             }
-            stream.fuse_into(&self.content, &mut fused).map(drop)
+            (0..at_once).try_for_each(|_| stream.fuse_into(&self.content, &mut fused).map(drop))
         })
     }
 
     /// The content without its water, its levels set.
     pub(super) fn restored(&self, frames: Option<u32>) -> Result<Speed, ImageError> {
         let (options, levels) = (RestoreOptions::default(), LevelsOptions::default());
-        self.speed(frames, || {
+        self.speed(1, frames, || {
             let (z, found) = estimate(&self.content)?;
             let bounded = BoundedRestoration::new(&self.content, &z, &found, &options)?;
             let mut clear = self.content.clone();
@@ -142,12 +151,15 @@ impl Images {
         })
     }
 
+    /// The speed of frames, of which each run makes so many.
     fn speed(
         &self,
+        at_once: usize,
         frames: Option<u32>,
         run: impl FnMut() -> Result<(), ImageError>,
     ) -> Result<Speed, ImageError> {
-        let ms_per_frame = median(frames, run)?;
+        let runs = frames.map(|frames| frames.div_ceil(at_once as u32));
+        let ms_per_frame = median(runs, run)? / at_once as f64;
         let pixels = self.content.pixels().len() as f64;
         Ok(Speed { ms_per_frame, fps: 1e3 / ms_per_frame, ns_per_pixel: 1e6 * ms_per_frame / pixels })
     }
@@ -160,11 +172,11 @@ fn estimate(image: &Image<u8>) -> Result<(DepthMap, Estimate), ImageError> {
 }
 
 /// The median of so many runs after one that does not count, in milliseconds.
-fn median(frames: Option<u32>, mut run: impl FnMut() -> Result<(), ImageError>) -> Result<f64, ImageError> {
+fn median(runs: Option<u32>, mut run: impl FnMut() -> Result<(), ImageError>) -> Result<f64, ImageError> {
     run()?;
     let (began, mut spent) = (Instant::now(), Vec::new());
-    let done = |spent: &[f64]| match frames {
-        Some(frames) => spent.len() >= frames as usize,
+    let done = |spent: &[f64]| match runs {
+        Some(runs) => spent.len() >= runs as usize,
         None => spent.len() >= FEWEST_FRAMES && began.elapsed() >= TRIED,
     };
     while !done(&spent) {

@@ -36,7 +36,7 @@ OF_MAX_U16 = np.rint((OF_MAX / (1 << FRACTION) + LIFT) * SIXTEEN).astype(np.uint
 DEPTH_CELLS, DEPTH_LEAST_SIDE, DEPTH_ROWS, DEPTH_FLAT, DEPTH_STEPS = 32, 4, 8, 4e-3, 2040
 CELLS, LEAST_SIDE, ROUNDING, MOST_NOISE, LIKELY_WATER, SURE = 48, 3, 0.3, 4.0, 0.68, 0.97
 SMOOTH, HIGH, FAR, BRIGHT, DARKER, GLARING, DARKEST = 0.73, 0.28, 0.075, -0.044, -1.5, -10.0, 0.05
-REGION, SEED, NEAR, ROUNDS, READ = 0.12, 0.4, 0.07, 5, 12 / 255
+REGION, SEED, NEAR, ROUNDS, READ, THINGS = 0.12, 0.4, 0.07, 5, 12 / 255, 0.4
 ODDS = -16.9, -2.5, 3.05, 4.65, 5.2
 FAINTEST_WATER, MOST, BY_COLOUR, ACROSS, ALONG, WITHIN = 0.14, 0.98, 0.8, 0.1, 0.25, 1.4
 UNLIKELY, LIKELY, AROUND, FLAT_COLOUR = 0.25, 0.65, 2, 1e-3
@@ -189,7 +189,11 @@ class Region:
             if not near.any():
                 break
             read, self.colour = near, upper_median(self.mean[near])
-        self.middle, self.typical = upper_median(self.mean[inside]), upper_median(self.evidence[inside])
+        # One more, so that equal cells count.
+        more = 65536 * (self.evidence - ordered[math.ceil(THINGS * len(ordered)) - 1])
+        weights = np.where(more >= 0, np.floor(more) + 1, 0)
+        self.of_things = np.average(self.mean.reshape(-1, 3), axis=0, weights=weights.ravel())
+        self.typical = upper_median(self.evidence[inside])
         smooth, most = upper_median(rough[inside]), self.colour.max()
         self.noise = float(np.clip(upper_median(spread[read]), ROUNDING, MOST_NOISE))
         contrast = math.log(upper_median(rough.ravel()) / (smooth + 0.0005) + 0.01)
@@ -218,7 +222,7 @@ def veiling_light(bgr, levels):
     region = Region(bgr, levels)
     if region.seen >= LIKELY_WATER:
         return region, region.colour, region.noise, True
-    return region, region.middle, ROUNDING, False
+    return region, region.of_things, ROUNDING, False
 
 
 def binned(bgr, levels):

@@ -128,9 +128,9 @@ fn far_things(cells: &Cells, evidence: &[f32]) -> (Vec<usize>, [f32; 3]) {
         // One more, so that equal cells count.
         let weight = steps(evidence[cell] - least) + 1;
         weights += weight;
-        (0..3).for_each(|c| sums[c] += weight * i64::from(cells.all()[cell].mean[c].round() as u8));
+        (0..3).for_each(|c| sums[c] += weight * steps(cells.all()[cell].mean[c] / 255.0));
     }
-    (things, sums.map(|sum| (sum as f64 / (255.0 * weights as f64)) as f32))
+    (things, sums.map(|sum| (sum as f64 / (65536.0 * weights as f64)) as f32))
 }
 
 /// So many of some cells, at least one.
@@ -298,9 +298,9 @@ impl Standard {
     }
 }
 
-/// A grey in whole steps of 1/65536.
-fn steps(grey: f32) -> i64 {
-    (65536.0 * grey) as i64
+/// A value in whole steps of 1/65536.
+fn steps(value: f32) -> i64 {
+    (65536.0 * value) as i64
 }
 
 fn unit(mean: &[f32; 3]) -> [f32; 3] {

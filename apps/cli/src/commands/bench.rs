@@ -26,8 +26,8 @@ const HELP: &str = "\
 A frame is an 8-bit image in memory. Its depth and water are estimated, and it is fused with the
 model `aquafuse`; memory is reused between frames. Cached: the water of the reference is known.
 Estimated: it is estimated again for every frame. Streamed: the water of the reference is known, and
-that of the content is estimated for every eighth frame. `restore` is measured too. The JSON also has
-each stage alone, with its own memory. Times are medians; of eight frames at once if streamed.";
+the content's water is estimated for every eighth frame. `restore` is measured too. The JSON also
+has each stage alone, with its own memory. Times are medians; of eight frames at once if streamed.";
 
 /// Measure the speed of fusion on this machine.
 ///
